@@ -1,0 +1,56 @@
+# `make` sets up everything in .venv and draws every figure of the paper; `make help` lists the rest.
+
+PYTHON ?= python3
+ENVIRONMENT := .venv
+BIN := $(ENVIRONMENT)/bin
+CORES ?= 2
+# Datasets go into and come out of a shared cache only where the reader names one.
+SNAKEMAKE := $(BIN)/snakemake -c$(CORES) $(if $(SNAKEMAKE_OUTPUT_CACHE),--cache)
+FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
+
+.DEFAULT_GOAL := all
+.PHONY: all env test lint format check readme lock clean help
+
+all: env ## set up, then draw every figure (snakemake -c2 all)
+	$(SNAKEMAKE) all
+
+env: $(ENVIRONMENT)/.installed ## only set up .venv from the hashed lock
+
+# The stamp is written last, so that an interrupted installation is taken up again.
+$(ENVIRONMENT)/.installed: requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("camid needs Python 3.11 or newer; call make PYTHON=python3.x") if sys.version_info < (3, 11) else None'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+test: env ## run the tests
+	$(BIN)/python -m pytest
+
+lint: env ## ruff, snakefmt, mypy
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check $(FORMATTED_RULES)
+	$(BIN)/mypy
+
+format: env ## let the formatters rewrite the sources
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/snakefmt $(FORMATTED_RULES)
+
+check: env ## draw every figure from nothing, then compare with config/tolerances.yaml
+	$(SNAKEMAKE) --forceall check
+
+readme: env ## put the tables that the workflow made into README.md
+	$(SNAKEMAKE) claims
+	$(BIN)/python workflow/scripts/update_readme.py
+
+lock: ## renew requirements.lock (needs uv)
+	uv pip compile --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-annotate \
+	  --custom-compile-command "make lock" --extra workflow --extra development pyproject.toml --output-file requirements.lock
+
+clean: ## remove what the workflow computed; the committed figures stay
+	rm -rf results .snakemake
+
+help:
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12

@@ -1,0 +1,53 @@
+"""Camera-aware identification of machine dynamics.
+
+``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it. Both mirror the
+commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from camid.api import Identification, identify, simulate
+    from camid.errors import CamidWarning, InputError
+    from camid.recording import Recording, read_recording
+    from camid.simulation import Simulation, load_simulation, write_simulation
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "CamidWarning": "errors",
+    "Identification": "api",
+    "InputError": "errors",
+    "Recording": "recording",
+    "Simulation": "simulation",
+    "identify": "api",
+    "load_simulation": "simulation",
+    "read_recording": "recording",
+    "simulate": "api",
+    "write_simulation": "simulation",
+}
+
+__all__ = [
+    "CamidWarning",
+    "Identification",
+    "InputError",
+    "Recording",
+    "Simulation",
+    "__version__",
+    "identify",
+    "load_simulation",
+    "read_recording",
+    "simulate",
+    "write_simulation",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'camid' has no attribute '{name}'")
+    return getattr(import_module(f"camid.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

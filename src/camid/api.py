@@ -1,0 +1,325 @@
+"""The Python API that the commands call: ``camid.identify`` and ``camid.simulate``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.errors import InputError
+from camid.recording import Recording, read_recording
+from camid.simulation import Simulation, load_simulation
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from camid.identification.estimate import Estimate
+    from camid.identification.predictor import Experiment
+
+Array = NDArray[np.float64]
+RecordingSource = str | os.PathLike[str] | Any
+SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What ``camid.identify`` returns.
+
+    Attributes
+    ----------
+    simulation : Simulation
+        The identified model, ready to be written as YAML: coefficients, standard deviations, covariance.
+    estimate : Estimate
+        The bare estimate with its residuals.
+    converged : bool
+        False: do not use the numbers.
+    period : float
+        Seconds.
+    rows_fitted : int
+    nrmse : float
+        Root mean square residual over the standard deviation of the recorded output, on the fitted rows.
+    nrmse_validation : float or None
+        The same on the validation rows, where the simulation declares some.
+    """
+
+    simulation: Simulation
+    estimate: Estimate
+    converged: bool
+    period: float
+    rows_fitted: int
+    nrmse: float
+    nrmse_validation: float | None
+
+    def characteristics(self) -> list[dict[str, Any]]:
+        """Static gain, natural frequencies, damping ratios and real poles with their standard deviations."""
+        from camid.identification.accuracy import characteristics
+
+        return characteristics(self.estimate.plant, self.estimate.covariance)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Content of ``--json``."""
+        plant = self.simulation.plant
+        return {
+            "schema": 1,
+            "converged": self.converged,
+            "iterations": self.estimate.iterations,
+            "numerator": list(plant.numerator),
+            "denominator": list(plant.denominator),
+            "standard_deviations": self.simulation.standard_deviations,
+            "covariance": self.simulation.covariance,
+            "characteristics": self.characteristics(),
+            "noise_standard_deviation": float(np.sqrt(self.estimate.noise_variance)),
+            "nrmse": self.nrmse,
+            "nrmse_validation": self.nrmse_validation,
+            "rows_fitted": self.rows_fitted,
+            "period": self.period,
+        }
+
+
+def load_recording(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> Recording:
+    """Columns that a simulation names, checked against each other."""
+    required = [c for c in (simulation.input_column, simulation.output_column if output_needed else None) if c]
+    optional = [] if output_needed else [simulation.output_column]
+    return read_recording(recording, simulation.time_column, required, optional)
+
+
+def _experiment(recording: Recording, simulation: Simulation) -> Experiment:
+    from camid.identification.predictor import Experiment
+
+    acquisition = simulation.acquisition(recording.period)
+    count = len(recording)
+    signal = np.zeros(count) if simulation.input_column is None else recording.columns[simulation.input_column]
+    used = np.ones(count, bool)
+    if simulation.estimates_initial_state and simulation.input_column is not None:
+        # What the input did before the record is unknown, so frames exposed before its beginning say nothing.
+        used[: acquisition.window()[0]] = False
+    return Experiment(
+        signal, recording.columns[simulation.output_column], acquisition, used, simulation.estimates_initial_state
+    )
+
+
+def _validation_rows(recording: Recording, simulation: Simulation) -> NDArray[np.bool_]:
+    if simulation.validation is None:
+        return np.zeros(len(recording), bool)
+    start, end = simulation.validation
+    rows = (recording.time >= start) & (recording.time <= end)
+    if not rows.any():
+        raise InputError(
+            f"no row of the recording lies between {start:g} s and {end:g} s",
+            where=f"{simulation.source}, validation",
+            mend=f"the recording lasts from {recording.time[0]:g} s to {recording.time[-1]:g} s",
+        )
+    return rows
+
+
+def identify(
+    recording: RecordingSource | Sequence[RecordingSource],
+    simulation: SimulationSource,
+    *,
+    structure: tuple[int, int] | None = None,
+    method: str = "srivc",
+    progress: Callable[[str], None] | None = None,
+) -> Identification:
+    """Re-estimate the plant of a simulation from one or several recordings of the same rig.
+
+    Parameters
+    ----------
+    recording : path, DataFrame, or list of them
+    simulation : path, mapping or Simulation
+        Its transfer function gives the orders and one starting value.
+    structure : (int, int), optional
+        Numbers of poles and zeros; the transfer function of the simulation then counts for nothing.
+    method : {"srivc", "output-error", "plain-srivc"}
+        See :func:`camid.identification.estimate.estimate`.
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Raises
+    ------
+    InputError
+        If recording and simulation do not fit together or the data are too few.
+    """
+    from camid.identification.estimate import METHODS, estimate
+    from camid.identification.predictor import Structure
+
+    believed = load_simulation(simulation)
+    if method not in METHODS:
+        raise InputError(f"method '{method}' is not known", mend=f"it must be one of {', '.join(METHODS)}")
+    sources = recording if isinstance(recording, list | tuple) else [recording]
+    if progress:
+        progress("reading the recording")
+    recordings = [load_recording(source, believed, output_needed=True) for source in sources]
+    if structure is None:
+        monic = believed.plant.monic
+        wanted = Structure(
+            np.array(monic.numerator), np.array(monic.denominator), believed.free_numerator, believed.free_denominator
+        )
+        nominal = believed.plant
+    else:
+        wanted, nominal = _checked_structure(*structure), None
+    if wanted.order == 0:
+        raise InputError("the plant has no dynamics", where=believed.source, mend="give it at least one pole")
+    if believed.input_column is None:
+        if not believed.estimates_initial_state:
+            raise InputError(
+                "without input and at rest nothing moves",
+                where=believed.source,
+                mend="set initial_state: estimate for a free decay",
+            )
+        # A free decay says nothing of the numerator: it keeps its believed value.
+        wanted = replace(wanted, free_numerator=np.zeros_like(wanted.free_numerator))
+    experiments, held_out = [], []
+    for one in recordings:
+        experiment = _experiment(one, believed)
+        rows = _validation_rows(one, believed)
+        held_out.append(rows & experiment.used)
+        experiments.append(replace(experiment, used=experiment.used & ~rows))
+        _refuse_constant(one, believed)
+    unknowns = int(wanted.free.sum()) + wanted.order * sum(e.estimate_initial_state for e in experiments)
+    available = int(sum(e.used.sum() for e in experiments))
+    if available <= unknowns:
+        raise InputError(
+            f"{available} samples are fewer than needed for {unknowns} parameters",
+            where=recordings[0].source,
+            mend="record longer, or choose a lower order",
+        )
+    if unknowns == 0:
+        raise InputError("no coefficient is free", where=believed.source, mend="free one under plant.free")
+    try:
+        result = estimate(wanted, experiments, nominal=nominal, method=method, progress=progress)
+    except ValueError as error:
+        raise InputError(str(error), where=recordings[0].source, mend="try another order") from None
+    return _identification(believed, result, recordings, experiments, held_out)
+
+
+def _checked_structure(poles: int, zeros: int) -> Any:
+    from camid.identification.predictor import Structure
+
+    if poles < 1 or not 0 <= zeros <= poles:
+        raise InputError(
+            f"order {poles} {zeros} is improper", mend="it takes at least one pole and at most as many zeros as poles"
+        )
+    return Structure.of_order(poles, zeros)
+
+
+def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
+    for column in (simulation.input_column, simulation.output_column):
+        if column is None:
+            continue
+        values = recording.columns[column]
+        if column == simulation.output_column and np.ptp(values) == 0.0:
+            raise InputError(
+                f"column '{column}' is constant", where=recording.source, mend="there is nothing to identify in it"
+            )
+        if column == simulation.input_column and not np.any(values) and not simulation.estimates_initial_state:
+            raise InputError(
+                f"column '{column}' is zero throughout",
+                where=recording.source,
+                mend="for a free decay say input: null and initial_state: estimate",
+            )
+
+
+def _identification(
+    believed: Simulation,
+    result: Estimate,
+    recordings: list[Recording],
+    experiments: list[Experiment],
+    held_out: list[NDArray[np.bool_]],
+) -> Identification:
+    lead = believed.plant.denominator[0] if len(believed.plant.denominator) == result.plant.order + 1 else 1.0
+    split = len(result.plant.numerator)
+    deviations = lead * result.standard_deviations
+    from camid.plant import TransferFunction
+
+    plant = TransferFunction(
+        tuple(lead * b for b in result.plant.numerator), tuple(lead * a for a in result.plant.denominator)
+    )
+    model = replace(
+        believed,
+        plant=plant,
+        exposure=believed.acquisition(recordings[0].period).exposure if believed.sensor == "camera" else None,
+        free_numerator=result.free[:split],
+        free_denominator=np.concatenate([[False], result.free[split:]]),
+        standard_deviations={
+            "numerator": [float(v) for v in deviations[:split]],
+            "denominator": [0.0, *(float(v) for v in deviations[split:])],
+        },
+        covariance=[[float(lead**2 * v) for v in row] for row in result.covariance],
+    )
+
+    def nrmse(rows: list[NDArray[np.bool_]]) -> float:
+        residual = np.concatenate([r[k] for r, k in zip(result.residuals, rows, strict=True)])
+        recorded = np.concatenate([e.output[k] for e, k in zip(experiments, rows, strict=True)])
+        spread = float(np.std(recorded))
+        return float(np.sqrt(np.mean(residual**2))) / spread if spread > 0.0 else float("inf")
+
+    fitted = [e.used for e in experiments]
+    return Identification(
+        simulation=model,
+        estimate=result,
+        converged=result.converged,
+        period=recordings[0].period,
+        rows_fitted=int(sum(k.sum() for k in fitted)),
+        nrmse=nrmse(fitted),
+        nrmse_validation=nrmse(held_out) if any(k.any() for k in held_out) else None,
+    )
+
+
+def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.DataFrame:
+    """Run a simulation on the input of a recording.
+
+    Parameters
+    ----------
+    recording : path or DataFrame
+    simulation : path, mapping or Simulation
+
+    Returns
+    -------
+    DataFrame
+        One row a recorded row, in order: the time column, ``simulated`` and, where it is recorded, the output column.
+
+    Raises
+    ------
+    InputError
+        If recording and simulation do not fit together, or the initial state is to be fitted and there is no output.
+    """
+    import pandas as pd
+
+    believed = load_simulation(simulation)
+    loaded = load_recording(recording, believed, output_needed=believed.estimates_initial_state)
+    if believed.output_column == "simulated":
+        raise InputError(
+            "the recorded output is called 'simulated' like the result", where=believed.source, mend="rename the column"
+        )
+    table = {believed.time_column: loaded.time}
+    table["simulated"] = _simulated(loaded, believed)
+    if believed.output_column in loaded.columns:
+        table[believed.output_column] = loaded.columns[believed.output_column]
+    return pd.DataFrame(table)
+
+
+def _simulated(recording: Recording, simulation: Simulation) -> Array:
+    from camid.chain import sample
+    from camid.identification.predictor import Predictor, Structure
+
+    if not simulation.estimates_initial_state:
+        acquisition = simulation.acquisition(recording.period)
+        signal = (
+            np.zeros(len(recording))
+            if simulation.input_column is None
+            else recording.columns[simulation.input_column]
+        )
+        return sample(simulation.plant, signal, acquisition)
+    monic = simulation.plant.monic
+    structure = Structure(
+        np.array(monic.numerator),
+        np.array(monic.denominator),
+        np.zeros(len(monic.numerator), bool),
+        np.zeros(len(monic.denominator), bool),
+    )
+    predictor = Predictor.around(structure, [_experiment(recording, simulation)], np.array(monic.denominator))
+    return predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]

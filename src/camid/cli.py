@@ -1,0 +1,233 @@
+"""The command line: ``camid identify`` and ``camid simulate``.
+
+Exit code 0: done. 2: the input is wrong, and one line says what, where and how to mend it.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from camid import __version__
+from camid.errors import InputError
+
+if TYPE_CHECKING:
+    from camid.api import Identification
+    from camid.simulation import Simulation
+
+INTERRUPTED = 130
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Callable[[str], None] | None]:
+    """A spinner with the step at hand on the error stream; nothing for machines."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("starting") as status:
+        yield lambda sentence: status.update(sentence)
+
+
+def _warn(sentence: str) -> None:
+    click.echo(f"camid: warning: {sentence}", err=True)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="camid")
+def cli() -> None:
+    """Identify the dynamics of machines from what a camera sees of them."""
+
+
+@cli.command()
+@click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option("--simulation", type=click.Path(path_type=Path), help="What you believe of the rig (YAML).")
+@click.option("--output", type=click.Path(path_type=Path), help="Where the identified model goes (YAML).")
+@click.option("--order", nargs=2, type=int, metavar="POLES ZEROS", help="Without --simulation: order of the plant.")
+@click.option("--hold", type=click.Choice(["zoh", "foh"]), help="Without --simulation: hold of the input [zoh].")
+@click.option("--sensor", type=click.Choice(["camera", "instant"]), help="Without --simulation: sensor [camera].")
+@click.option("--exposure", type=float, help="Without --simulation: exposure of the camera in seconds [the period].")
+@click.option("--latency", type=float, help="Without --simulation: latency of the sensor in seconds [0].")
+@click.option("--initial-state", type=click.Choice(["zero", "estimate"]), help="Without --simulation [zero].")
+@click.option("--time-column", help="Without --simulation: name of the time column [t].")
+@click.option("--input-column", help="Without --simulation: name of the input column [u].")
+@click.option("--output-column", help="Without --simulation: name of the output column [y].")
+@click.option(
+    "--method",
+    type=click.Choice(["srivc", "output-error", "plain-srivc"]),
+    default="srivc",
+    show_default=True,
+    help="Safeguarded SRIVC; a general optimiser; SRIVC as the paper used it.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+def identify(
+    recording: tuple[Path, ...],
+    simulation: Path | None,
+    output: Path | None,
+    order: tuple[int, int] | None,
+    method: str,
+    as_json: bool,
+    **declared: Any,
+) -> None:
+    """Re-estimate the plant from one or several RECORDINGs of a rig."""
+    from camid.api import identify as run
+    from camid.simulation import write_simulation
+
+    believed = _declared_simulation(simulation, order, declared)
+    _refuse_overwriting(output, [*recording, *([simulation] if simulation else [])])
+    with _progress(as_json) as progress:
+        result = run(list(recording), believed, structure=order, method=method, progress=progress)
+    if output is not None:
+        names = ", ".join(p.name for p in recording)
+        state = "converged" if result.converged else "NOT CONVERGED: do not use the numbers"
+        write_simulation(
+            result.simulation,
+            output,
+            f"identified by camid {__version__} from {names}: {method}, {state}, NRMSE {result.nrmse:.4g}",
+        )
+    if as_json:
+        click.echo(json.dumps(result.to_mapping(), indent=2))
+    else:
+        _print_identification(result, output)
+    if not result.converged:
+        _warn("the iteration did not converge; the numbers are not to be used (another order? more excitation?)")
+
+
+def _declared_simulation(
+    simulation: Path | None, order: tuple[int, int] | None, declared: dict[str, Any]
+) -> Simulation:
+    """The simulation file, or what the options declare in its place."""
+    from camid.plant import TransferFunction
+    from camid.simulation import Simulation, load_simulation
+
+    given = {k: v for k, v in declared.items() if v is not None}
+    if simulation is not None:
+        if order is not None or given:
+            option = "order" if order is not None else next(iter(given)).replace("_", "-")
+            raise InputError(
+                f"--{option} and --simulation contradict each other", mend=f"write it into {simulation} or leave it out"
+            )
+        return load_simulation(simulation)
+    if order is None:
+        raise InputError("neither --simulation nor --order is given", mend="say what to look for, e.g. --order 2 0")
+    sensor = given.get("sensor", "camera")
+    if sensor == "instant" and "exposure" in given:
+        raise InputError("an instant sensor has no exposure", mend="leave out --exposure or say --sensor camera")
+    for name in ("exposure", "latency"):
+        if name in given and not (0.0 <= given[name] < float("inf")):
+            raise InputError(f"--{name} {given[name]}", mend="it takes a positive number of seconds")
+    return Simulation(
+        time_column=given.get("time_column", "t"),
+        input_column=given.get("input_column", "u"),
+        output_column=given.get("output_column", "y"),
+        plant=TransferFunction((1.0,), (1.0, 1.0)),
+        hold=given.get("hold", "zoh"),
+        sensor=sensor,
+        exposure=given.get("exposure"),
+        latency=given.get("latency", 0.0),
+        initial_state=given.get("initial_state", "zero"),
+        source="options",
+    )
+
+
+def _refuse_overwriting(output: Path | None, inputs: list[Path]) -> None:
+    for path in inputs:
+        if output is not None and output.exists() and path.exists() and output.samefile(path):
+            raise InputError("--output would overwrite what it is made from", where=str(path), mend="name another file")
+
+
+def _print_identification(result: Identification, output: Path | None) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    model = result.simulation
+    console = Console(highlight=False)
+    table = Table(title="Identified plant", title_justify="left")
+    for heading in ("quantity", "value", "standard deviation", "unit"):
+        table.add_column(heading, justify="left" if heading in {"quantity", "unit"} else "right")
+    deviations = model.standard_deviations or {}
+    for name, letter, coefficients in (
+        ("numerator", "b", model.plant.numerator),
+        ("denominator", "a", model.plant.denominator),
+    ):
+        for i, value in enumerate(coefficients):
+            power = len(coefficients) - 1 - i
+            symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
+            deviation = deviations[name][i]
+            table.add_row(f"{letter}{power}{symbol}", f"{value:.8g}", f"{deviation:.2g}" if deviation else "fixed", "")
+    table.add_section()
+    for row in result.characteristics():
+        table.add_row(str(row["name"]), f"{row['value']:.8g}", f"{row['standard_deviation']:.2g}", str(row["unit"]))
+    console.print(table)
+    sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {1e3 * (model.exposure or 0):.6g} ms"
+    console.print(
+        f"fitted to {result.rows_fitted} samples, period {1e3 * result.period:.6g} ms; input {model.hold}; {sensor}, "
+        f"latency {1e3 * model.latency:.6g} ms; initial state: {model.initial_state}"
+    )
+    validation = "" if result.nrmse_validation is None else f", {100 * result.nrmse_validation:.4g} % on validation rows"
+    console.print(
+        f"residual: {100 * result.nrmse:.4g} % of the output's standard deviation{validation} "
+        f"({'converged' if result.converged else 'not converged'} after {result.estimate.iterations} iterations)"
+    )
+    if output is not None:
+        console.print(f"written to {output}")
+
+
+@cli.command()
+@click.argument("recording", type=click.Path(path_type=Path))
+@click.option("--simulation", type=click.Path(path_type=Path), required=True, help="The chain to run (YAML).")
+@click.option("--output", type=click.Path(path_type=Path), required=True, help="Where the result goes (CSV or Parquet).")
+@click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
+def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
+    """Run a simulation on the input of a RECORDING: one row a recorded row."""
+    import numpy as np
+
+    from camid.api import simulate as run
+    from camid.recording import write_table
+    from camid.simulation import load_simulation
+
+    _refuse_overwriting(output, [recording, simulation])
+    believed = load_simulation(simulation)
+    with _progress(as_json):
+        table = run(recording, believed)
+    write_table(table, output)
+    summary: dict[str, Any] = {"schema": 1, "rows": len(table), "output": str(output), "rmse": None, "nrmse": None}
+    if believed.output_column in table:
+        recorded = table[believed.output_column].to_numpy()
+        summary["rmse"] = float(np.sqrt(np.mean((recorded - table["simulated"].to_numpy()) ** 2)))
+        spread = float(np.std(recorded))
+        summary["nrmse"] = summary["rmse"] / spread if spread > 0.0 else None
+    if as_json:
+        click.echo(json.dumps(summary, indent=2))
+        return
+    click.echo(f"{summary['rows']} rows written to {output}")
+    if summary["nrmse"] is not None:
+        click.echo(f"difference: {summary['rmse']:.4g} rms, {100 * summary['nrmse']:.4g} % of the output's spread")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return the exit code; errors are one line on the error stream."""
+    try:
+        cli.main(args=arguments, prog_name="camid", standalone_mode=False)
+    except InputError as error:
+        click.echo(f"camid: error: {error}", err=True)
+        return 2
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return 2
+    except click.ClickException as error:
+        click.echo(f"camid: error: {' '.join(error.format_message().split())} (see camid --help)", err=True)
+        return 2
+    except click.exceptions.Exit as stop:
+        return int(stop.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("camid: interrupted; nothing was written", err=True)
+        return INTERRUPTED
+    return 0

@@ -1,0 +1,38 @@
+"""The one kind of error that a user can mend, and the warnings that a user should read."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from collections.abc import Iterable
+
+
+class InputError(ValueError):
+    """What the user gave is wrong: one line that names the file, the place and the mend.
+
+    The command line prints it without a traceback and exits with code 2.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong, in the user's words.
+    where : str, optional
+        File and place in it, put in front of the problem.
+    mend : str, optional
+        What to do about it, put behind the problem.
+    """
+
+    def __init__(self, problem: str, *, where: str | None = None, mend: str | None = None) -> None:
+        self.problem, self.where, self.mend = problem, where, mend
+        line = problem if where is None else f"{where}: {problem}"
+        super().__init__(line if mend is None else f"{line}; {mend}")
+
+
+class CamidWarning(UserWarning):
+    """Something that does not stop the work but changes what its result is worth."""
+
+
+def nearest_match(name: str, known: Iterable[str]) -> str:
+    """Sentence that offers the likeliest spelling of ``name`` among ``known``, or lists them all."""
+    known = list(known)
+    near = get_close_matches(str(name), known, n=1, cutoff=0.5)
+    return f"did you mean '{near[0]}'?" if near else f"known here: {', '.join(known)}"

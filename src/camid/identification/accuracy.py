@@ -1,0 +1,175 @@
+"""How well the data determine the parameters: covariance of an estimate and the Cramér–Rao bound."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain import Acquisition
+from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.plant import TransferFunction
+
+Array = NDArray[np.float64]
+
+LONGEST_REGRESSION = 30
+LARGEST_CONDITION = 1e11
+
+
+def inverse_information(sensitivities: Array) -> tuple[Array, bool]:
+    """(JᵀJ)⁻¹ by a singular value decomposition of the column-scaled J.
+
+    Returns
+    -------
+    inverse : ndarray, shape (p, p)
+        With infinite variances where the data determine nothing.
+    determined : bool
+    """
+    lengths = np.linalg.norm(sensitivities, axis=0)
+    if np.any(lengths == 0.0) or not np.all(np.isfinite(lengths)):
+        return np.diag(np.where(lengths > 0.0, 0.0, np.inf)), False
+    _, singular, right = np.linalg.svd(np.linalg.qr(sensitivities / lengths, mode="r"))
+    determined = bool(singular[-1] > singular[0] / LARGEST_CONDITION)
+    inverse = (right.T / np.maximum(singular, singular[0] / LARGEST_CONDITION) ** 2) @ right
+    return inverse / np.outer(lengths, lengths), determined
+
+
+def covariance_from(predictor: Predictor, parameters: Array) -> tuple[Array, float, bool]:
+    """Covariance σ² (Σ ẑ ẑᵀ)⁻¹ of all parameters, coefficients in SI units (Young 2011; white output noise).
+
+    Parameters
+    ----------
+    predictor : Predictor
+    parameters : ndarray
+        Estimate in scaled units.
+
+    Returns
+    -------
+    covariance : ndarray, shape (p, p)
+        Rows and columns of coefficients that are not free are zero.
+    variance : float
+        σ², residual sum of squares over its degrees of freedom.
+    determined : bool
+        Whether the information matrix has full rank.
+    """
+    residual, sensitivities = predictor.linearise(parameters)
+    free = predictor.free
+    variance = float(residual @ residual) / max(len(residual) - int(free.sum()), 1)
+    covariance = np.zeros((len(free), len(free)))
+    if not free.any():
+        return covariance, variance, True
+    inverse, determined = inverse_information(sensitivities[:, free])
+    covariance[np.ix_(free, free)] = variance * inverse
+    scale = predictor.scale()
+    return covariance / np.outer(scale, scale), variance, determined
+
+
+def cramer_rao_bound(
+    plant: TransferFunction,
+    signal: Array,
+    acquisition: Acquisition,
+    noise_variance: float,
+    *,
+    estimate_initial_state: bool = False,
+) -> Array:
+    """Smallest covariance of an unbiased estimate of [b_0 … b_m, a_1 … a_n] in white Gaussian output noise.
+
+    Parameters
+    ----------
+    plant : TransferFunction
+        The true plant, taken with a monic denominator.
+    signal : ndarray, shape (N,)
+        Input samples.
+    acquisition : Acquisition
+    noise_variance : float
+        Variance of the output noise, in the units of y squared.
+    estimate_initial_state : bool
+        Whether the initial state is unknown, too.
+
+    Returns
+    -------
+    ndarray, shape (m + 1 + n, m + 1 + n)
+    """
+    monic = plant.monic
+    structure = Structure.of_order(monic.order, len(monic.numerator) - 1)
+    rows = np.ones(len(signal), bool)
+    experiment = Experiment(np.asarray(signal, float), np.zeros(len(signal)), acquisition, rows, estimate_initial_state)
+    predictor = Predictor.around(structure, [experiment], np.asarray(monic.denominator))
+    parameters = predictor.from_physical(np.array([*monic.numerator, *monic.denominator[1:]]))
+    scale = predictor.scale()
+    bound = inverse_information(predictor.linearise(parameters)[1])[0] / np.outer(scale, scale)
+    count = len(structure.free)
+    return noise_variance * bound[:count, :count]
+
+
+def innovation_variance(experiment: Experiment) -> float:
+    """Variance of the part of the output that its own past and the input do not predict (long ARX model).
+
+    For white output noise this is the noise variance whatever the plant, so it tells whether an output-error fit has
+    reached its global optimum.
+    """
+    output, signal = experiment.output, experiment.signal
+    count = len(output)
+    length = min(LONGEST_REGRESSION, count // 10)
+    if length < 2:
+        return 0.0
+    rows = experiment.used[length:]
+    columns = [-output[length - i : count - i] for i in range(1, length + 1)]
+    if np.any(signal):
+        columns += [signal[length - i : count - i] for i in range(length + 1)]
+    table = np.column_stack(columns)[rows]
+    target = output[length:][rows]
+    freedom = len(target) - table.shape[1]
+    if freedom < length:
+        return 0.0
+    residual = target - table @ np.linalg.lstsq(table, target, rcond=None)[0]
+    return float(residual @ residual) / freedom
+
+
+def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str, float | str]]:
+    """What engineers call a plant by: static gain, natural frequency and damping of each mode, real poles.
+
+    Parameters
+    ----------
+    plant : TransferFunction
+        With a monic denominator.
+    covariance : ndarray, shape (m + 1 + n, m + 1 + n)
+        Of [b_0 … b_m, a_1 … a_n].
+
+    Returns
+    -------
+    list of dict
+        ``name``, ``value``, ``standard_deviation`` (first-order propagation) and ``unit``, poles in ascending order.
+    """
+    split = len(plant.numerator)
+    count = split + plant.order
+    rows: list[dict[str, float | str]] = []
+
+    def add(name: str, value: float, gradient: Array, unit: str) -> None:
+        variance = float(gradient @ covariance @ gradient)
+        rows.append({"name": name, "value": value, "standard_deviation": variance**0.5, "unit": unit})
+
+    last = plant.denominator[-1]
+    if last != 0.0:
+        gradient = np.zeros(count)
+        gradient[split - 1], gradient[-1] = 1.0 / last, -plant.numerator[-1] / last**2
+        add("static gain", plant.static_gain(), gradient, "y/u")
+    derivative = np.polyder(np.asarray(plant.denominator))
+    poles = sorted(plant.poles(), key=abs)
+    for pole in poles:
+        if pole.imag < 0.0:
+            continue
+        # dp/da_i = -p^(n-i) / A'(p)
+        slope = -(pole ** np.arange(plant.order - 1, -1, -1)) / np.polyval(derivative, pole)
+        gradient = np.zeros(count)
+        if pole.imag == 0.0:
+            gradient[split:] = slope.real
+            add("real pole", float(pole.real), gradient, "rad/s")
+            continue
+        radius = abs(pole)
+        radial = (np.conj(pole) * slope).real / radius
+        gradient[split:] = radial
+        add("natural frequency", float(radius), gradient, "rad/s")
+        gradient = np.zeros(count)
+        gradient[split:] = -slope.real / radius + pole.real / radius**2 * radial
+        add("damping ratio", float(-pole.real / radius), gradient, "")
+    return rows

@@ -1,0 +1,265 @@
+"""From starts to the estimate with its covariance: the default method, and the others by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.identification.accuracy import covariance_from, innovation_variance
+from camid.identification.output_error import output_error
+from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.srivc import (
+    Fit,
+    least_squares_state_variable_filter,
+    plain_srivc,
+    reflect,
+    safeguarded_srivc,
+)
+from camid.identification.starts import (
+    Candidate,
+    evaluate,
+    grid_candidates,
+    quick_candidates,
+    start_window,
+)
+from camid.plant import STABILITY_TOLERANCE, TransferFunction
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+Optimum = tuple[Predictor, Fit]
+
+METHODS = ("srivc", "output-error", "plain-srivc")
+REFINED_STARTS = 4
+REFINED_GRID_STARTS = 6
+# A fit whose residual is at most this share above the one-step prediction error of a long ARX model has left nothing
+# over that another start could find.
+CONCLUSIVE = 1.15
+# Residual, relative to the output, that counts as exact.
+EXACT = 1e-9
+# Optima whose deviances (-2 log likelihood) differ by less cannot be told apart.
+SAME_LIKELIHOOD = 0.5
+SAME_LIKELIHOOD_NEAR_BELIEVED = 6.0
+# A believed mode this far past π/T says that the rig's mode is meant to be there.
+CLEARLY_PAST_SHANNON = 1.1
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """An identified plant.
+
+    Attributes
+    ----------
+    plant : TransferFunction
+        Monic denominator, SI units.
+    standard_deviations : ndarray, shape (m + 1 + n,)
+        Of [b_0 … b_m, a_1 … a_n]; zero where a coefficient was not free.
+    covariance : ndarray, shape (m + 1 + n, m + 1 + n)
+        In the same order.
+    noise_variance : float
+        Of the output residual, degrees of freedom counted.
+    converged : bool
+    iterations : int
+    residuals : list of ndarray
+        Recorded minus simulated output, every row of every experiment.
+    free : ndarray of bool, shape (m + 1 + n,)
+    """
+
+    plant: TransferFunction
+    standard_deviations: Array
+    covariance: Array
+    noise_variance: float
+    converged: bool
+    iterations: int
+    residuals: list[Array]
+    free: NDArray[np.bool_]
+
+
+def estimate(
+    structure: Structure,
+    experiments: list[Experiment],
+    *,
+    nominal: TransferFunction | None = None,
+    method: str = "srivc",
+    progress: Progress | None = None,
+) -> Estimate:
+    """Identify a plant from recordings of one rig.
+
+    Parameters
+    ----------
+    structure : Structure
+        Degrees, and which coefficients are free.
+    experiments : list of Experiment
+    nominal : TransferFunction, optional
+        A believed plant of the same degrees, one start among others.
+    method : {"srivc", "output-error", "plain-srivc"}
+        Safeguarded SRIVC; output error by ``scipy.optimize.least_squares``; SRIVC as published, from an LSSVF start.
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer used rows than free parameters or the method is unknown.
+    """
+    if method not in METHODS:
+        raise ValueError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
+    tell = progress or (lambda _sentence: None)
+    believed = None if nominal is None else np.asarray(nominal.monic.denominator)
+    if method == "plain-srivc":
+        predictor, fit = _plain(structure, experiments, believed, nominal, tell)
+    else:
+        candidate, start = _global_start(structure, experiments, believed, tell)
+        predictor = Predictor.around(structure, experiments, candidate)
+        parameters = predictor.with_fitted_initial_states(start)
+        tell("final iteration on the whole recording")
+        if method == "output-error":
+            fit = output_error(predictor, parameters)
+        else:
+            fit = safeguarded_srivc(
+                predictor, parameters, on_iteration=lambda i, cost: tell(f"iteration {i}: output error {cost:.4g}")
+            )
+    return _summarise(predictor, fit)
+
+
+def _plain(
+    structure: Structure,
+    experiments: list[Experiment],
+    believed: Array | None,
+    nominal: TransferFunction | None,
+    tell: Progress,
+) -> tuple[Predictor, Fit]:
+    """SRIVC as published: start from the nominal plant, else from LSSVF with the cut-off that fits best."""
+    if believed is not None and nominal is not None:
+        predictor = Predictor.around(structure, experiments, believed)
+        start = predictor.from_physical(structure.coefficients())
+    else:
+        tell("state-variable filters")
+        period = experiments[0].acquisition.period
+        trials = []
+        for cut_off in np.geomspace(0.02, 1.0, 8) * np.pi / period:
+            predictor = Predictor(structure, experiments, 1.0 / cut_off)
+            start = least_squares_state_variable_filter(predictor, cut_off)
+            split = structure.degree + 1
+            denominator = reflect(np.concatenate([[1.0], predictor.to_physical(start)[split:]]))
+            trials.append((evaluate(structure, experiments, denominator).cost, denominator))
+        denominator = min(trials, key=lambda t: t[0])[1]
+        predictor = Predictor.around(structure, experiments, denominator)
+        scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
+        start = predictor.solve_numerator(scaled)[0]
+    tell("plain SRIVC")
+    return predictor, plain_srivc(predictor, start)
+
+
+def _global_start(
+    structure: Structure, experiments: list[Experiment], believed: Array | None, tell: Progress
+) -> tuple[Array, Array]:
+    """Denominator and coefficients (SI units) of the best optimum that the starts lead to.
+
+    The search runs on a lively window of long recordings; only the last iteration sees every row.
+    """
+    windows = [start_window(e) for e in experiments]
+    tell("starting values: state-variable filters and discrete-time models")
+    candidates = quick_candidates(structure, windows)[:REFINED_STARTS]
+    if believed is not None:
+        candidates.append(evaluate(structure, windows, believed))
+    optima = [_refine(structure, windows, c) for c in candidates]
+    best = _select(optima, believed)
+    if not _conclusive(best, windows):
+        tell("starting values: grid of poles")
+        optima += [_refine(structure, windows, c) for c in grid_candidates(structure, windows)[:REFINED_GRID_STARTS]]
+        best = _select(optima, believed)
+    if best is None:
+        raise ValueError("no starting value leads to a stable model of this order")
+    predictor, fit = best
+    coefficients = predictor.to_physical(fit.parameters)
+    return np.concatenate([[1.0], coefficients[structure.degree + 1 :]]), coefficients
+
+
+def _refine(structure: Structure, experiments: list[Experiment], candidate: Candidate) -> Optimum:
+    denominator = _respecting_fixed(structure, candidate.denominator)
+    predictor = Predictor.around(structure, experiments, denominator)
+    scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
+    return predictor, safeguarded_srivc(predictor, predictor.solve_numerator(scaled)[0], maximum_iterations=50)
+
+
+def _select(optima: list[Optimum], believed: Array | None) -> Optimum | None:
+    """The optimum of the highest likelihood; between equals the one nearest to the believed plant, else the slowest.
+
+    A model and its alias can fit alike (a second-order plant with a zero, held input, instant sensor: exactly alike), so
+    a difference in likelihood that noise explains decides nothing. Between exact equals a model within the Shannon limit
+    wins unless the believed plant lies clearly past it.
+    """
+    usable = [(p, f) for p, f in optima if np.isfinite(f.cost) and _stable(p, f)]
+    if not usable:
+        return None
+    rows = len(usable[0][0].target)
+    floor = (EXACT * float(np.linalg.norm(usable[0][0].target))) ** 2
+    deviance = np.array([rows * np.log(max(f.cost, floor)) if floor > 0.0 else 0.0 for _, f in usable])
+    excess = deviance - deviance.min()
+    shannon = np.pi / usable[0][0].experiments[0].acquisition.period
+
+    def fastest(denominator: Array, unit: float) -> float:
+        return float(np.max(np.abs(np.roots(denominator).imag), initial=0.0)) / unit
+
+    def distance(optimum: Optimum) -> float:
+        radius = np.sort(np.abs(np.roots(optimum[0].split(optimum[1].parameters)[1]))) / optimum[0].time_unit
+        if believed is None:
+            return float(np.sum(radius))
+        return float(np.sum(np.abs(radius - np.sort(np.abs(np.roots(believed))))))
+
+    margin = SAME_LIKELIHOOD if believed is None else SAME_LIKELIHOOD_NEAR_BELIEVED
+    equals = [o for o, e in zip(usable, excess, strict=True) if e <= margin]
+    if believed is None or fastest(believed, 1.0) < CLEARLY_PAST_SHANNON * shannon:
+        within = [
+            o
+            for o, e in zip(usable, excess, strict=True)
+            if e <= SAME_LIKELIHOOD and fastest(o[0].split(o[1].parameters)[1], o[0].time_unit) <= shannon
+        ]
+        equals = within or equals
+    nearest = min(distance(o) for o in equals)
+    same = [o for o in equals if distance(o) <= nearest * (1.0 + 1e-2)]
+    return min(same, key=lambda o: o[1].cost)
+
+
+def _respecting_fixed(structure: Structure, denominator: Array) -> Array:
+    """The candidate with the coefficients that are not free put back."""
+    return np.where(structure.free_denominator, denominator, structure.denominator)
+
+
+def _stable(predictor: Predictor, fit: Fit) -> bool:
+    denominator = predictor.split(fit.parameters)[1]
+    roots = np.roots(denominator)
+    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
+
+
+def _conclusive(best: Optimum | None, experiments: list[Experiment]) -> bool:
+    """Whether no other start can do better: what is left is exact zero or as small as the unpredictable part."""
+    if best is None:
+        return False
+    predictor, fit = best
+    rows = len(predictor.target)
+    variance = fit.cost / max(rows - int(predictor.free.sum()), 1)
+    if variance <= (EXACT * np.std(predictor.target)) ** 2:
+        return True
+    return variance <= CONCLUSIVE * np.mean([innovation_variance(e) for e in experiments])
+
+
+def _summarise(predictor: Predictor, fit: Fit) -> Estimate:
+    coefficients = predictor.to_physical(fit.parameters)
+    covariance, variance, determined = covariance_from(predictor, fit.parameters)
+    count = len(predictor.structure.free)
+    plant = predictor.structure.plant(coefficients)
+    simulated = predictor.simulate(fit.parameters)
+    return Estimate(
+        plant=plant,
+        standard_deviations=np.sqrt(np.diag(covariance)[:count]),
+        covariance=covariance[:count, :count],
+        noise_variance=variance,
+        converged=bool(fit.converged and determined and plant.unstable_poles().size == 0),
+        iterations=fit.iterations,
+        residuals=[e.output - x for e, x in zip(predictor.experiments, simulated, strict=True)],
+        free=predictor.structure.free,
+    )

@@ -1,0 +1,291 @@
+"""The simulated sensor output of a plant structure and its sensitivities to the plant's coefficients.
+
+Everything that identification needs of the model is here: y = B/A u + C/A δ through hold and sensor, where C is the
+polynomial of the unknown initial state, and the derivatives
+
+    ∂w/∂b_j = S p^(m-j)/A u,    ∂w/∂a_i = -S p^(n-i)/A y,    ∂w/∂c_i = S p^(n-1-i)/A δ
+
+with S the sensor. At the truth they are the noise-free regressors, hence the instruments of SRIVC (Young 2011, ch. 8).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain import Acquisition, companion, derivative_rows, respond, time_scale
+from camid.plant import TransferFunction
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One recording as identification sees it.
+
+    Attributes
+    ----------
+    signal, output : ndarray, shape (N,)
+        Input samples u_k and sensor samples w_k.
+    acquisition : Acquisition
+    used : ndarray of bool, shape (N,)
+        Rows that are fitted; the others are simulated through.
+    estimate_initial_state : bool
+        False: at rest before the first sample.
+    """
+
+    signal: Array
+    output: Array
+    acquisition: Acquisition
+    used: NDArray[np.bool_]
+    estimate_initial_state: bool = False
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Which plant is looked for: degrees of B and A, and what is free in them.
+
+    Attributes
+    ----------
+    numerator, denominator : ndarray, shapes (m + 1,) and (n + 1,)
+        Descending powers of s, monic denominator. Values of the coefficients that are not free.
+    free_numerator, free_denominator : ndarray of bool, same shapes
+        What is estimated; the leading denominator coefficient never is.
+    """
+
+    numerator: Array
+    denominator: Array
+    free_numerator: NDArray[np.bool_]
+    free_denominator: NDArray[np.bool_]
+
+    @classmethod
+    def of_order(cls, poles: int, zeros: int) -> Structure:
+        """All coefficients free, no values known."""
+        monic = np.eye(poles + 1)[0]
+        return cls(np.zeros(zeros + 1), monic, np.ones(zeros + 1, bool), monic == 0.0)
+
+    @property
+    def order(self) -> int:
+        """Number of poles n."""
+        return len(self.denominator) - 1
+
+    @property
+    def degree(self) -> int:
+        """Degree of the numerator m."""
+        return len(self.numerator) - 1
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which of [b_0 … b_m, a_1 … a_n] are estimated, shape (m + 1 + n,)."""
+        return np.concatenate([self.free_numerator, self.free_denominator[1:]])
+
+    def coefficients(self) -> Array:
+        """[b_0 … b_m, a_1 … a_n]."""
+        return np.concatenate([self.numerator, self.denominator[1:]])
+
+    def plant(self, coefficients: Array) -> TransferFunction:
+        """Transfer function of [b_0 … b_m, a_1 … a_n]."""
+        split = self.degree + 1
+        return TransferFunction(tuple(coefficients[:split]), (1.0, *coefficients[split:]))
+
+
+@dataclass
+class Predictor:
+    """Simulated outputs and sensitivities for all experiments of one rig, in scaled time.
+
+    The parameter vector is [b_0 … b_m, a_1 … a_n, c of experiment 1, c of experiment 2, …]; the coefficients are scaled
+    with the time unit so that they are of the order of one, see :meth:`to_physical`.
+    """
+
+    structure: Structure
+    experiments: list[Experiment]
+    time_unit: float
+    target: Array = field(init=False)
+    free: NDArray[np.bool_] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.target = np.concatenate([e.output[e.used] for e in self.experiments])
+        initial = sum(self.structure.order for e in self.experiments if e.estimate_initial_state)
+        self.free = np.concatenate([self.structure.free, np.ones(initial, bool)])
+
+    @classmethod
+    def around(cls, structure: Structure, experiments: list[Experiment], denominator: Array) -> Predictor:
+        """Predictor whose time unit fits a given monic denominator in physical units."""
+        return cls(structure, experiments, time_scale(denominator))
+
+    # -- units -----------------------------------------------------------------------------------------------------
+
+    def coefficient_scale(self) -> Array:
+        """Scaled coefficient divided by physical coefficient, shape (m + 1 + n,)."""
+        order, degree = self.structure.order, self.structure.degree
+        powers = np.concatenate([order - degree + np.arange(degree + 1.0), 1.0 + np.arange(order)])
+        return self.time_unit**powers
+
+    def scale(self) -> Array:
+        """The same for the whole parameter vector; initial-state coefficients stay in scaled time."""
+        return np.concatenate([self.coefficient_scale(), np.ones(self.initial_count)])
+
+    def to_physical(self, parameters: Array) -> Array:
+        """[b_0 … b_m, a_1 … a_n] in SI units."""
+        scale = self.coefficient_scale()
+        return parameters[: len(scale)] / scale
+
+    def from_physical(self, coefficients: Array, initial: Array | None = None) -> Array:
+        """Parameter vector of coefficients in SI units, initial states zero where they are not given."""
+        rest = np.zeros(self.initial_count) if initial is None else initial
+        return np.concatenate([coefficients * self.coefficient_scale(), rest])
+
+    @property
+    def initial_count(self) -> int:
+        """Number of initial-state coefficients in all experiments."""
+        return len(self.free) - len(self.structure.free)
+
+    def split(self, parameters: Array) -> tuple[Array, Array, list[Array | None]]:
+        """Numerator, monic denominator and the initial polynomial of each experiment, all in scaled time."""
+        order, split = self.structure.order, self.structure.degree + 1
+        numerator = parameters[:split]
+        denominator = np.concatenate([[1.0], parameters[split : split + order]])
+        position = split + order
+        initial: list[Array | None] = []
+        for experiment in self.experiments:
+            if experiment.estimate_initial_state:
+                initial.append(parameters[position : position + order])
+                position += order
+            else:
+                initial.append(None)
+        return numerator, denominator, initial
+
+    # -- model -----------------------------------------------------------------------------------------------------
+
+    def simulate(self, parameters: Array) -> list[Array]:
+        """Sensor output of every experiment, all rows: shapes (N,)."""
+        numerator, denominator, initial = self.split(parameters)
+        order = self.structure.order
+        output_row = numerator @ derivative_rows(denominator, range(self.structure.degree, -1, -1))
+        results = []
+        for experiment, polynomial in zip(self.experiments, initial, strict=True):
+            matrix = companion(denominator)
+            vector, start, row = np.eye(order)[0], np.zeros(order), output_row
+            if polynomial is not None:
+                matrix = np.kron(np.eye(2), matrix)
+                vector, start = np.eye(2 * order)[0], np.eye(2 * order)[order]
+                row = np.concatenate([output_row[:order], polynomial, output_row[order:]])
+            results.append(
+                respond(
+                    matrix, vector, start, row[None, :], experiment.signal, experiment.acquisition, self.time_unit
+                )[:, 0]
+            )
+        return results
+
+    def linearise(self, parameters: Array) -> tuple[Array, Array]:
+        """Residual and sensitivities on the used rows.
+
+        Returns
+        -------
+        residual : ndarray, shape (M,)
+            Recorded minus simulated output.
+        sensitivities : ndarray, shape (M, len(parameters))
+            Derivatives of the simulated output, also for coefficients that are not free.
+        """
+        numerator, denominator, initial = self.split(parameters)
+        order, split = self.structure.order, self.structure.degree + 1
+        columns = len(parameters)
+        block = companion(denominator)
+        derivatives = derivative_rows(denominator, range(self.structure.degree, -1, -1))
+        output_row = numerator @ derivatives
+        outputs, tables = [], []
+        position = split + order
+        for experiment, polynomial in zip(self.experiments, initial, strict=True):
+            chains = 2 if polynomial is None else 3
+            size = chains * order
+            # States: [z, z̃, z_δ] with z = u/A, z̃ = y/A and z_δ = δ/A.
+            matrix = np.kron(np.eye(chains), block)
+            matrix[order, :order] += output_row[:order]
+            vector = np.zeros(size)
+            vector[0], vector[order] = 1.0, output_row[order]
+            start = np.zeros(size)
+            selection = np.zeros((1 + split + order + (chains - 2) * order, size + 1))
+            selection[0, :order], selection[0, size] = output_row[:order], output_row[order]
+            selection[1 : 1 + split, :order] = derivatives[:, :order]
+            selection[1 : 1 + split, size] = derivatives[:, order]
+            selection[1 + split : 1 + split + order, order : 2 * order] = -np.eye(order)
+            if polynomial is not None:
+                matrix[order, 2 * order :] += polynomial
+                start[2 * order] = 1.0
+                selection[0, 2 * order : size] = polynomial
+                selection[1 + split + order :, 2 * order : size] = np.eye(order)
+            result = respond(
+                matrix, vector, start, selection, experiment.signal, experiment.acquisition, self.time_unit
+            )[experiment.used]
+            outputs.append(result[:, 0])
+            table = np.zeros((len(result), columns))
+            table[:, : split + order] = result[:, 1 : 1 + split + order]
+            if polynomial is not None:
+                table[:, position : position + order] = result[:, 1 + split + order :]
+                position += order
+            tables.append(table)
+        return self.target - np.concatenate(outputs), np.concatenate(tables)
+
+    def solve_numerator(self, denominator: Array) -> tuple[Array, float]:
+        """Best numerator and initial states for a given denominator: a linear problem (variable projection).
+
+        Parameters
+        ----------
+        denominator : ndarray, shape (n + 1,)
+            Monic, in scaled time.
+
+        Returns
+        -------
+        parameters : ndarray
+        cost : float
+            Sum of squared residuals.
+        """
+        order, split = self.structure.order, self.structure.degree + 1
+        parameters = np.zeros(len(self.free))
+        parameters[:split] = self.structure.numerator * self.coefficient_scale()[:split]
+        parameters[split : split + order] = denominator[1:]
+        # With every linear coefficient at its fixed value or zero, the sensitivities to the others are the regressors.
+        linear = self.free.copy()
+        linear[split : split + order] = False
+        parameters[linear] = 0.0
+        residual, sensitivities = self.linear_regressors(parameters)
+        if not np.all(np.isfinite(sensitivities)):
+            return parameters, np.inf
+        solution = np.linalg.lstsq(sensitivities[:, linear], residual, rcond=None)[0]
+        parameters[linear] = solution
+        return parameters, float(np.sum((residual - sensitivities[:, linear] @ solution) ** 2))
+
+    def with_fitted_initial_states(self, coefficients: Array) -> Array:
+        """Parameter vector of coefficients in SI units with the initial states that fit them best."""
+        parameters = self.from_physical(coefficients)
+        if self.initial_count:
+            residual, regressors = self.linear_regressors(parameters)
+            columns = slice(len(parameters) - self.initial_count, len(parameters))
+            parameters[columns] = np.linalg.lstsq(regressors[:, columns], residual, rcond=None)[0]
+        return parameters
+
+    def linear_regressors(self, parameters: Array) -> tuple[Array, Array]:
+        """As :meth:`linearise`, with the columns of the denominator left at zero, at half the cost."""
+        numerator, denominator, initial = self.split(parameters)
+        order, split = self.structure.order, self.structure.degree + 1
+        block = companion(denominator)
+        derivatives = derivative_rows(denominator, range(self.structure.degree, -1, -1))
+        tables, outputs = [], []
+        position = split + order
+        for experiment, polynomial in zip(self.experiments, initial, strict=True):
+            unit = np.eye(order)[0]
+            table = np.zeros((len(experiment.output), len(parameters)))
+            arguments = (experiment.signal, experiment.acquisition, self.time_unit)
+            table[:, :split] = respond(block, unit, np.zeros(order), derivatives, *arguments)
+            output = table[:, :split] @ numerator
+            if polynomial is not None:
+                rows = np.eye(order, order + 1)
+                free = respond(block, np.zeros(order), unit, rows, *arguments)
+                table[:, position : position + order] = free
+                output = output + free @ polynomial
+                position += order
+            tables.append(table[experiment.used])
+            outputs.append(output[experiment.used])
+        return self.target - np.concatenate(outputs), np.concatenate(tables)

@@ -1,0 +1,133 @@
+"""Plants: transfer functions in descending powers of s, and their exchange with python-control."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    import control
+
+# Relative size of a real part that counts as zero: an undamped mode is no unstable one, and a repeated root of the
+# denominator is only known to the square root of the rounding error.
+STABILITY_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class TransferFunction:
+    """Rational transfer function B(s)/A(s) of a plant with one input and one output.
+
+    Attributes
+    ----------
+    numerator, denominator : tuple of float
+        Coefficients in descending powers of s, with no leading zeros.
+
+    Raises
+    ------
+    ValueError
+        If a polynomial is zero or not finite, or the degree of the numerator exceeds that of the denominator.
+    """
+
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("numerator", "denominator"):
+            coefficients = np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
+            if not np.all(np.isfinite(coefficients)):
+                raise ValueError(f"the {name} has a coefficient that is not a finite number")
+            stripped = np.trim_zeros(coefficients, "f")
+            if stripped.size == 0:
+                raise ValueError(f"the {name} is zero")
+            object.__setattr__(self, name, tuple(float(c) for c in stripped))
+        if len(self.numerator) > len(self.denominator):
+            raise ValueError(
+                f"the transfer function is improper: numerator of degree {len(self.numerator) - 1}, "
+                f"denominator of degree {len(self.denominator) - 1}"
+            )
+
+    @property
+    def order(self) -> int:
+        """Number of poles."""
+        return len(self.denominator) - 1
+
+    @property
+    def monic(self) -> TransferFunction:
+        """The same function with a leading denominator coefficient of one."""
+        lead = self.denominator[0]
+        return TransferFunction(tuple(b / lead for b in self.numerator), tuple(a / lead for a in self.denominator))
+
+    def poles(self) -> NDArray[np.complex128]:
+        """Poles in rad/s, shape (order,)."""
+        return np.roots(self.denominator).astype(complex)
+
+    def zeros(self) -> NDArray[np.complex128]:
+        """Finite zeros in rad/s."""
+        return np.roots(self.numerator).astype(complex)
+
+    def unstable_poles(self) -> NDArray[np.complex128]:
+        """Poles in the open right half plane; integrators and undamped modes do not count."""
+        poles = self.poles()
+        return poles[poles.real > STABILITY_TOLERANCE * np.abs(poles)]
+
+    def static_gain(self) -> float:
+        """B(0)/A(0); infinite for a plant with an integrator."""
+        return self.numerator[-1] / self.denominator[-1] if self.denominator[-1] != 0.0 else float("inf")
+
+    def frequency_response(self, angular_frequency: ArrayLike) -> NDArray[np.complex128]:
+        """G(jω) at the given angular frequencies in rad/s, in their shape."""
+        s = 1j * np.asarray(angular_frequency, dtype=float)
+        return np.polyval(self.numerator, s) / np.polyval(self.denominator, s)
+
+    def to_control(self) -> control.TransferFunction:
+        """The same plant as a continuous-time python-control transfer function."""
+        import control
+
+        return control.tf(list(self.numerator), list(self.denominator))
+
+    @classmethod
+    def from_control(cls, system: control.TransferFunction | control.StateSpace) -> TransferFunction:
+        """Take a continuous-time python-control system with one input and one output.
+
+        Raises
+        ------
+        ValueError
+            If the system has several inputs or outputs, or is in discrete time.
+        """
+        import control
+
+        if (system.ninputs, system.noutputs) != (1, 1):
+            raise ValueError(
+                f"the system has {system.ninputs} inputs and {system.noutputs} outputs; camid identifies one of each: "
+                "take one input-output pair, e.g. system[0, 0]"
+            )
+        if system.isdtime(strict=True):
+            raise ValueError("the system is in discrete time; camid works with the continuous-time plant")
+        rational = control.tf(system)
+        return cls(tuple(rational.num[0][0]), tuple(rational.den[0][0]))
+
+    def __mul__(self, other: TransferFunction) -> TransferFunction:
+        """Two plants in series (paper equation (25))."""
+        return TransferFunction(
+            tuple(np.polymul(self.numerator, other.numerator)), tuple(np.polymul(self.denominator, other.denominator))
+        )
+
+
+def second_order(static_gain: float, natural_frequency: float, damping: float) -> TransferFunction:
+    """Second-order mode, paper equations (15) and (26).
+
+    Parameters
+    ----------
+    static_gain : float
+        K, in units of the output over units of the input.
+    natural_frequency : float
+        ω0 in rad/s.
+    damping : float
+        Damping ratio ξ, without unit.
+    """
+    return TransferFunction(
+        (static_gain * natural_frequency**2,), (1.0, 2.0 * damping * natural_frequency, natural_frequency**2)
+    )

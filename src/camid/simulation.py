@@ -1,0 +1,351 @@
+"""Simulations: what the user believes of the chain, as a validated YAML file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain import Acquisition
+from camid.errors import InputError, nearest_match
+from camid.plant import TransferFunction
+from camid.recording import write_whole
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A believed, identified or improved chain.
+
+    Attributes
+    ----------
+    time_column, output_column : str
+    input_column : str or None
+        None for a free decay.
+    hold : {"zoh", "foh"}
+    plant : TransferFunction
+        As written, the leading denominator coefficient included.
+    free_numerator, free_denominator : ndarray of bool
+        What may be re-estimated, in the shape of the coefficients.
+    sensor : {"camera", "instant"}
+    exposure : float or None
+        Seconds; None means the period of the recording.
+    latency : float
+        Seconds.
+    initial_state : {"zero", "estimate"}
+    validation : tuple of float or None
+        Start and end in seconds of the rows that are not fitted.
+    standard_deviations : dict or None
+        ``numerator`` and ``denominator``, in the shape of the coefficients.
+    covariance : list of list of float or None
+        Of all coefficients: numerator first, then the denominator without its leading one.
+    source : str
+        Name for messages.
+    """
+
+    time_column: str
+    input_column: str | None
+    output_column: str
+    plant: TransferFunction
+    hold: str = "zoh"
+    sensor: str = "camera"
+    exposure: float | None = None
+    latency: float = 0.0
+    initial_state: str = "zero"
+    validation: tuple[float, float] | None = None
+    free_numerator: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    free_denominator: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    standard_deviations: dict[str, list[float]] | None = None
+    covariance: list[list[float]] | None = None
+    source: str = "simulation"
+
+    def __post_init__(self) -> None:
+        if self.free_numerator.size == 0 and self.free_denominator.size == 0:
+            numerator, denominator = default_freedom(self.plant)
+            object.__setattr__(self, "free_numerator", numerator)
+            object.__setattr__(self, "free_denominator", denominator)
+
+    @property
+    def estimates_initial_state(self) -> bool:
+        """Whether the initial state is fitted."""
+        return self.initial_state == "estimate"
+
+    def acquisition(self, period: float) -> Acquisition:
+        """Hold and sensor for a recording with this period.
+
+        Raises
+        ------
+        InputError
+            If the exposure is longer than the period.
+        """
+        try:
+            return Acquisition(period, self.hold, self.sensor, self.exposure, self.latency)
+        except ValueError as error:
+            raise InputError(
+                str(error), where=f"{self.source}, sensor", mend="give the exposure in seconds, at most the period"
+            ) from None
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The file's content."""
+        sensor: dict[str, Any] = {"column": self.output_column, "kind": self.sensor}
+        if self.sensor == "camera" and self.exposure is not None:
+            sensor["exposure"] = float(self.exposure)
+        sensor["latency"] = float(self.latency)
+        plant: dict[str, Any] = {
+            "transfer_function": {
+                "numerator": [float(c) for c in self.plant.numerator],
+                "denominator": [float(c) for c in self.plant.denominator],
+            }
+        }
+        if self.standard_deviations is not None:
+            plant["standard_deviations"] = self.standard_deviations
+        if self.covariance is not None:
+            plant["covariance"] = self.covariance
+        plant["free"] = {
+            "numerator": [bool(f) for f in self.free_numerator],
+            "denominator": [bool(f) for f in self.free_denominator],
+        }
+        content: dict[str, Any] = {
+            "schema": 1,
+            "time": {"column": self.time_column},
+            "input": None if self.input_column is None else {"column": self.input_column, "hold": self.hold},
+            "plant": plant,
+            "sensor": sensor,
+            "initial_state": self.initial_state,
+        }
+        if self.validation is not None:
+            content["validation"] = {"start": self.validation[0], "end": self.validation[1]}
+        content["effects"] = []
+        return content
+
+
+def default_freedom(plant: TransferFunction) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """What may be re-estimated where the file does not say.
+
+    Every coefficient but the leading one of the denominator, and but the zeros at the end of a polynomial: they are
+    structure (an integrator, a differentiator), which a belief of exactly zero damping is not.
+    """
+    free_numerator = np.ones(len(plant.numerator), bool)
+    free_denominator = np.ones(len(plant.denominator), bool)
+    for free, coefficients in ((free_numerator, plant.numerator), (free_denominator, plant.denominator)):
+        for i in range(len(coefficients) - 1, -1, -1):
+            if coefficients[i] != 0.0:
+                break
+            free[i] = False
+    free_denominator[0] = False
+    return free_numerator, free_denominator
+
+
+@cache
+def _validator() -> Any:
+    from jsonschema import Draft202012Validator
+
+    text = files("camid").joinpath("schemas/simulation.schema.json").read_text(encoding="utf-8")
+    return Draft202012Validator(json.loads(text))
+
+
+def _line(content: Any, path: list[Any]) -> int | None:
+    """Line in the YAML file at which the value at ``path`` stands, as ruamel.yaml remembers it."""
+    line = None
+    for key in path:
+        try:
+            line = content.lc.key(key)[0] + 1 if isinstance(content, Mapping) else content.lc.item(key)[0] + 1
+            content = content[key]
+        except (AttributeError, KeyError, TypeError, IndexError):
+            return line
+    return line
+
+
+def _where(source: str, content: Any, path: list[Any]) -> str:
+    line = _line(content, path)
+    place = ".".join(str(p) for p in path)
+    return ", ".join([source, *([f"line {line}"] if line else []), *([place] if place else [])])
+
+
+def _refuse_schema_errors(content: Any, source: str) -> None:
+    from jsonschema.exceptions import best_match
+
+    errors = list(_validator().iter_errors(content))
+    # A misspelt key explains the missing one beside it, so it is named first.
+    unknown = [e for e in errors if e.validator == "additionalProperties"]
+    error = unknown[0] if unknown else best_match(errors)
+    if error is None:
+        return
+    path = list(error.absolute_path)
+    if error.validator == "additionalProperties" and "properties" in error.schema:
+        known = list(error.schema["properties"])
+        key = next(k for k in error.instance if k not in known)
+        raise InputError(f"unknown key '{key}'", where=_where(source, content, [*path, key]), mend=nearest_match(key, known))
+    if error.validator == "required":
+        missing = next(k for k in error.validator_value if k not in error.instance)
+        raise InputError(f"the key '{missing}' is missing", where=_where(source, content, path), mend="add it")
+    if error.validator == "enum":
+        known = [str(v) for v in error.validator_value]
+        raise InputError(
+            f"'{error.instance}' is not known here",
+            where=_where(source, content, path),
+            mend=f"it must be one of {', '.join(known)}",
+        )
+    described = error.schema.get("description", "") if isinstance(error.schema, Mapping) else ""
+    raise InputError(
+        error.message, where=_where(source, content, path), mend=f"here belongs: {described}" if described else None
+    )
+
+
+def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulation) -> Simulation:
+    """Read and check a simulation.
+
+    Parameters
+    ----------
+    source : path, mapping or Simulation
+        YAML 1.2 file, or its content.
+
+    Raises
+    ------
+    InputError
+        With file, line and key: no such file, no YAML, unknown or missing keys, values out of range, an unstable or
+        improper plant, a part of the chain that this version cannot simulate.
+    """
+    if isinstance(source, Simulation):
+        return source
+    if isinstance(source, Mapping):
+        content, name = source, "simulation"
+    else:
+        content, name = _read_yaml(Path(source)), str(source)
+    if not isinstance(content, Mapping):
+        raise InputError("this is no mapping of keys to values", where=name, mend="see the example in README.md")
+    _refuse_schema_errors(content, name)
+    for key, part in (("pendulum", content["plant"]), ("controller", content)):
+        if key in part:
+            raise InputError(
+                f"this version does not simulate a {key}",
+                where=_where(name, content, ["plant", key] if key == "pendulum" else [key]),
+                mend="use a transfer_function driven by a recorded input",
+            )
+    if content.get("effects"):
+        raise InputError(
+            "this version simulates linear chains only",
+            where=_where(name, content, ["effects"]),
+            mend="leave the list empty",
+        )
+    if "transfer_function" not in content["plant"]:
+        raise InputError("the key 'transfer_function' is missing", where=_where(name, content, ["plant"]), mend="add it")
+    return _build(content, name)
+
+
+def _read_yaml(path: Path) -> Any:
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    if not path.is_file():
+        raise InputError("no such file", where=str(path), mend="check the path")
+    try:
+        return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8"))
+    except MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else "?"
+        raise InputError(f"no YAML: {error.problem}", where=f"{path}, line {line}", mend="mend the line") from None
+    except (YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f"no YAML: {str(error).splitlines()[0]}", where=str(path), mend="write it as text") from None
+
+
+def _build(content: Mapping[str, Any], name: str) -> Simulation:
+    def where(*path: Any) -> str:
+        return _where(name, content, list(path))
+
+    written = content["plant"]["transfer_function"]
+    raw = {k: np.array([float(c) for c in written[k]]) for k in ("numerator", "denominator")}
+    if raw["denominator"][0] == 0.0:
+        raise InputError(
+            "the first coefficient is zero", where=where("plant", "transfer_function", "denominator"), mend="remove it"
+        )
+    try:
+        plant = TransferFunction(tuple(raw["numerator"]), tuple(raw["denominator"]))
+    except ValueError as error:
+        raise InputError(
+            str(error), where=where("plant", "transfer_function"), mend="coefficients stand in descending powers of s"
+        ) from None
+    unstable = plant.unstable_poles()
+    if unstable.size:
+        shown = ", ".join(f"{p.real:.4g}{p.imag:+.4g}j" if p.imag else f"{p.real:.4g}" for p in unstable)
+        raise InputError(
+            f"the transfer function is unstable: poles at {shown} rad/s",
+            where=where("plant", "transfer_function", "denominator"),
+            mend="all poles need a real part of at most zero; check the signs",
+        )
+    leading_zeros = len(raw["numerator"]) - len(plant.numerator)
+    free_numerator, free_denominator = default_freedom(plant)
+    if "free" in content["plant"]:
+        given = content["plant"]["free"]
+        _check_shape(given, raw, where("plant", "free"))
+        free_numerator = np.array(given["numerator"], bool)[leading_zeros:]
+        free_denominator = np.array(given["denominator"], bool)
+        free_denominator[0] = False
+    deviations = content["plant"].get("standard_deviations")
+    if deviations is not None:
+        _check_shape(deviations, raw, where("plant", "standard_deviations"))
+        deviations = {k: [float(v) for v in deviations[k]] for k in ("numerator", "denominator")}
+        deviations["numerator"] = deviations["numerator"][leading_zeros:]
+    validation = content.get("validation")
+    if validation is not None and not validation["start"] < validation["end"]:
+        raise InputError("start is not before end", where=where("validation"), mend="exchange them")
+    sensor = content["sensor"]
+    if sensor["kind"] == "instant" and "exposure" in sensor:
+        raise InputError(
+            "an instant sensor has no exposure", where=where("sensor", "exposure"), mend="remove it or say kind: camera"
+        )
+    source_input = content["input"]
+    return Simulation(
+        time_column=content["time"]["column"],
+        input_column=None if source_input is None else source_input["column"],
+        output_column=sensor["column"],
+        plant=plant,
+        hold="zoh" if source_input is None else source_input["hold"],
+        sensor=sensor["kind"],
+        exposure=float(sensor["exposure"]) if "exposure" in sensor else None,
+        latency=float(sensor.get("latency", 0.0)),
+        initial_state=content.get("initial_state", "zero"),
+        validation=None if validation is None else (float(validation["start"]), float(validation["end"])),
+        free_numerator=free_numerator,
+        free_denominator=free_denominator,
+        standard_deviations=deviations,
+        covariance=[[float(v) for v in row] for row in content["plant"].get("covariance", [])] or None,
+        source=name,
+    )
+
+
+def _check_shape(given: Mapping[str, Any], raw: Mapping[str, Array], where: str) -> None:
+    for key, coefficients in raw.items():
+        if key not in given:
+            raise InputError(f"the key '{key}' is missing", where=where, mend="give one value a coefficient")
+        if not isinstance(given[key], list) or len(given[key]) != len(coefficients):
+            raise InputError(
+                f"'{key}' has not the {len(coefficients)} entries of the transfer function",
+                where=where,
+                mend="give one value a coefficient",
+            )
+
+
+def write_simulation(simulation: Simulation, path: str | os.PathLike[str], comment: str = "") -> None:
+    """Write the YAML file, whole or not at all; ``comment`` goes to its head, a line each."""
+    from ruamel.yaml import YAML
+
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = 120
+
+    def write(temporary: Path) -> None:
+        with temporary.open("w", encoding="utf-8") as stream:
+            stream.writelines(f"# {line}\n" for line in comment.splitlines())
+            yaml.dump(simulation.to_mapping(), stream)
+
+    write_whole(path, write)
