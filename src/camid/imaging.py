@@ -19,7 +19,7 @@ Path = Callable[[Array], Array]
 
 # Bound on a pixel's error, as a share of the marker's intensity, that the number of instants is chosen for.
 QUADRATURE_ERROR = 4e-4
-# Pieces of the exposure on which the path is first and last looked at; a prime, as few vibrations alias with it.
+# Fewest and most pieces of the exposure on which the path is looked at; a prime, as few vibrations alias with it.
 FIRST_PIECES, MOST_PIECES = 61, 61 * 2**10
 # Least density of instants relative to its mean, so that a turning point, where the speed is zero, stays resolved.
 DENSITY_FLOOR = 0.25
@@ -35,8 +35,7 @@ class Marker:
     diameter : float
         Diameter of the disk in px, above zero (ValueError otherwise).
     intensity : float or tuple of three floats
-        Grey levels that a pixel gains if it is covered throughout the exposure; three values for a colour camera. A
-        negative value makes a dark marker on a bright background.
+        Grey levels that a pixel gains if always covered, three for a colour camera; below zero for a dark marker.
     """
 
     diameter: float = 30.0
@@ -79,10 +78,10 @@ def circular_path(centre: tuple[float, float], diameter: float, frequency: float
 
     Parameters
     ----------
-    centre : tuple of two floats
-        x and y of the circle's centre in px.
-    diameter, frequency, phase : float
-        px; Hz, positive from x to y (clockwise on the screen); angle from the x axis at time 0 in rad.
+    centre, diameter : tuple of two floats, float
+        x and y of the circle's centre, and its diameter, in px.
+    frequency, phase : float
+        Hz, positive from x to y (clockwise on the screen), and angle from the x axis at time 0, in rad.
 
     Returns
     -------
@@ -112,8 +111,7 @@ def expose(path: Path, start: float, exposure: float, marker: Marker, frame: Fra
     Returns
     -------
     ndarray of float64, shape (height, width), or (height, width, 3) for a marker with three colour components
-        Grey levels, neither rounded nor clipped, each component formed independently; the largest error of a pixel is
-        below 1e-3 of the marker's intensity, and comes from the midpoint rule in time alone.
+        Grey levels, not rounded, each component formed independently; in error by less than 1e-3 of the intensity.
 
     Raises
     ------
@@ -163,9 +161,7 @@ def quantise(
         If the bit depth is outside 1 to 16, or there is noise that is negative or without a generator.
     """
     if bit_depth not in BIT_DEPTHS or not noise_std >= 0.0 or (noise_std > 0.0 and generator is None):
-        raise ValueError(
-            f"{bit_depth = } must be 1 to 16 or None; {noise_std = } 0, or positive with a numpy Generator"
-        )
+        raise ValueError(f"{bit_depth = } must be 1 to 16 or None, {noise_std = } 0 or positive with a Generator")
     levels = np.array(image, dtype=float)
     if generator is not None and noise_std > 0.0:
         levels += noise_std * generator.standard_normal(levels.shape)
@@ -197,10 +193,9 @@ def _instants(path: Path, start: float, exposure: float) -> tuple[Array, Array]:
         steps = np.hypot(*np.diff(positions, axis=0).T)
         length, coarse_length = steps.sum(), np.hypot(*np.diff(positions[::2], axis=0).T).sum()
     if length == 0.0:
-        return np.array([start + 0.5 * exposure]), np.ones(1)
+        return edges[:1], np.ones(1)
     passes = max(1.0, length / float(np.hypot(*np.ptp(positions, axis=0))))
-    density = np.sqrt(steps)
-    density += DENSITY_FLOOR * density.mean()
+    density = np.sqrt(steps) + DENSITY_FLOOR * np.sqrt(steps).mean()
     cumulated = np.concatenate(([0.0], np.cumsum(density)))
     count = int(np.ceil(cumulated[-1] * np.sqrt(passes / (2.0 * QUADRATURE_ERROR * steps.size))))
     borders = np.interp(np.linspace(0.0, cumulated[-1], count + 1), cumulated, edges)
@@ -209,11 +204,10 @@ def _instants(path: Path, start: float, exposure: float) -> tuple[Array, Array]:
 
 @numba.njit(cache=True, nogil=True)
 def _accumulate(difference: Array, x: Array, y: Array, weights: Array, radius: float) -> None:
-    """Add the exact area of the disks, cut at the pixel borders, to an image of differences along the rows."""
+    """Add the exact covered areas to an image of differences along the rows."""
     for k in range(x.size):
-        first = max(0, int(np.floor(y[k] - radius)))
-        last = min(difference.shape[0] - 1, int(np.floor(y[k] + radius)))
-        for j in range(first, last + 1):
+        bottom = min(difference.shape[0], int(np.floor(y[k] + radius)) + 1)
+        for j in range(max(0, int(y[k] - radius)), bottom):
             # Cut at the horizontal diameter: above and below it both edges of the disk are monotonic.
             low, high = max(j - y[k], -radius), min(j + 1 - y[k], radius)
             if low < 0.0:
@@ -228,7 +222,7 @@ def _add_strip(row: Array, centre: float, near: float, far: float, radius: float
     wide, narrow = np.sqrt(radius**2 - near**2), np.sqrt(max(radius**2 - far**2, 0.0))
     inverse = 0.25 / radius**2  # the loop below is short of time for divisions
     for side in (-1.0, 1.0):
-        # Walk along the arc towards the centre column; what lies right of the left edge counts, and so on.
+        # Walk along the arc towards the centre: add what lies right of the left edge, take off right of the right one.
         x, y, end = centre + side * wide, near, centre + side * narrow
         column = int(np.floor(x))
         while True:

@@ -43,8 +43,7 @@ class RegionOfInterest:
     width: int
 
     def __post_init__(self) -> None:
-        """Refuse a region that is too small to filter."""
-        # Below 3 columns cv2.moments would moreover take a floating-point image for a list of points.
+        """Refuse a region too small to filter; cv2.moments would even take two columns for a list of points."""
         if self.height < 3 or self.width < 3:
             raise ValueError(f"a region of interest of {self.height} × {self.width} px; at least 3 × 3 is needed")
 

@@ -13,6 +13,7 @@ from camid.identification.output_error import output_error
 from camid.identification.predictor import Experiment, Predictor, Structure
 from camid.identification.srivc import (
     Fit,
+    is_stable,
     least_squares_state_variable_filter,
     plain_srivc,
     reflect,
@@ -25,7 +26,7 @@ from camid.identification.starts import (
     quick_candidates,
     start_window,
 )
-from camid.plant import STABILITY_TOLERANCE, TransferFunction
+from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -189,10 +190,10 @@ def _select(optima: list[Optimum], believed: Array | None) -> Optimum | None:
     """The optimum of the highest likelihood; between equals the one nearest to the believed plant, else the slowest.
 
     A model and its alias can fit alike (a second-order plant with a zero, held input, instant sensor: exactly alike), so
-    a difference in likelihood that noise explains decides nothing. Between exact equals a model within the Shannon limit
-    wins unless the believed plant lies clearly past it.
+    a difference in likelihood that noise explains decides nothing. Unless the believed plant lies clearly past the Shannon
+    limit, a model past it is taken only where it explains the data down to the noise and no slower one does.
     """
-    usable = [(p, f) for p, f in optima if np.isfinite(f.cost) and _stable(p, f)]
+    usable = [(p, f) for p, f in optima if np.isfinite(f.cost) and is_stable(p.split(f.parameters)[1])]
     if not usable:
         return None
     rows = len(usable[0][0].target)
@@ -210,15 +211,17 @@ def _select(optima: list[Optimum], believed: Array | None) -> Optimum | None:
             return float(np.sum(radius))
         return float(np.sum(np.abs(radius - np.sort(np.abs(np.roots(believed))))))
 
+    def within_shannon(optimum: Optimum) -> bool:
+        return fastest(optimum[0].split(optimum[1].parameters)[1], optimum[0].time_unit) <= shannon
+
+    if believed is None or fastest(believed, 1.0) < CLEARLY_PAST_SHANNON * shannon:
+        inside = [e for o, e in zip(usable, excess, strict=True) if within_shannon(o)]
+        # Where even the best optimum leaves structure behind, likelihoods of wrong models say nothing about aliases.
+        best = usable[int(np.argmin(excess))]
+        if inside and (min(inside) <= SAME_LIKELIHOOD or not _conclusive(best, best[0].experiments)):
+            usable, excess = [o for o in usable if within_shannon(o)], np.array(inside) - min(inside)
     margin = SAME_LIKELIHOOD if believed is None else SAME_LIKELIHOOD_NEAR_BELIEVED
     equals = [o for o, e in zip(usable, excess, strict=True) if e <= margin]
-    if believed is None or fastest(believed, 1.0) < CLEARLY_PAST_SHANNON * shannon:
-        within = [
-            o
-            for o, e in zip(usable, excess, strict=True)
-            if e <= SAME_LIKELIHOOD and fastest(o[0].split(o[1].parameters)[1], o[0].time_unit) <= shannon
-        ]
-        equals = within or equals
     nearest = min(distance(o) for o in equals)
     same = [o for o in equals if distance(o) <= nearest * (1.0 + 1e-2)]
     return min(same, key=lambda o: o[1].cost)
@@ -227,12 +230,6 @@ def _select(optima: list[Optimum], believed: Array | None) -> Optimum | None:
 def _respecting_fixed(structure: Structure, denominator: Array) -> Array:
     """The candidate with the coefficients that are not free put back."""
     return np.where(structure.free_denominator, denominator, structure.denominator)
-
-
-def _stable(predictor: Predictor, fit: Fit) -> bool:
-    denominator = predictor.split(fit.parameters)[1]
-    roots = np.roots(denominator)
-    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
 
 
 def _conclusive(best: Optimum | None, experiments: list[Experiment]) -> bool:

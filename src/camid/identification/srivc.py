@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, respond
 from camid.identification.predictor import Experiment, Predictor
+from camid.plant import STABILITY_TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -52,6 +53,14 @@ def reflect(denominator: Array) -> Array:
     if not np.any(roots.real > 0.0):
         return denominator
     return np.real(np.poly(np.where(roots.real > 0.0, -np.conj(roots), roots)))
+
+
+def is_stable(denominator: Array) -> bool:
+    """Whether no root lies clearly in the right half plane; integrators and undamped modes are stable here."""
+    if not np.all(np.isfinite(denominator)):
+        return False
+    roots = np.roots(denominator)
+    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
 
 
 def filtered_derivatives(signal: Array, filter_denominator: Array, acquisition: Acquisition, unit: float) -> Array:
@@ -191,7 +200,7 @@ def safeguarded_srivc(
     Both methods solve Σ ẑ_k (w_k − x_k) = 0 with the instruments ẑ = ∂x/∂θ. Plain SRIVC inverts Σ ẑ φᵀ, whose noisy
     regressors φ make the iteration lose its contraction near the Shannon frequency; Σ ẑ ẑᵀ (Young's symmetric form) has the
     same fixed points and makes each iteration a Gauss–Newton step, here damped as Levenberg and Marquardt do whenever the
-    output error would grow. The instruments go through hold and sensor exactly, so nothing is assumed between samples.
+    output error would grow or the plant become unstable. The instruments go through hold and sensor exactly, so nothing is assumed between samples.
 
     Parameters
     ----------
@@ -229,9 +238,11 @@ def safeguarded_srivc(
                 break
             trial = parameters.copy()
             trial[free] += step
-            trial_residual, trial_sensitivities = predictor.linearise(trial)
-            trial_cost = float(trial_residual @ trial_residual)
-            if np.isfinite(trial_cost) and trial_cost < cost:
+            trial_cost = np.inf
+            if is_stable(predictor.split(trial)[1]):
+                trial_residual, trial_sensitivities = predictor.linearise(trial)
+                trial_cost = float(trial_residual @ trial_residual)
+            if trial_cost < cost:
                 accepted = True
             elif effect <= 1e4 * rounding:
                 converged = True  # only rounding is left to gain
