@@ -26,7 +26,8 @@ def start_and_stop(time):
 
 
 def vibrating(time):
-    return np.stack((200.5 + 2.0 * np.sin(2.0 * np.pi * 600.0 * time), np.full_like(time, 150.0)), axis=-1)
+    # Fifty passes over the same pixels, whose errors add up.
+    return np.stack((200.5 + 0.5 * np.sin(2.0 * np.pi * 2500.0 * time), np.full_like(time, 150.0)), axis=-1)
 
 
 PATHS = {

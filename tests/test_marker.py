@@ -148,6 +148,14 @@ def test_buffers_do_not_leak_from_one_image_or_thread_to_another():
     assert np.array_equal(kept, before)
 
 
+def test_background_is_the_median_of_all_four_borders():
+    image = np.full((11, 11), 90.0)
+    image[0], image[-1], image[1:-1, 0], image[1:-1, -1] = 10.0, 30.0, 30.0, 10.0
+    image[0, 5] = image[-1, 5] = 20.0  # between as many darker as brighter border pixels
+    weights = image - 20.0
+    assert grey_level_centroid(image) == pytest.approx(centre_of_mass(weights), abs=1e-9)
+
+
 def test_images_are_left_as_they_are(noisy):
     before = noisy.copy()
     gradient_centroid(noisy, 0.5)

@@ -1,0 +1,114 @@
+"""Excitation, camera-sampled outputs of each sweep, noise samples (sections 3.2 and 3.3 of the paper)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from camid.chain import Acquisition, sample
+from camid.excitation import pseudo_random_binary_sequence
+from camid.plant import TransferFunction, second_order
+
+Array = NDArray[np.float64]
+
+
+def believed_plant(plant: Mapping[str, float]) -> TransferFunction:
+    """G0(s) of equation (15) from the section ``plant`` of the configuration."""
+    return second_order(plant["static_gain"], plant["natural_frequency"], plant["damping"])
+
+
+def excitation(configuration: Mapping[str, Any]) -> pd.DataFrame:
+    """The PRBS: columns ``k`` and ``u``."""
+    signal = pseudo_random_binary_sequence(configuration["order"], amplitude=configuration["amplitude"])
+    return pd.DataFrame({"k": np.arange(len(signal)), "u": signal})
+
+
+def sweep_periods(configuration: Mapping[str, Any]) -> Array:
+    """Sampling periods of Fig. 7 in seconds, shape (P,)."""
+    steps = round((configuration["stop"] - configuration["start"]) / configuration["step"])
+    # Rounded, so that a period reads as it was written and not as a sum of rounding errors.
+    return np.round(configuration["start"] + configuration["step"] * np.arange(steps + 1), 12)
+
+
+def sampling_period_outputs(signal: Array, plant: Mapping[str, float], sweep: Mapping[str, Any]) -> pd.DataFrame:
+    """Camera output of G0 for every sampling period, by the exact chain of Fig. 4.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``period`` (s), ``k``, ``u``, ``w``; N rows a period.
+    """
+    tables = [
+        pd.DataFrame(
+            {
+                "period": period,
+                "k": np.arange(len(signal)),
+                "u": signal,
+                "w": sample(believed_plant(plant), signal, Acquisition(float(period))),
+            }
+        )
+        for period in sweep_periods(sweep)
+    ]
+    return pd.concat(tables, ignore_index=True)
+
+
+def noise_samples(length: int, sweep: Mapping[str, Any], seed: int) -> pd.DataFrame:
+    """Standard normal noise, a stream of its own for every period and sample.
+
+    The stream of sample s at period number i is ``SeedSequence(seed, spawn_key=(i, s))``: the first of the sequence,
+    none chosen.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``period`` (s), ``sample`` (from 0), ``k``, ``noise`` (unit variance).
+    """
+    tables = []
+    for i, period in enumerate(sweep_periods(sweep)):
+        for s in range(sweep["noise_samples"]):
+            generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(i, s)))
+            tables.append(
+                pd.DataFrame(
+                    {
+                        "period": period,
+                        "sample": s,
+                        "k": np.arange(length),
+                        "noise": generator.standard_normal(length),
+                    }
+                )
+            )
+    return pd.concat(tables, ignore_index=True)
+
+
+def neglected_frequencies(sweep: Mapping[str, Any]) -> Array:
+    """ω1 of Fig. 8 in rad/s, shape (P,)."""
+    return np.geomspace(sweep["start"], sweep["stop"], sweep["points"]) / sweep["period"]
+
+
+def neglected_mode_outputs(signal: Array, plant: Mapping[str, float], sweep: Mapping[str, Any]) -> pd.DataFrame:
+    """Outputs of G0·G1, equations (25) and (26), by camera and by an instant sensor.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``omega_1`` (rad/s), ``k``, ``u``, ``camera``, ``instant``.
+    """
+    tables = []
+    for omega in neglected_frequencies(sweep):
+        whole = believed_plant(plant) * second_order(1.0, float(omega), sweep["damping"])
+        tables.append(
+            pd.DataFrame(
+                {
+                    "omega_1": omega,
+                    "k": np.arange(len(signal)),
+                    "u": signal,
+                    "camera": sample(whole, signal, Acquisition(sweep["period"])),
+                    "instant": sample(whole, signal, Acquisition(sweep["period"], sensor="instant")),
+                }
+            )
+        )
+    return pd.concat(tables, ignore_index=True)
