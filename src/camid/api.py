@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +18,10 @@ from camid.simulation import Simulation, load_simulation
 if TYPE_CHECKING:
     import pandas as pd
 
+    from camid.chain import Acquisition
     from camid.identification.estimate import Estimate
-    from camid.identification.predictor import Experiment
+    from camid.identification.predictor import Experiment, Structure
+    from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 RecordingSource = str | os.PathLike[str] | Any
@@ -63,7 +66,7 @@ class Identification:
     def to_mapping(self) -> dict[str, Any]:
         """Content of ``--json``."""
         plant = self.simulation.plant
-        return {
+        content = {
             "schema": 1,
             "converged": self.converged,
             "iterations": self.estimate.iterations,
@@ -78,19 +81,51 @@ class Identification:
             "rows_fitted": self.rows_fitted,
             "period": self.period,
         }
+        return {key: _without_infinities(value) for key, value in content.items()}
+
+
+def _without_infinities(value: Any) -> Any:
+    """The same with None for infinities and NaN, which JSON does not know."""
+    if isinstance(value, dict):
+        return {k: _without_infinities(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_without_infinities(v) for v in value]
+    return value if not isinstance(value, float | complex) or np.isfinite(value) and np.isreal(value) else None
 
 
 def load_recording(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> Recording:
     """Columns that a simulation names, checked against each other."""
+    roles = {
+        "time": simulation.time_column,
+        "input": simulation.input_column,
+        "output": simulation.output_column,
+    }
+    for (one, first), (other, second) in combinations(roles.items(), 2):
+        if first == second:
+            raise InputError(
+                f"{one} and {other} are the same column '{first}'", where=simulation.source, mend="name two columns"
+            )
     required = [c for c in (simulation.input_column, simulation.output_column if output_needed else None) if c]
     optional = [] if output_needed else [simulation.output_column]
     return read_recording(recording, simulation.time_column, required, optional)
 
 
+def _acquisition(recording: Recording, simulation: Simulation) -> Acquisition:
+    acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
+    duration = float(recording.time[-1] - recording.time[0])
+    if acquisition.latency > duration:
+        raise InputError(
+            f"latency = {acquisition.latency:g} s is longer than {recording.source}, which lasts {duration:g} s",
+            where=f"{simulation.source}, sensor",
+            mend="give it in seconds",
+        )
+    return acquisition
+
+
 def _experiment(recording: Recording, simulation: Simulation) -> Experiment:
     from camid.identification.predictor import Experiment
 
-    acquisition = simulation.acquisition(recording.period)
+    acquisition = _acquisition(recording, simulation)
     count = len(recording)
     signal = np.zeros(count) if simulation.input_column is None else recording.columns[simulation.input_column]
     used = np.ones(count, bool)
@@ -132,7 +167,7 @@ def identify(
     simulation : path, mapping or Simulation
         Its transfer function gives the orders and one starting value.
     structure : (int, int), optional
-        Numbers of poles and zeros; the transfer function of the simulation then counts for nothing.
+        Numbers of poles and zeros; the transfer function of the simulation then counts for nothing. Needs an input.
     method : {"srivc", "output-error", "plain-srivc"}
         See :func:`camid.identification.estimate.estimate`.
     progress : callable, optional
@@ -144,34 +179,17 @@ def identify(
         If recording and simulation do not fit together or the data are too few.
     """
     from camid.identification.estimate import METHODS, estimate
-    from camid.identification.predictor import Structure
 
     believed = load_simulation(simulation)
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known", mend=f"it must be one of {', '.join(METHODS)}")
     sources = recording if isinstance(recording, list | tuple) else [recording]
+    if not sources:
+        raise InputError("no recording is given", mend="name at least one")
     if progress:
         progress("reading the recording")
     recordings = [load_recording(source, believed, output_needed=True) for source in sources]
-    if structure is None:
-        monic = believed.plant.monic
-        wanted = Structure(
-            np.array(monic.numerator), np.array(monic.denominator), believed.free_numerator, believed.free_denominator
-        )
-        nominal = believed.plant
-    else:
-        wanted, nominal = _checked_structure(*structure), None
-    if wanted.order == 0:
-        raise InputError("the plant has no dynamics", where=believed.source, mend="give it at least one pole")
-    if believed.input_column is None:
-        if not believed.estimates_initial_state:
-            raise InputError(
-                "without input and at rest nothing moves",
-                where=believed.source,
-                mend="set initial_state: estimate for a free decay",
-            )
-        # A free decay says nothing of the numerator: it keeps its believed value.
-        wanted = replace(wanted, free_numerator=np.zeros_like(wanted.free_numerator))
+    wanted, nominal = _wanted(believed, structure)
     experiments, held_out = [], []
     for one in recordings:
         experiment = _experiment(one, believed)
@@ -179,6 +197,12 @@ def identify(
         held_out.append(rows & experiment.used)
         experiments.append(replace(experiment, used=experiment.used & ~rows))
         _refuse_constant(one, believed)
+    if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
+        raise InputError(
+            f"column '{believed.input_column}' is zero throughout",
+            where=recordings[0].source,
+            mend="for a free decay say input: null in the simulation",
+        )
     unknowns = int(wanted.free.sum()) + wanted.order * sum(e.estimate_initial_state for e in experiments)
     available = int(sum(e.used.sum() for e in experiments))
     if available <= unknowns:
@@ -187,7 +211,7 @@ def identify(
             where=recordings[0].source,
             mend="record longer, or choose a lower order",
         )
-    if unknowns == 0:
+    if not wanted.free.any():
         raise InputError("no coefficient is free", where=believed.source, mend="free one under plant.free")
     try:
         result = estimate(wanted, experiments, nominal=nominal, method=method, progress=progress)
@@ -196,31 +220,55 @@ def identify(
     return _identification(believed, result, recordings, experiments, held_out)
 
 
-def _checked_structure(poles: int, zeros: int) -> Any:
+def _wanted(believed: Simulation, structure: tuple[int, int] | None) -> tuple[Structure, TransferFunction | None]:
+    """What is looked for, and the plant to start from where one is believed."""
     from camid.identification.predictor import Structure
 
-    if poles < 1 or not 0 <= zeros <= poles:
-        raise InputError(
-            f"order {poles} {zeros} is improper", mend="it takes at least one pole and at most as many zeros as poles"
-        )
-    return Structure.of_order(poles, zeros)
+    if believed.input_column is None:
+        if not believed.estimates_initial_state:
+            raise InputError(
+                "without input and at rest nothing moves",
+                where=believed.source,
+                mend="set initial_state: estimate for a free decay",
+            )
+        if structure is not None:
+            raise InputError(
+                "a free decay says nothing of the numerator, and an order alone gives it no value",
+                where=believed.source,
+                mend="leave the order out and write a transfer_function",
+            )
+    if structure is not None:
+        poles, zeros = structure
+        if poles < 1 or not 0 <= zeros <= poles:
+            raise InputError(
+                f"order {poles} {zeros} is improper",
+                mend="it takes at least one pole and at most as many zeros as poles",
+            )
+        return Structure.of_order(poles, zeros), None
+    monic = believed.plant.monic
+    if monic.order == 0:
+        raise InputError("the plant has no dynamics", where=believed.source, mend="give it at least one pole")
+    # A free decay says nothing of the numerator: it keeps its believed value.
+    free_numerator = believed.free_numerator & (believed.input_column is not None)
+    return (
+        Structure(np.array(monic.numerator), np.array(monic.denominator), free_numerator, believed.free_denominator),
+        believed.plant,
+    )
 
 
 def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
-    for column in (simulation.input_column, simulation.output_column):
-        if column is None:
-            continue
-        values = recording.columns[column]
-        if column == simulation.output_column and np.ptp(values) == 0.0:
-            raise InputError(
-                f"column '{column}' is constant", where=recording.source, mend="there is nothing to identify in it"
-            )
-        if column == simulation.input_column and not np.any(values) and not simulation.estimates_initial_state:
-            raise InputError(
-                f"column '{column}' is zero throughout",
-                where=recording.source,
-                mend="for a free decay say input: null and initial_state: estimate",
-            )
+    column = simulation.output_column
+    if np.ptp(recording.columns[column]) == 0.0:
+        raise InputError(
+            f"column '{column}' is constant", where=recording.source, mend="there is nothing to identify in it"
+        )
+    column = simulation.input_column or ""
+    if column and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
+        raise InputError(
+            f"column '{column}' is zero throughout",
+            where=recording.source,
+            mend="for a free decay say input: null and initial_state: estimate",
+        )
 
 
 def _identification(
@@ -230,25 +278,31 @@ def _identification(
     experiments: list[Experiment],
     held_out: list[NDArray[np.bool_]],
 ) -> Identification:
-    lead = believed.plant.denominator[0] if len(believed.plant.denominator) == result.plant.order + 1 else 1.0
-    split = len(result.plant.numerator)
-    deviations = lead * result.standard_deviations
     from camid.plant import TransferFunction
 
+    lead = believed.plant.denominator[0] if len(believed.plant.denominator) == result.plant.order + 1 else 1.0
+    split = len(result.plant.numerator)
+    deviations, covariance = abs(lead) * result.standard_deviations, lead**2 * result.covariance
+    free_numerator, free_denominator = result.free[:split], np.concatenate([[False], result.free[split:]])
+    if believed.input_column is None:  # the numerator was not fitted, but a recording with an input may fit it
+        free_numerator = believed.free_numerator
     plant = TransferFunction(
         tuple(lead * b for b in result.plant.numerator), tuple(lead * a for a in result.plant.denominator)
     )
     model = replace(
         believed,
         plant=plant,
-        exposure=believed.acquisition(recordings[0].period).exposure if believed.sensor == "camera" else None,
-        free_numerator=result.free[:split],
-        free_denominator=np.concatenate([[False], result.free[split:]]),
+        exposure=experiments[0].acquisition.exposure if believed.sensor == "camera" else None,
+        free_numerator=free_numerator,
+        free_denominator=free_denominator,
+        # Where the data leave a coefficient undetermined there is no accuracy to write down.
         standard_deviations={
             "numerator": [float(v) for v in deviations[:split]],
             "denominator": [0.0, *(float(v) for v in deviations[split:])],
-        },
-        covariance=[[float(lead**2 * v) for v in row] for row in result.covariance],
+        }
+        if np.all(np.isfinite(deviations))
+        else None,
+        covariance=covariance.tolist() if np.all(np.isfinite(covariance)) else None,
     )
 
     def nrmse(rows: list[NDArray[np.bool_]]) -> float:
@@ -291,12 +345,19 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
 
     believed = load_simulation(simulation)
     loaded = load_recording(recording, believed, output_needed=believed.estimates_initial_state)
-    if believed.output_column == "simulated":
+    if "simulated" in {believed.time_column, believed.output_column}:
         raise InputError(
-            "the recorded output is called 'simulated' like the result", where=believed.source, mend="rename the column"
+            "a recorded column is called 'simulated' like the result", where=believed.source, mend="rename the column"
         )
     table = {believed.time_column: loaded.time}
-    table["simulated"] = _simulated(loaded, believed)
+    simulated = _simulated(loaded, believed)
+    if not np.all(np.isfinite(simulated)):
+        raise InputError(
+            "the simulated output exceeds every floating-point number",
+            where=believed.source,
+            mend="check the transfer function and the units of the input",
+        )
+    table["simulated"] = simulated
     if believed.output_column in loaded.columns:
         table[believed.output_column] = loaded.columns[believed.output_column]
     return pd.DataFrame(table)
@@ -306,12 +367,10 @@ def _simulated(recording: Recording, simulation: Simulation) -> Array:
     from camid.chain import sample
     from camid.identification.predictor import Predictor, Structure
 
-    if not simulation.estimates_initial_state:
-        acquisition = simulation.acquisition(recording.period)
+    if not simulation.estimates_initial_state or simulation.plant.order == 0:
+        acquisition = _acquisition(recording, simulation)
         signal = (
-            np.zeros(len(recording))
-            if simulation.input_column is None
-            else recording.columns[simulation.input_column]
+            np.zeros(len(recording)) if simulation.input_column is None else recording.columns[simulation.input_column]
         )
         return sample(simulation.plant, signal, acquisition)
     monic = simulation.plant.monic
@@ -321,5 +380,12 @@ def _simulated(recording: Recording, simulation: Simulation) -> Array:
         np.zeros(len(monic.numerator), bool),
         np.zeros(len(monic.denominator), bool),
     )
-    predictor = Predictor.around(structure, [_experiment(recording, simulation)], np.array(monic.denominator))
+    experiment = _experiment(recording, simulation)
+    if experiment.used.sum() <= structure.order:
+        raise InputError(
+            f"{experiment.used.sum()} samples are fewer than needed for {structure.order} initial states",
+            where=recording.source,
+            mend="record longer, or set initial_state: zero",
+        )
+    predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
     return predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]

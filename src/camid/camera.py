@@ -46,7 +46,8 @@ def model_1_response(
     duration = period if exposure is None else exposure
     angle = 0.5 * duration * np.asarray(angular_frequency, dtype=float)
     # np.sinc(x) is sin(πx)/(πx), finite at zero.
-    return np.sinc(angle / np.pi) * np.exp(-1j * angle * (1.0 + 2.0 * latency / duration))
+    delay = np.exp(-1j * angle * (1.0 + 2.0 * latency / duration))
+    return np.asarray(np.sinc(angle / np.pi) * delay, dtype=np.complex128)
 
 
 def model_1_first_version_response(angular_frequency: ArrayLike, period: float) -> ComplexArray:

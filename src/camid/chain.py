@@ -4,8 +4,8 @@ The plant is augmented with the integrator of the paper's Fig. 4, so that the ca
 difference of integrals and as exact as the state itself. Because input and sensor are linear, the average of *every*
 state comes at the same price, and with it the regressors, instruments and sensitivities of identification.
 
-Time convention: frame k is delivered at t_k; w_k = (1/τ)∫ y dt over [t_k − ℓ − τ, t_k − ℓ] (instant sensor: y(t_k − ℓ));
-u_k is applied from t_k to t_{k+1}, held (zoh) or along a straight line to u_{k+1} (foh); before the first sample u = 0.
+Time convention: frame k is delivered at t_k; w_k = (1/τ)∫ y dt over [t_k − ℓ − τ, t_k − ℓ] (instant sensor:
+y(t_k − ℓ)); u_k is applied from t_k to t_{k+1}, held (zoh) or along a straight line to u_{k+1} (foh); before the first sample u = 0.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Ar
 
 
 @njit(cache=True)
-def _run(
+def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
     state_matrix: Array,
     input_vector: Array,
     initial_state: Array,
@@ -213,8 +213,8 @@ def respond(
     state_matrix : ndarray, shape (p, p)
         In units of ``1/time_unit``: t' = t / time_unit.
     input_vector, initial_state : ndarray, shape (p,)
-        The initial state is the one at the beginning of the first frame's window's interval, t_0 - delay·T; the input is
-        zero from there to t_0.
+        The initial state is the one at the beginning of the interval in which the first frame's window begins,
+        t_0 - delay·T; the input is zero from there to t_0.
     selection : ndarray, shape (q, p + 1)
         Rows that pick the wanted combinations of states and (last column) input, after the sensor.
     signal : ndarray, shape (N,)
@@ -300,9 +300,10 @@ def sample(
     unit = time_scale(monic.denominator)
     order, degree = monic.order, len(monic.numerator) - 1
     if order == 0:
-        return monic.numerator[0] * respond(
-            np.zeros((0, 0)), np.zeros(0), np.zeros(0), np.ones((1, 1)), signal, acquisition
-        )[:, 0]
+        return (
+            monic.numerator[0]
+            * respond(np.zeros((0, 0)), np.zeros(0), np.zeros(0), np.ones((1, 1)), signal, acquisition)[:, 0]
+        )
     denominator = np.asarray(monic.denominator) * unit ** np.arange(order + 1)
     numerator = np.asarray(monic.numerator) * unit ** (order - degree + np.arange(degree + 1.0))
     selection = numerator @ derivative_rows(denominator, range(degree, -1, -1))
@@ -312,6 +313,9 @@ def sample(
     if initial_state is None:
         return forced
     free = np.append(np.asarray(initial_state, dtype=float), 0.0)
-    return forced + respond(
-        companion(denominator), np.zeros(order), np.eye(order)[0], free[None, :], signal, acquisition, unit
-    )[:, 0]
+    return (
+        forced
+        + respond(companion(denominator), np.zeros(order), np.eye(order)[0], free[None, :], signal, acquisition, unit)[
+            :, 0
+        ]
+    )

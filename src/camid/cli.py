@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import json
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +35,7 @@ def _progress(quiet: bool) -> Iterator[Callable[[str], None] | None]:
     from rich.console import Console
 
     with Console(stderr=True).status("starting") as status:
-        yield lambda sentence: status.update(sentence)
+        yield status.update
 
 
 def _warn(sentence: str) -> None:
@@ -68,6 +70,7 @@ def cli() -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 def identify(
+    *,
     recording: tuple[Path, ...],
     simulation: Path | None,
     output: Path | None,
@@ -81,7 +84,7 @@ def identify(
     from camid.simulation import write_simulation
 
     believed = _declared_simulation(simulation, order, declared)
-    _refuse_overwriting(output, [*recording, *([simulation] if simulation else [])])
+    _check_output(output, [*recording, *([simulation] if simulation else [])])
     with _progress(as_json) as progress:
         result = run(list(recording), believed, structure=order, method=method, progress=progress)
     if output is not None:
@@ -121,8 +124,9 @@ def _declared_simulation(
     if sensor == "instant" and "exposure" in given:
         raise InputError("an instant sensor has no exposure", mend="leave out --exposure or say --sensor camera")
     for name in ("exposure", "latency"):
-        if name in given and not (0.0 <= given[name] < float("inf")):
-            raise InputError(f"--{name} {given[name]}", mend="it takes a positive number of seconds")
+        lowest = "positive" if name == "exposure" else "zero or positive"
+        if name in given and not (0.0 <= given[name] < float("inf") and (given[name] or lowest != "positive")):
+            raise InputError(f"--{name} {given[name]:g}", mend=f"it takes a {lowest} number of seconds")
     return Simulation(
         time_column=given.get("time_column", "t"),
         input_column=given.get("input_column", "u"),
@@ -137,10 +141,15 @@ def _declared_simulation(
     )
 
 
-def _refuse_overwriting(output: Path | None, inputs: list[Path]) -> None:
+def _check_output(output: Path | None, inputs: list[Path]) -> None:
+    """Refuse, before the work is done, an output that cannot be written or that is one of the inputs."""
+    from camid.recording import check_writable
+
     for path in inputs:
         if output is not None and output.exists() and path.exists() and output.samefile(path):
             raise InputError("--output would overwrite what it is made from", where=str(path), mend="name another file")
+    if output is not None:
+        check_writable(output)
 
 
 def _print_identification(result: Identification, output: Path | None) -> None:
@@ -152,7 +161,7 @@ def _print_identification(result: Identification, output: Path | None) -> None:
     table = Table(title="Identified plant", title_justify="left")
     for heading in ("quantity", "value", "standard deviation", "unit"):
         table.add_column(heading, justify="left" if heading in {"quantity", "unit"} else "right")
-    deviations = model.standard_deviations or {}
+    deviations = model.standard_deviations
     for name, letter, coefficients in (
         ("numerator", "b", model.plant.numerator),
         ("denominator", "a", model.plant.denominator),
@@ -160,8 +169,10 @@ def _print_identification(result: Identification, output: Path | None) -> None:
         for i, value in enumerate(coefficients):
             power = len(coefficients) - 1 - i
             symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
-            deviation = deviations[name][i]
-            table.add_row(f"{letter}{power}{symbol}", f"{value:.8g}", f"{deviation:.2g}" if deviation else "fixed", "")
+            deviation = "undetermined"
+            if deviations is not None:
+                deviation = f"{deviations[name][i]:.2g}" if deviations[name][i] else "fixed"
+            table.add_row(f"{letter}{power}{symbol}", f"{value:.8g}", deviation, "")
     table.add_section()
     for row in result.characteristics():
         table.add_row(str(row["name"]), f"{row['value']:.8g}", f"{row['standard_deviation']:.2g}", str(row["unit"]))
@@ -171,7 +182,9 @@ def _print_identification(result: Identification, output: Path | None) -> None:
         f"fitted to {result.rows_fitted} samples, period {1e3 * result.period:.6g} ms; input {model.hold}; {sensor}, "
         f"latency {1e3 * model.latency:.6g} ms; initial state: {model.initial_state}"
     )
-    validation = "" if result.nrmse_validation is None else f", {100 * result.nrmse_validation:.4g} % on validation rows"
+    validation = (
+        "" if result.nrmse_validation is None else f", {100 * result.nrmse_validation:.4g} % on validation rows"
+    )
     console.print(
         f"residual: {100 * result.nrmse:.4g} % of the output's standard deviation{validation} "
         f"({'converged' if result.converged else 'not converged'} after {result.estimate.iterations} iterations)"
@@ -183,7 +196,9 @@ def _print_identification(result: Identification, output: Path | None) -> None:
 @cli.command()
 @click.argument("recording", type=click.Path(path_type=Path))
 @click.option("--simulation", type=click.Path(path_type=Path), required=True, help="The chain to run (YAML).")
-@click.option("--output", type=click.Path(path_type=Path), required=True, help="Where the result goes (CSV or Parquet).")
+@click.option(
+    "--output", type=click.Path(path_type=Path), required=True, help="Where the result goes (CSV or Parquet)."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
 def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
     """Run a simulation on the input of a RECORDING: one row a recorded row."""
@@ -193,7 +208,7 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
     from camid.recording import write_table
     from camid.simulation import load_simulation
 
-    _refuse_overwriting(output, [recording, simulation])
+    _check_output(output, [recording, simulation])
     believed = load_simulation(simulation)
     with _progress(as_json):
         table = run(recording, believed)
@@ -212,22 +227,33 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
         click.echo(f"difference: {summary['rmse']:.4g} rms, {100 * summary['nrmse']:.4g} % of the output's spread")
 
 
+def _message(error: Exception) -> str:
+    """One line for an error that the user can mend."""
+    sentence = str(error)
+    if isinstance(error, click.ClickException):
+        sentence = f"{' '.join(error.format_message().split())} (see camid --help)"
+    elif isinstance(error, OSError):  # no right to read, a name that is too long, a full disk
+        sentence = f"{error.filename or 'cannot read or write'}: {error.strerror or error}"
+    # Names of files and columns may hold anything, line breaks too.
+    return "".join(c if c.isprintable() else "?" for c in sentence)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code; errors are one line on the error stream."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without · or ² shows ? instead
     try:
-        cli.main(args=arguments, prog_name="camid", standalone_mode=False)
-    except InputError as error:
-        click.echo(f"camid: error: {error}", err=True)
-        return 2
+        with warnings.catch_warnings():
+            # A start that overflows is dropped; what becomes of the others is judged at the end.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            return int(cli.main(args=arguments, prog_name="camid", standalone_mode=False) or 0)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         return 2
-    except click.ClickException as error:
-        click.echo(f"camid: error: {' '.join(error.format_message().split())} (see camid --help)", err=True)
+    except (InputError, OSError, click.ClickException) as error:
+        click.echo(f"camid: error: {_message(error)}", err=True)
         return 2
-    except click.exceptions.Exit as stop:
-        return int(stop.exit_code)
     except (click.Abort, KeyboardInterrupt):
         click.echo("camid: interrupted; nothing was written", err=True)
         return INTERRUPTED
-    return 0

@@ -217,7 +217,7 @@ def _accumulate(difference: Array, x: Array, y: Array, weights: Array, radius: f
 
 
 @numba.njit(cache=True, nogil=True)
-def _add_strip(row: Array, centre: float, near: float, far: float, radius: float, weight: float) -> None:  # noqa: PLR0917
+def _add_strip(row: Array, centre: float, near: float, far: float, radius: float, weight: float) -> None:
     """Add the part of the disk whose distance from its horizontal diameter is between ``near`` and ``far``."""
     wide, narrow = np.sqrt(radius**2 - near**2), np.sqrt(max(radius**2 - far**2, 0.0))
     inverse = 0.25 / radius**2  # the loop below is short of time for divisions

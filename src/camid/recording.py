@@ -5,8 +5,11 @@ from __future__ import annotations
 import csv
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +26,8 @@ Array = NDArray[np.float64]
 # Steps that differ from the period by less than this share are regular (design, section 1).
 PERIOD_TOLERANCE = 1e-6
 FEWEST_ROWS = 3
+# Rounding of the times, as a share of the period, that still tells a missing row from a rounded one.
+COARSEST_RESOLUTION = 0.5
 
 
 @dataclass(frozen=True)
@@ -36,15 +41,18 @@ class Recording:
     columns : dict of str to ndarray, each of shape (N,)
         The columns that were asked for.
     period : float
-        Seconds: the median step, or the mean step where the printed digits hide the difference.
+        Seconds: the median step, or the slope of the times where rounding makes the steps differ.
     source : str
         Name for messages.
+    period_uncertainty : float
+        Seconds by which rounded times may have falsified the period; 0 where the steps are equal.
     """
 
     time: Array
     columns: dict[str, Array]
     period: float
     source: str
+    period_uncertainty: float = 0.0
 
     def __len__(self) -> int:
         return len(self.time)
@@ -77,6 +85,7 @@ def read_recording(
 
     if isinstance(source, pd.DataFrame):
         table, name, path = source, "recording", None
+        _refuse_repeated([str(c) for c in table.columns], name)
     else:
         path = Path(source)
         table, name = _read_table(path), str(source)
@@ -94,8 +103,8 @@ def read_recording(
     columns = {c: _numbers(table, c, name, path) for c in dict.fromkeys(wanted)}
     time = columns[time_column]
     _check_order(time, time_column, name, path)
-    period = _period(time, time_column, name, path)
-    return Recording(time, {c: v for c, v in columns.items() if c != time_column}, period, name)
+    period, uncertainty = _period(time, time_column, name, path)
+    return Recording(time, {c: v for c, v in columns.items() if c != time_column}, period, name, uncertainty)
 
 
 def _read_table(path: Path) -> pd.DataFrame:
@@ -109,24 +118,50 @@ def _read_table(path: Path) -> pd.DataFrame:
         if path.suffix.lower() in {".parquet", ".pq"}:
             return pd.read_parquet(path)
         with path.open(encoding="utf-8-sig", newline="") as stream:
-            header = next(csv.reader(stream), [])
-        repeated = sorted({c for c in header if header.count(c) > 1 and c})
-        if repeated:
-            raise InputError(f"two columns are named '{repeated[0]}'", where=f"{path}, line 1", mend="rename one")
-        # index_col=False: a comma at the end of each line must not shift the columns by one.
-        return pd.read_csv(path, index_col=False, skipinitialspace=True, encoding="utf-8-sig", low_memory=False)
+            line, header = next(_rows(stream), (1, []))
+        _refuse_repeated(header, f"{path}, line {line}")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            return pd.read_csv(
+                path,
+                index_col=False,  # a comma at the end of each line must not shift the columns by one
+                skipinitialspace=True,
+                encoding="utf-8-sig",
+                low_memory=False,
+            )
     except InputError:
         raise
     except pd.errors.EmptyDataError:
         raise InputError("the file is empty", where=str(path), mend="it needs a header line and rows") from None
     except UnicodeDecodeError:
-        raise InputError("this is no text file", where=str(path), mend="a recording is CSV or Parquet") from None
+        raise InputError("this is no UTF-8 text", where=str(path), mend="a recording is CSV or Parquet") from None
+    except pd.errors.ParserWarning:
+        raise InputError(
+            "the rows have more cells than the header",
+            where=str(path),
+            mend="put commas between the cells only, and a point into the numbers",
+        ) from None
     except (pd.errors.ParserError, csv.Error) as error:
         detail = str(error).replace("Error tokenizing data. C error: ", "").strip()
         raise InputError(detail, where=str(path), mend="each row needs as many cells as the header") from None
     except (OSError, ValueError) as error:  # a Parquet file that is none, or no right to read
-        detail = str(error).splitlines()[0]
+        detail = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"cannot be read ({detail})", where=str(path), mend="a recording is CSV or Parquet") from None
+
+
+def _rows(stream: Iterable[str]) -> Iterator[tuple[int, list[str]]]:
+    """Lines, and cells without the space around them, of what pandas takes for rows: blank lines are none."""
+    reader = csv.reader(stream, skipinitialspace=True)
+    for cells in reader:
+        stripped = [c.strip() for c in cells]
+        if len(stripped) > 1 or any(stripped):
+            yield reader.line_num, stripped
+
+
+def _refuse_repeated(names: Sequence[str], where: str) -> None:
+    repeated = sorted({c for c in names if names.count(c) > 1 and c})
+    if repeated:
+        raise InputError(f"two columns are named '{repeated[0]}'", where=where, mend="rename one")
 
 
 def _separator_hint(table: pd.DataFrame) -> str:
@@ -141,36 +176,38 @@ def _row_name(row: int, path: Path | None) -> str:
     """'line 7' of a CSV file, 'row 5' of any other table; blank lines count in a file."""
     if path is None or path.suffix.lower() in {".parquet", ".pq"}:
         return f"row {row}"
-    with path.open(encoding="utf-8-sig", newline="") as stream:
-        reader = csv.reader(stream)
-        next(reader, None)
-        rows = (reader.line_num for cells in reader if cells)
-        for index, line in enumerate(rows):
-            if index == row:
-                return f"line {line}"
+    with path.open(encoding="utf-8-sig", newline="") as stream, suppress(csv.Error):
+        for line, _ in islice(_rows(stream), row + 1, None):  # the header is a row, too
+            return f"line {line}"
     return f"row {row}"
 
 
 def _numbers(table: pd.DataFrame, column: str, name: str, path: Path | None) -> Array:
-    import pandas as pd
-
     values = table[column]
-    numeric = pd.to_numeric(values, errors="coerce") if not pd.api.types.is_bool_dtype(values) else None
-    if numeric is None:
-        bad, cell = 0, str(values.iloc[0])
-    else:
-        numbers = numeric.to_numpy(dtype=float, na_value=np.nan)
-        wrong = np.flatnonzero(~np.isfinite(numbers))
-        if wrong.size == 0:
-            return np.ascontiguousarray(numbers)
-        bad = int(wrong[0])
-        cell = str(values.iloc[bad])
+    numbers = _as_floats(values)
+    wrong = np.flatnonzero(~np.isfinite(numbers))
+    if wrong.size == 0:
+        return np.ascontiguousarray(numbers)
+    bad = int(wrong[0])
+    cell = str(values.iloc[bad])
     shown = "an empty cell or NaN" if cell.strip().lower() in {"", "nan", "<na>", "none"} else f"'{cell}'"
     raise InputError(
         f"{shown} where a number should be",
         where=f"{name}, {_row_name(bad, path)}, column '{column}'",
         mend="fill in the number (with a decimal point) or remove the row",
     )
+
+
+def _as_floats(values: pd.Series) -> Array:
+    """Numbers, and NaN for everything else: truth values and dates are no numbers."""
+    import pandas as pd
+    from pandas.api import types
+
+    if types.is_object_dtype(values) or types.is_string_dtype(values):
+        values = pd.to_numeric(values.mask(values.map(lambda cell: isinstance(cell, bool))), errors="coerce")
+    if not types.is_numeric_dtype(values) or types.is_bool_dtype(values) or types.is_complex_dtype(values):
+        return np.full(len(values), np.nan)
+    return values.to_numpy(dtype=float, na_value=np.nan)
 
 
 def _check_order(time: Array, column: str, name: str, path: Path | None) -> None:
@@ -187,23 +224,27 @@ def _check_order(time: Array, column: str, name: str, path: Path | None) -> None
     )
 
 
-def _period(time: Array, column: str, name: str, path: Path | None) -> float:
+def _period(time: Array, column: str, name: str, path: Path | None) -> tuple[float, float]:
+    """Sampling period and its uncertainty in seconds."""
     steps = np.diff(time)
     median = float(np.median(steps))
-    # Large offsets, such as seconds since 1970, leave few digits to the steps.
-    rounding = 4.0 * float(np.spacing(np.max(np.abs(time))))
     deviation = np.abs(steps - median)
-    if np.max(deviation) <= PERIOD_TOLERANCE * median + rounding:
-        return median
-    resolution = _printed_resolution(path, column)
-    mean = float((time[-1] - time[0]) / (len(time) - 1))
-    if np.max(np.abs(steps - mean)) <= PERIOD_TOLERANCE * mean + rounding + 1.001 * resolution:
-        # Rounded times: 0.033, 0.067, 0.100 at 30 frames/s. Their median step is off by the rounding, their mean is not.
-        return mean
-    row = int(np.argmax(deviation > PERIOD_TOLERANCE * median + rounding + 1.001 * resolution)) + 1
+    if np.max(deviation) <= PERIOD_TOLERANCE * median:
+        return median, 0.0
+    # Rounded times, such as 0.033, 0.067, 0.100 at 30 frames/s: no step is exact, but all times lie along a straight
+    # line within the rounding. Digits as coarse as the period would hide a missing row.
+    rows = np.arange(len(time)) - 0.5 * (len(time) - 1)
+    elapsed = time - time[0]
+    slope = float(rows @ elapsed / (rows @ rows))
+    spread = float(np.ptp(elapsed - slope * rows))
+    for resolution in _resolutions(time):
+        if resolution <= COARSEST_RESOLUTION * median and spread <= 1.5 * resolution:
+            return slope, 2.0 * resolution / (len(time) - 1)
+    row = int(np.argmax(deviation >= 0.5 * np.max(deviation))) + 1
     step = time[row] - time[row - 1]
-    missing = step / median
-    reason = f"{round(missing) - 1} rows seem to be missing" if missing > 1.5 else "the sampling is irregular"
+    missing = round(step / median) - 1
+    rows_missing = "a row seems" if missing == 1 else f"{missing} rows seem"
+    reason = f"{rows_missing} to be missing" if step > 1.5 * median else "the sampling is irregular"
     raise InputError(
         f"a step of {step:.6g} s where the others have {median:.6g} s: {reason}",
         where=f"{name}, {_row_name(row, path)}, column '{column}'",
@@ -211,20 +252,16 @@ def _period(time: Array, column: str, name: str, path: Path | None) -> float:
     )
 
 
-def _printed_resolution(path: Path | None, column: str) -> float:
-    """Smallest difference that the printed digits of a CSV column can show; 0 where it is not printed."""
-    if path is None or path.suffix.lower() in {".parquet", ".pq"}:
-        return 0.0
-    import pandas as pd
-
-    cells = pd.read_csv(
-        path, index_col=False, usecols=[column], dtype=str, skipinitialspace=True, encoding="utf-8-sig"
-    )[column].dropna()
-    digits = -30
-    for cell in cells.str.strip().str.lower():
-        mantissa, _, exponent = cell.partition("e")
-        digits = max(digits, len(mantissa.partition(".")[2]) - int(exponent or 0))
-    return float(10.0**-digits)
+def _resolutions(time: Array) -> list[float]:
+    """Seconds to which the times may be rounded: by the floating point of large offsets, and by their decimals."""
+    largest = float(np.max(np.abs(time)))
+    rounding = 4.0 * float(np.spacing(largest))
+    for decimals in range(16):
+        if 10.0**-decimals <= rounding:
+            break
+        if np.max(np.abs(np.round(time, decimals) - time)) <= rounding:
+            return [rounding, rounding + 10.0**-decimals]
+    return [rounding]
 
 
 def write_table(table: pd.DataFrame, path: str | os.PathLike[str]) -> None:
@@ -239,6 +276,23 @@ def write_table(table: pd.DataFrame, path: str | os.PathLike[str]) -> None:
     write_whole(path, write)
 
 
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Refuse what :func:`write_whole` could not write, before the work is done.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist, or the path is a folder, a device or a pipe.
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise InputError("this is a folder", where=str(path), mend="name a file to write")
+    if not target.parent.is_dir():
+        raise InputError("no such folder", where=str(target.parent), mend="make it, or write somewhere else")
+    if target.exists() and not target.is_file():
+        raise InputError("this is a device or a pipe", where=str(path), mend="name a file to write")
+
+
 def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> None:
     """Let ``write`` fill a temporary file beside ``path``, then rename it: nothing is ever half-written.
 
@@ -247,13 +301,10 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> N
     InputError
         If the folder does not exist or cannot be written to.
     """
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise InputError("no such folder", where=str(target.parent), mend="make it, or write somewhere else")
-    if target.is_dir():
-        raise InputError("this is a folder", where=str(target), mend="name a file to write")
+    check_writable(path)
+    target = Path(os.path.realpath(path))  # a link stays a link to the file that is written
     try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=target.suffix)
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".camid-", suffix=target.suffix)
     except OSError as error:
         raise InputError(f"cannot write ({error.strerror})", where=str(target.parent), mend="write elsewhere") from None
     os.close(handle)

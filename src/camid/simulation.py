@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -79,16 +80,19 @@ class Simulation:
         """Whether the initial state is fitted."""
         return self.initial_state == "estimate"
 
-    def acquisition(self, period: float) -> Acquisition:
-        """Hold and sensor for a recording with this period.
+    def acquisition(self, period: float, uncertainty: float = 0.0) -> Acquisition:
+        """Hold and sensor for a recording with this period, known to an uncertainty in seconds.
 
         Raises
         ------
         InputError
             If the exposure is longer than the period.
         """
+        exposure = self.exposure
+        if exposure is not None and period < exposure <= period + uncertainty:
+            exposure = period
         try:
-            return Acquisition(period, self.hold, self.sensor, self.exposure, self.latency)
+            return Acquisition(period, self.hold, self.sensor, exposure, self.latency)
         except ValueError as error:
             raise InputError(
                 str(error), where=f"{self.source}, sensor", mend="give the exposure in seconds, at most the period"
@@ -145,12 +149,28 @@ def default_freedom(plant: TransferFunction) -> tuple[NDArray[np.bool_], NDArray
     return free_numerator, free_denominator
 
 
+def _is_finite_number(_checker: Any, value: Any) -> bool:
+    """Whether a schema's number stands here; YAML's truth values, .nan and .inf are none."""
+    from ruamel.yaml.scalarbool import ScalarBoolean
+
+    try:
+        return (
+            isinstance(value, Real) and not isinstance(value, bool | ScalarBoolean) and bool(np.isfinite(float(value)))
+        )
+    except OverflowError:
+        return False
+
+
 @cache
 def _validator() -> Any:
     from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
 
     text = files("camid").joinpath("schemas/simulation.schema.json").read_text(encoding="utf-8")
-    return Draft202012Validator(json.loads(text))
+    types = Draft202012Validator.TYPE_CHECKER.redefine("number", _is_finite_number)
+    types = types.redefine("array", lambda _checker, value: isinstance(value, list | tuple))
+    types = types.redefine("object", lambda _checker, value: isinstance(value, Mapping))
+    return extend(Draft202012Validator, type_checker=types)(json.loads(text))
 
 
 def _line(content: Any, path: list[Any]) -> int | None:
@@ -158,7 +178,8 @@ def _line(content: Any, path: list[Any]) -> int | None:
     line = None
     for key in path:
         try:
-            line = content.lc.key(key)[0] + 1 if isinstance(content, Mapping) else content.lc.item(key)[0] + 1
+            marks: Any = content.lc  # only what came out of a file has them
+            line = (marks.item(key) if isinstance(content, list) else marks.key(key))[0] + 1
             content = content[key]
         except (AttributeError, KeyError, TypeError, IndexError):
             return line
@@ -184,7 +205,9 @@ def _refuse_schema_errors(content: Any, source: str) -> None:
     if error.validator == "additionalProperties" and "properties" in error.schema:
         known = list(error.schema["properties"])
         key = next(k for k in error.instance if k not in known)
-        raise InputError(f"unknown key '{key}'", where=_where(source, content, [*path, key]), mend=nearest_match(key, known))
+        raise InputError(
+            f"unknown key '{key}'", where=_where(source, content, [*path, key]), mend=nearest_match(key, known)
+        )
     if error.validator == "required":
         missing = next(k for k in error.validator_value if k not in error.instance)
         raise InputError(f"the key '{missing}' is missing", where=_where(source, content, path), mend="add it")
@@ -194,6 +217,18 @@ def _refuse_schema_errors(content: Any, source: str) -> None:
             f"'{error.instance}' is not known here",
             where=_where(source, content, path),
             mend=f"it must be one of {', '.join(known)}",
+        )
+    if error.validator == "const":
+        raise InputError(
+            f"version {error.instance!r} is not known",
+            where=_where(source, content, path),
+            mend=f"this camid reads {path[-1]}: {error.validator_value}",
+        )
+    if error.validator == "type" and error.validator_value == "number":
+        raise InputError(
+            f"{error.instance!r} is no finite number",
+            where=_where(source, content, path),
+            mend=f"here belongs: {error.schema.get('description', 'a number with a decimal point')}",
         )
     described = error.schema.get("description", "") if isinstance(error.schema, Mapping) else ""
     raise InputError(
@@ -238,23 +273,32 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
             mend="leave the list empty",
         )
     if "transfer_function" not in content["plant"]:
-        raise InputError("the key 'transfer_function' is missing", where=_where(name, content, ["plant"]), mend="add it")
+        raise InputError(
+            "the key 'transfer_function' is missing", where=_where(name, content, ["plant"]), mend="add it"
+        )
     return _build(content, name)
 
 
 def _read_yaml(path: Path) -> Any:
     from ruamel.yaml import YAML
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.error import MarkedYAMLError
 
-    if not path.is_file():
+    if path.is_dir():
+        raise InputError("this is a folder", where=str(path), mend="name a YAML file")
+    if not path.exists():
         raise InputError("no such file", where=str(path), mend="check the path")
     try:
-        return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8"))
+        return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8-sig"))
+    except OSError:
+        raise
     except MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else "?"
-        raise InputError(f"no YAML: {error.problem}", where=f"{path}, line {line}", mend="mend the line") from None
-    except (YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"no YAML: {str(error).splitlines()[0]}", where=str(path), mend="write it as text") from None
+        mark = error.problem_mark or error.context_mark
+        where = f"{path}, line {mark.line + 1}" if mark else str(path)
+        problem = " ".join(str(error.problem or error.context).split())
+        raise InputError(f"no YAML: {problem}", where=where, mend="mend the line") from None
+    except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
+        problem = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError(f"no YAML: {problem}", where=str(path), mend="write it as text") from None
 
 
 def _build(content: Mapping[str, Any], name: str) -> Simulation:
@@ -294,6 +338,16 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
         _check_shape(deviations, raw, where("plant", "standard_deviations"))
         deviations = {k: [float(v) for v in deviations[k]] for k in ("numerator", "denominator")}
         deviations["numerator"] = deviations["numerator"][leading_zeros:]
+    covariance = content["plant"].get("covariance")
+    if covariance is not None:
+        size = sum(len(c) for c in raw.values()) - 1
+        if [len(row) for row in covariance] != [size] * size:
+            raise InputError(
+                f"this is no table of {size} by {size} numbers",
+                where=where("plant", "covariance"),
+                mend="it has a row a coefficient, but for the leading one of the denominator",
+            )
+        covariance = [[float(v) for v in row[leading_zeros:]] for row in covariance[leading_zeros:]]
     validation = content.get("validation")
     if validation is not None and not validation["start"] < validation["end"]:
         raise InputError("start is not before end", where=where("validation"), mend="exchange them")
@@ -317,16 +371,19 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
         free_numerator=free_numerator,
         free_denominator=free_denominator,
         standard_deviations=deviations,
-        covariance=[[float(v) for v in row] for row in content["plant"].get("covariance", [])] or None,
+        covariance=covariance,
         source=name,
     )
 
 
 def _check_shape(given: Mapping[str, Any], raw: Mapping[str, Array], where: str) -> None:
+    for key in given:
+        if key not in raw:
+            raise InputError(f"unknown key '{key}'", where=where, mend=nearest_match(key, raw))
     for key, coefficients in raw.items():
         if key not in given:
             raise InputError(f"the key '{key}' is missing", where=where, mend="give one value a coefficient")
-        if not isinstance(given[key], list) or len(given[key]) != len(coefficients):
+        if not isinstance(given[key], list | tuple) or len(given[key]) != len(coefficients):
             raise InputError(
                 f"'{key}' has not the {len(coefficients)} entries of the transfer function",
                 where=where,

@@ -34,14 +34,23 @@ def sweep_periods(configuration: Mapping[str, Any]) -> Array:
     return np.round(configuration["start"] + configuration["step"] * np.arange(steps + 1), 12)
 
 
+def with_closing_frame(signal: Array) -> Array:
+    """The excitation and a last sample of zero, so that a frame is delivered when the last held sample ends.
+
+    511 held samples then give 511 pairs of u[k] and w[k+1], the length that the paper states.
+    """
+    return np.append(signal, 0.0)
+
+
 def sampling_period_outputs(signal: Array, plant: Mapping[str, float], sweep: Mapping[str, Any]) -> pd.DataFrame:
     """Camera output of G0 for every sampling period, by the exact chain of Fig. 4.
 
     Returns
     -------
     DataFrame
-        Columns ``period`` (s), ``k``, ``u``, ``w``; N rows a period.
+        Columns ``period`` (s), ``k``, ``u``, ``w``; N + 1 rows a period, the last for the closing frame.
     """
+    signal = with_closing_frame(signal)
     tables = [
         pd.DataFrame(
             {
@@ -95,8 +104,9 @@ def neglected_mode_outputs(signal: Array, plant: Mapping[str, float], sweep: Map
     Returns
     -------
     DataFrame
-        Columns ``omega_1`` (rad/s), ``k``, ``u``, ``camera``, ``instant``.
+        Columns ``omega_1`` (rad/s), ``k``, ``u``, ``camera``, ``instant``; N + 1 rows a frequency.
     """
+    signal = with_closing_frame(signal)
     tables = []
     for omega in neglected_frequencies(sweep):
         whole = believed_plant(plant) * second_order(1.0, float(omega), sweep["damping"])

@@ -44,9 +44,10 @@ def identify_sampling_period(
     Returns
     -------
     DataFrame
-        A row a fit: ``period``, ``case``, ``sample`` (-1 without noise), ``method``, ``converged``, ``error_<p>`` in
-        percent of the true value, ``standard_deviation_<p>`` in percent, ``bound_<p>`` (Cramér–Rao, percent),
-        ``standardised_<p>`` (error over bound) and ``chi_square`` (three degrees of freedom), the last three with noise.
+        A row a fit: ``period``, ``case``, ``sample`` (-1 without noise), ``method``, ``converged``, ``error_<p>``
+        in percent of the true value, ``standard_deviation_<p>`` in percent, ``bound_<p>`` (Cramér–Rao, percent),
+        ``standardised_<p>`` (error over bound) and ``chi_square`` (three degrees of freedom), the last three with
+        noise.
     """
     truth_plant = believed_plant(plant)
     truth = parameter_vector(truth_plant.numerator, truth_plant.denominator)
@@ -61,9 +62,7 @@ def identify_sampling_period(
                 level, bound = 0.0, np.zeros((3, 3))
                 output = clean
                 if s >= 0:
-                    level = noise_level(
-                        clean, sweep["signal_to_noise_ratio"], case.get("ratio_of", sweep["ratio_of"])
-                    )
+                    level = noise_level(clean, sweep["signal_to_noise_ratio"], case.get("ratio_of", sweep["ratio_of"]))
                     output = clean + level * samples[(key, s)]
                     bound = cramer_rao_bound(truth_plant, signal, Acquisition(period), level**2)
                 experiment = declared_experiment(signal, output, period, case)

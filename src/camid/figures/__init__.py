@@ -1,1 +1,1 @@
-"""Drawing: one module a figure, each with ``draw(...) -> (figure, table of the plotted numbers)``. Nothing is computed here."""
+"""Drawing: a module a figure, with ``draw(...)`` returning figure and plotted numbers. Nothing is computed here."""

@@ -1,9 +1,9 @@
-"""One look for all figures: journal column widths, bundled fonts, colours that survive colour blindness and grey print."""
+"""One look for all figures: journal column widths, bundled fonts, colours for the colour-blind and for grey print."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -18,7 +18,7 @@ PAGE_WIDTH = 7.1
 BLUE, VERMILION, GREEN, ORANGE, GREY, BLACK = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#7F7F7F", "#000000"
 SIGNIFICANT_DIGITS = 9
 
-SETTINGS = {
+SETTINGS: dict[Any, Any] = {
     # DejaVu comes with matplotlib, so a figure has the same bytes wherever the locked versions are installed.
     "font.family": "DejaVu Sans",
     "mathtext.fontset": "dejavusans",
@@ -63,7 +63,7 @@ def rounded(table: pd.DataFrame) -> pd.DataFrame:
     def cut(value: float) -> float:
         return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
 
-    floats = table.select_dtypes("floating").columns
+    floats = [c for c in table.columns if table[c].dtype.kind == "f"]
     return table.assign(**{str(c): table[c].map(cut) for c in floats})
 
 

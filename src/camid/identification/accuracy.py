@@ -53,8 +53,11 @@ def covariance_from(predictor: Predictor, parameters: Array) -> tuple[Array, flo
     """
     residual, sensitivities = predictor.linearise(parameters)
     free = predictor.free
-    variance = float(residual @ residual) / max(len(residual) - int(free.sum()), 1)
     covariance = np.zeros((len(free), len(free)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        variance = float(residual @ residual) / max(len(residual) - int(free.sum()), 1)
+    if not np.isfinite(variance):
+        return np.diag(np.where(free, np.inf, 0.0)), np.inf, False  # a method without safeguard ran away
     if not free.any():
         return covariance, variance, True
     inverse, determined = inverse_information(sensitivities[:, free])

@@ -54,8 +54,8 @@ def least_squares(signal: Array, output: Array, poles: int, zeros: int, delay: i
     columns = [-delayed(output, i) for i in range(1, poles + 1)]
     columns += [delayed(signal, delay + i) for i in range(zeros + 1)]
     table = np.column_stack(columns)
-    solution = np.linalg.lstsq(table, output, rcond=None)[0]
+    solution = np.asarray(np.linalg.lstsq(table, output, rcond=None)[0], dtype=np.float64)
     residual = output - table @ solution
     variance = float(residual @ residual) / (count - table.shape[1])
-    deviations = np.sqrt(variance * np.diag(np.linalg.pinv(table.T @ table)))
+    deviations: Array = np.sqrt(variance * np.diag(np.linalg.pinv(table.T @ table)))
     return DiscreteTimeModel(solution[poles:], np.concatenate([[1.0], solution[:poles]]), delay, deviations)

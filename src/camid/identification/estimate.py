@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.accuracy import covariance_from, innovation_variance
+from camid.identification.accuracy import covariance_from
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.selection import Optimum, conclusive, select
 from camid.identification.srivc import (
     Fit,
-    is_stable,
     least_squares_state_variable_filter,
     plain_srivc,
     reflect,
@@ -30,21 +30,12 @@ from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
-Optimum = tuple[Predictor, Fit]
 
 METHODS = ("srivc", "output-error", "plain-srivc")
 REFINED_STARTS = 4
+# A wrong model (a hold declared wrongly, say) leaves a large residual, for which Gauss–Newton converges only linearly.
+FINAL_ITERATIONS = 1000
 REFINED_GRID_STARTS = 6
-# A fit whose residual is at most this share above the one-step prediction error of a long ARX model has left nothing
-# over that another start could find.
-CONCLUSIVE = 1.15
-# Residual, relative to the output, that counts as exact.
-EXACT = 1e-9
-# Optima whose deviances (-2 log likelihood) differ by less cannot be told apart.
-SAME_LIKELIHOOD = 0.5
-SAME_LIKELIHOOD_NEAR_BELIEVED = 6.0
-# A believed mode this far past π/T says that the rig's mode is meant to be there.
-CLEARLY_PAST_SHANNON = 1.1
 
 
 @dataclass(frozen=True)
@@ -120,7 +111,10 @@ def estimate(
             fit = output_error(predictor, parameters)
         else:
             fit = safeguarded_srivc(
-                predictor, parameters, on_iteration=lambda i, cost: tell(f"iteration {i}: output error {cost:.4g}")
+                predictor,
+                parameters,
+                maximum_iterations=FINAL_ITERATIONS,
+                on_iteration=lambda i, cost: tell(f"iteration {i}: output error {cost:.4g}"),
             )
     return _summarise(predictor, fit)
 
@@ -167,11 +161,11 @@ def _global_start(
     if believed is not None:
         candidates.append(evaluate(structure, windows, believed))
     optima = [_refine(structure, windows, c) for c in candidates]
-    best = _select(optima, believed)
-    if not _conclusive(best, windows):
+    best = select(optima, believed)
+    if not conclusive(best, windows):
         tell("starting values: grid of poles")
         optima += [_refine(structure, windows, c) for c in grid_candidates(structure, windows)[:REFINED_GRID_STARTS]]
-        best = _select(optima, believed)
+        best = select(optima, believed)
     if best is None:
         raise ValueError("no starting value leads to a stable model of this order")
     predictor, fit = best
@@ -186,62 +180,9 @@ def _refine(structure: Structure, experiments: list[Experiment], candidate: Cand
     return predictor, safeguarded_srivc(predictor, predictor.solve_numerator(scaled)[0], maximum_iterations=50)
 
 
-def _select(optima: list[Optimum], believed: Array | None) -> Optimum | None:
-    """The optimum of the highest likelihood; between equals the one nearest to the believed plant, else the slowest.
-
-    A model and its alias can fit alike (a second-order plant with a zero, held input, instant sensor: exactly alike), so
-    a difference in likelihood that noise explains decides nothing. Unless the believed plant lies clearly past the Shannon
-    limit, a model past it is taken only where it explains the data down to the noise and no slower one does.
-    """
-    usable = [(p, f) for p, f in optima if np.isfinite(f.cost) and is_stable(p.split(f.parameters)[1])]
-    if not usable:
-        return None
-    rows = len(usable[0][0].target)
-    floor = (EXACT * float(np.linalg.norm(usable[0][0].target))) ** 2
-    deviance = np.array([rows * np.log(max(f.cost, floor)) if floor > 0.0 else 0.0 for _, f in usable])
-    excess = deviance - deviance.min()
-    shannon = np.pi / usable[0][0].experiments[0].acquisition.period
-
-    def fastest(denominator: Array, unit: float) -> float:
-        return float(np.max(np.abs(np.roots(denominator).imag), initial=0.0)) / unit
-
-    def distance(optimum: Optimum) -> float:
-        radius = np.sort(np.abs(np.roots(optimum[0].split(optimum[1].parameters)[1]))) / optimum[0].time_unit
-        if believed is None:
-            return float(np.sum(radius))
-        return float(np.sum(np.abs(radius - np.sort(np.abs(np.roots(believed))))))
-
-    def within_shannon(optimum: Optimum) -> bool:
-        return fastest(optimum[0].split(optimum[1].parameters)[1], optimum[0].time_unit) <= shannon
-
-    if believed is None or fastest(believed, 1.0) < CLEARLY_PAST_SHANNON * shannon:
-        inside = [e for o, e in zip(usable, excess, strict=True) if within_shannon(o)]
-        # Where even the best optimum leaves structure behind, likelihoods of wrong models say nothing about aliases.
-        best = usable[int(np.argmin(excess))]
-        if inside and (min(inside) <= SAME_LIKELIHOOD or not _conclusive(best, best[0].experiments)):
-            usable, excess = [o for o in usable if within_shannon(o)], np.array(inside) - min(inside)
-    margin = SAME_LIKELIHOOD if believed is None else SAME_LIKELIHOOD_NEAR_BELIEVED
-    equals = [o for o, e in zip(usable, excess, strict=True) if e <= margin]
-    nearest = min(distance(o) for o in equals)
-    same = [o for o in equals if distance(o) <= nearest * (1.0 + 1e-2)]
-    return min(same, key=lambda o: o[1].cost)
-
-
 def _respecting_fixed(structure: Structure, denominator: Array) -> Array:
     """The candidate with the coefficients that are not free put back."""
     return np.where(structure.free_denominator, denominator, structure.denominator)
-
-
-def _conclusive(best: Optimum | None, experiments: list[Experiment]) -> bool:
-    """Whether no other start can do better: what is left is exact zero or as small as the unpredictable part."""
-    if best is None:
-        return False
-    predictor, fit = best
-    rows = len(predictor.target)
-    variance = fit.cost / max(rows - int(predictor.free.sum()), 1)
-    if variance <= (EXACT * np.std(predictor.target)) ** 2:
-        return True
-    return variance <= CONCLUSIVE * np.mean([innovation_variance(e) for e in experiments])
 
 
 def _summarise(predictor: Predictor, fit: Fit) -> Estimate:

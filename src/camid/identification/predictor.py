@@ -169,13 +169,13 @@ class Predictor:
             matrix = companion(denominator)
             vector, start, row = np.eye(order)[0], np.zeros(order), output_row
             if polynomial is not None:
-                matrix = np.kron(np.eye(2), matrix)
+                matrix = np.asarray(np.kron(np.eye(2), matrix), dtype=np.float64)
                 vector, start = np.eye(2 * order)[0], np.eye(2 * order)[order]
                 row = np.concatenate([output_row[:order], polynomial, output_row[order:]])
             results.append(
-                respond(
-                    matrix, vector, start, row[None, :], experiment.signal, experiment.acquisition, self.time_unit
-                )[:, 0]
+                respond(matrix, vector, start, row[None, :], experiment.signal, experiment.acquisition, self.time_unit)[
+                    :, 0
+                ]
             )
         return results
 
@@ -201,7 +201,7 @@ class Predictor:
             chains = 2 if polynomial is None else 3
             size = chains * order
             # States: [z, z̃, z_δ] with z = u/A, z̃ = y/A and z_δ = δ/A.
-            matrix = np.kron(np.eye(chains), block)
+            matrix = np.asarray(np.kron(np.eye(chains), block), dtype=np.float64)
             matrix[order, :order] += output_row[:order]
             vector = np.zeros(size)
             vector[0], vector[order] = 1.0, output_row[order]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, respond
-from camid.identification.predictor import Experiment, Predictor
+from camid.identification.predictor import Predictor
 from camid.plant import STABILITY_TOLERANCE
 
 Array = NDArray[np.float64]
@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 OFFSET_TOLERANCE = 1e-6
 ROUNDING = 1e-14
 LARGEST_CONDITION = 1e11
+LARGEST_DAMPING = 1e8
 
 
 @dataclass(frozen=True)
@@ -77,9 +78,7 @@ def filtered_derivatives(signal: Array, filter_denominator: Array, acquisition: 
     )
 
 
-def _regression(
-    predictor: Predictor, filter_denominator: Array, outputs: list[Array]
-) -> tuple[Array, Array]:
+def _regression(predictor: Predictor, filter_denominator: Array, outputs: list[Array]) -> tuple[Array, Array]:
     """Prefiltered regressors [u-part, y-part, initial states] and regressand p^n/F y of all experiments.
 
     The sampled output is taken as joined by straight lines (first-order hold), the input goes through its own hold and
@@ -94,9 +93,9 @@ def _regression(
         between_samples = replace(between_samples, period=experiment.acquisition.period)
         derivatives = filtered_derivatives(output, filter_denominator, between_samples, unit)
         table = np.zeros((len(output), len(predictor.free)))
-        table[:, :split] = filtered_derivatives(
-            experiment.signal, filter_denominator, experiment.acquisition, unit
-        )[:, order + 1 - split :]
+        table[:, :split] = filtered_derivatives(experiment.signal, filter_denominator, experiment.acquisition, unit)[
+            :, order + 1 - split :
+        ]
         table[:, split : split + order] = -derivatives[:, 1:]
         if experiment.estimate_initial_state:
             table[:, position : position + order] = respond(
@@ -129,7 +128,7 @@ def least_squares_state_variable_filter(predictor: Predictor, cut_off: float) ->
         Parameter vector in scaled units; what is not free keeps its value.
     """
     order = predictor.structure.order
-    filter_denominator = np.poly(np.full(order, -cut_off * predictor.time_unit))
+    filter_denominator = np.asarray(np.poly(np.full(order, -cut_off * predictor.time_unit)), dtype=np.float64)
     outputs = [e.output for e in predictor.experiments]
     regressors, regressand = _regression(predictor, filter_denominator, outputs)
     parameters = predictor.from_physical(predictor.structure.coefficients())
@@ -139,9 +138,7 @@ def least_squares_state_variable_filter(predictor: Predictor, cut_off: float) ->
     return parameters
 
 
-def plain_srivc(
-    predictor: Predictor, start: Array, *, maximum_iterations: int = 100, tolerance: float = 1e-8
-) -> Fit:
+def plain_srivc(predictor: Predictor, start: Array, *, maximum_iterations: int = 100, tolerance: float = 1e-8) -> Fit:
     """SRIVC as the paper used it: no step control, so it may diverge near the Shannon frequency.
 
     Parameters
@@ -157,8 +154,9 @@ def plain_srivc(
     free = predictor.free
     recorded = [e.output for e in predictor.experiments]
     parameters = start.copy()
-    converged, iteration = False, 0
-    for iteration in range(1, maximum_iterations + 1):
+    converged, iterations = False, 0
+    while iterations < maximum_iterations and not converged:
+        iterations += 1
         filter_denominator = reflect(np.concatenate([[1.0], parameters[split : split + order]]))
         auxiliary = parameters.copy()
         auxiliary[split : split + order] = filter_denominator[1:]
@@ -177,15 +175,13 @@ def plain_srivc(
         change = np.max(np.abs(estimate - parameters[free]) / np.maximum(np.abs(estimate), 1e-12))
         parameters = parameters.copy()
         parameters[free] = estimate
-        if change < tolerance:
-            converged = True
-            break
+        converged = bool(change < tolerance)
     residual = predictor.target - np.concatenate(
         [x[e.used] for x, e in zip(predictor.simulate(parameters), predictor.experiments, strict=True)]
     )
-    cost = float(residual @ residual)
+    cost = _sum_of_squares(residual)
     stable = not np.any(np.roots(np.concatenate([[1.0], parameters[split : split + order]])).real > 0.0)
-    return Fit(parameters, cost if np.isfinite(cost) else np.inf, bool(converged and stable), iteration)
+    return Fit(parameters, cost, converged and stable, iterations)
 
 
 def safeguarded_srivc(
@@ -198,9 +194,10 @@ def safeguarded_srivc(
     """SRIVC that cannot run away: symmetric instruments and a step that must lower the output error.
 
     Both methods solve Σ ẑ_k (w_k − x_k) = 0 with the instruments ẑ = ∂x/∂θ. Plain SRIVC inverts Σ ẑ φᵀ, whose noisy
-    regressors φ make the iteration lose its contraction near the Shannon frequency; Σ ẑ ẑᵀ (Young's symmetric form) has the
-    same fixed points and makes each iteration a Gauss–Newton step, here damped as Levenberg and Marquardt do whenever the
-    output error would grow or the plant become unstable. The instruments go through hold and sensor exactly, so nothing is assumed between samples.
+    regressors φ make the iteration lose its contraction near the Shannon frequency; Σ ẑ ẑᵀ (Young's symmetric form) has
+    the same fixed points and makes each iteration a Gauss–Newton step, here damped as Levenberg and Marquardt do
+    whenever the output error would grow or the plant become unstable. The instruments go through hold and sensor
+    exactly, so nothing is assumed between samples.
 
     Parameters
     ----------
@@ -214,51 +211,54 @@ def safeguarded_srivc(
     free = predictor.free
     parameters = start.copy()
     residual, sensitivities = predictor.linearise(parameters)
-    cost = float(residual @ residual)
+    cost = _sum_of_squares(residual)
     rounding = ROUNDING * float(np.linalg.norm(predictor.target))
     if not np.isfinite(cost):
         return Fit(parameters, np.inf, False, 0)
-    damping, converged, iteration = 0.0, False, 0
-    while iteration < maximum_iterations and not converged:
+    damping, converged, determined, iteration = 0.0, False, False, 0
+    while iteration < maximum_iterations:
         iteration += 1
         instruments = sensitivities[:, free]
         lengths = np.linalg.norm(instruments, axis=0)
         lengths[lengths == 0.0] = 1.0
         left, singular, right = np.linalg.svd(instruments / lengths, full_matrices=False)
-        projected = left.T @ residual
         # What the data do not determine at all must not move.
         kept = singular > singular[0] / LARGEST_CONDITION
+        determined = bool(np.all(kept))
+        projected = np.where(kept, left.T @ residual, 0.0)
+        offset = float(np.linalg.norm(projected))  # effect of the undamped step on the simulated output
+        if offset <= OFFSET_TOLERANCE * np.sqrt(cost) or offset <= rounding:
+            converged = True
+            break
         accepted = False
-        while not accepted:
+        while not accepted and damping < LARGEST_DAMPING:
             gain = np.where(kept, singular / (singular**2 + damping), 0.0)
-            step = right.T @ (gain * projected) / lengths
-            effect = float(np.linalg.norm(singular * gain * projected))
-            if effect <= OFFSET_TOLERANCE * np.sqrt(cost) * (damping == 0.0) or effect <= rounding:
-                converged = damping == 0.0
-                break
             trial = parameters.copy()
-            trial[free] += step
+            trial[free] += right.T @ (gain * projected) / lengths
+            effect = singular * gain * projected
+            promised = float(2.0 * effect @ projected - effect @ effect)
             trial_cost = np.inf
             if is_stable(predictor.split(trial)[1]):
                 trial_residual, trial_sensitivities = predictor.linearise(trial)
-                trial_cost = float(trial_residual @ trial_residual)
-            if trial_cost < cost:
-                accepted = True
-            elif effect <= 1e4 * rounding:
-                converged = True  # only rounding is left to gain
-                break
-            else:
-                damping = max(10.0 * damping, 1e-4)
+                trial_cost = _sum_of_squares(trial_residual)
+            accepted = trial_cost < cost
+            kept_promise = (cost - trial_cost) / promised if accepted else 0.0
+            # A step that gains far less than promised overshoots: plain Gauss–Newton would then swing for ever.
+            if kept_promise < 0.25:
+                damping = max(4.0 * damping, 1e-3)
+            elif kept_promise > 0.75:
+                damping = damping / 5.0 if damping > 1e-6 else 0.0
         if not accepted:
+            converged = offset <= 1e5 * rounding  # only rounding was left to gain
             break
         parameters, residual, sensitivities, cost = trial, trial_residual, trial_sensitivities, trial_cost
-        damping = damping / 10.0 if damping > 1e-6 else 0.0
         if on_iteration is not None:
             on_iteration(iteration, cost)
-    determined = bool(np.all(kept)) if iteration else False
-    return Fit(parameters, cost, bool(converged and determined), iteration)
+    return Fit(parameters, cost, converged and determined, iteration)
 
 
-def with_window(predictor: Predictor, experiments: list[Experiment]) -> Predictor:
-    """The same structure and scaling on other experiments (for instance a shorter window of them)."""
-    return Predictor(predictor.structure, experiments, predictor.time_unit)
+def _sum_of_squares(residual: Array) -> float:
+    """Infinite rather than a warning where an unstable trial overflows."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = float(residual @ residual)
+    return total if np.isfinite(total) else np.inf

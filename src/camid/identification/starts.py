@@ -18,6 +18,7 @@ from camid.identification.predictor import Experiment, Predictor, Structure
 from camid.identification.srivc import least_squares_state_variable_filter, reflect
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 LONGEST_START_WINDOW = 4096
 CUT_OFFS = 8
@@ -92,7 +93,7 @@ def from_state_variable_filters(structure: Structure, experiments: list[Experime
 # -- discrete-time model and its aliases ------------------------------------------------------------------------------
 
 
-def discrete_time_poles(experiment: Experiment, order: int, iterations: int = 8) -> list[Array]:
+def discrete_time_poles(experiment: Experiment, order: int, iterations: int = 8) -> list[ComplexArray]:
     """Poles of discrete-time models: ARX (exact on clean data), then Steiglitz–McBride (consistent in white noise)."""
     from scipy.signal import lfilter
 
@@ -106,7 +107,7 @@ def discrete_time_poles(experiment: Experiment, order: int, iterations: int = 8)
         lags = range(0)
     used = experiment.used[first:]
     denominator = np.eye(order + 1)[0]
-    poles = []
+    poles: list[ComplexArray] = []
     for _ in range(iterations):
         output = lfilter([1.0], denominator, experiment.output)
         signal = lfilter([1.0], denominator, experiment.signal)
@@ -118,15 +119,15 @@ def discrete_time_poles(experiment: Experiment, order: int, iterations: int = 8)
             break
         roots = np.where(np.abs(roots) > 1.0, 1.0 / np.conj(roots), roots)  # the filter must be stable
         denominator = np.real(np.poly(roots))
-        poles.append(roots)
+        poles.append(np.asarray(roots, dtype=complex))
     return [poles[0], poles[-1]] if poles else []
 
 
-def continuous_denominators(poles: Array, period: float, *, aliases: bool) -> list[Array]:
+def continuous_denominators(poles: ComplexArray, period: float, *, aliases: bool) -> list[Array]:
     """Monic denominators in SI units whose sampled poles are the given ones.
 
-    A complex pair at the angle φ may be a mode at φ/T, (2π − φ)/T, (2π + φ)/T, …; a negative real pole can only come from
-    a mode at π/T.
+    A complex pair at the angle φ may be a mode at φ/T, (2π − φ)/T, (2π + φ)/T, …; a negative real pole can only come
+    from a mode at π/T.
     """
     choices: list[list[tuple[complex, ...]]] = []
     negative = [z for z in poles if abs(z.imag) < 1e-9 and z.real <= 0.0]
@@ -176,7 +177,7 @@ def from_grid(structure: Structure, experiments: list[Experiment], kept: int = 3
     while len(grown[0]) - 1 < structure.order:
         missing = structure.order - (len(grown[0]) - 1)
         parts = modes if missing >= 2 else pole_grid(period, count)
-        polynomials = [np.polymul(base, part) for base in grown for part in parts]
+        polynomials = [np.asarray(np.polymul(base, part), dtype=np.float64) for base in grown for part in parts]
         size = len(polynomials[0]) - 1
         partial = structure if size == structure.order else Structure.of_order(size, size - 1)
         ranked = sorted((evaluate(partial, experiments, p) for p in polynomials), key=lambda c: c.cost)
@@ -211,9 +212,7 @@ def rank(structure: Structure, experiments: list[Experiment], denominators: list
     ]
     distinct: list[Candidate] = []
     for candidate in sorted(candidates, key=lambda c: c.cost):
-        same = any(
-            np.allclose(candidate.denominator, other.denominator, rtol=1e-3, atol=0.0) for other in distinct
-        )
+        same = any(np.allclose(candidate.denominator, other.denominator, rtol=1e-3, atol=0.0) for other in distinct)
         if np.isfinite(candidate.cost) and not same:
             distinct.append(candidate)
     return distinct

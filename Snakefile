@@ -1,0 +1,36 @@
+from snakemake.utils import min_version, validate
+
+min_version("9.10")
+
+
+configfile: "config/config.yaml"
+
+
+validate(config, "workflow/schemas/config.schema.yaml")
+
+
+report: "workflow/report/workflow.rst"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/datasets.smk"
+include: "workflow/rules/imaging.smk"
+include: "workflow/rules/identification.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/check.smk"
+include: "workflow/rules/recordings.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        expand(
+            "paper_figs/{figure}.{format}",
+            figure=FIGURES,
+            format=["png", "pdf", "csv"],
+        ),
+        "paper_figs/claims.csv",
+        "paper_figs/claims.md",
+    localrule: True
+    message:
+        "All figures and the table of claims are up to date."

@@ -1,0 +1,112 @@
+"""Real recordings by name: found in a local folder, else downloaded with a checksum. None is part of this project."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from camid.errors import InputError
+
+FOLDER_VARIABLE = "CAMID_RECORDINGS"
+
+
+@dataclass(frozen=True)
+class BenchmarkRecording:
+    """A published recording.
+
+    Attributes
+    ----------
+    file : str
+        Name in the local folder.
+    address : str
+        Public address, fixed to a revision.
+    sha256 : str
+    """
+
+    file: str
+    address: str
+    sha256: str
+
+
+BENCHMARK_RECORDINGS = {
+    # Wigren & Schoukens (2013), an electronic oscillator with a cubic spring; columns V1 (input), V2 (output).
+    "silverbox": BenchmarkRecording(
+        "silverbox.csv",
+        "https://raw.githubusercontent.com/forgi86/pytorch-ident/f00d79ff8c6cb96d094d9ea1c079d4dcbf9a67e0/"
+        "examples/statespace/silverbox/SilverboxFiles/SNLS80mV.csv",
+        "ae62d5a91230c10f76e6dd02c8a4fac3c9d4d8a95fbf50e87cb0c4885003e0f1",
+    ),
+}
+
+
+def fetch(name: str) -> Path:
+    """Path of a real recording.
+
+    The folder in ``CAMID_RECORDINGS`` comes first, then pooch's cache, then the public address; the checksum is
+    verified in each case.
+
+    Raises
+    ------
+    InputError
+        If there is no such recording, its contents differ from the checksum, or it cannot be downloaded.
+    """
+    import pooch
+
+    if name not in BENCHMARK_RECORDINGS:
+        raise InputError(f"no recording '{name}'", mend=f"known here: {', '.join(BENCHMARK_RECORDINGS)}")
+    recording = BENCHMARK_RECORDINGS[name]
+    folder = os.environ.get(FOLDER_VARIABLE)
+    if folder:
+        path = Path(folder) / recording.file
+        if not path.is_file():
+            raise InputError("no such file", where=str(path), mend=f"mend or unset {FOLDER_VARIABLE}")
+        if pooch.file_hash(str(path), alg="sha256") != recording.sha256:
+            raise InputError("not the published file (its SHA-256 differs)", where=str(path), mend="fetch it again")
+        return path
+    pooch.get_logger().setLevel("ERROR")
+    try:
+        return Path(
+            pooch.retrieve(
+                recording.address, known_hash=recording.sha256, fname=recording.file, path=pooch.os_cache("camid")
+            )
+        )
+    except (OSError, ValueError) as error:  # requests' errors are OSErrors, a wrong checksum is a ValueError
+        reason = type(error).__name__
+        raise InputError(
+            f"the recording '{name}' cannot be downloaded ({reason})",
+            where=recording.address,
+            mend=f"download it and name its folder in {FOLDER_VARIABLE}",
+        ) from None
+
+
+SILVERBOX_PERIOD = 1.0 / 610.35  # seconds
+# Official split, first row and row behind the last; the multisine test starts with a state that is not known.
+SILVERBOX_TRAINING = (40650, 105712)
+SILVERBOX_MULTISINE = (105712, 127400)
+SILVERBOX_TRANSIENT = 50
+
+
+def silverbox_parts(path: Path) -> dict[str, pd.DataFrame]:
+    """Training part and test multisine of the Silverbox, each as a recording that camid reads.
+
+    The means of the training part are taken from both: a linear model has no place for an offset.
+
+    Returns
+    -------
+    dict of DataFrame
+        ``training`` and ``multisine``, with columns ``t`` (s), ``V1`` and ``V2`` (V).
+    """
+    table = pd.read_csv(path, index_col=False)[["V1", "V2"]].dropna()
+    table.insert(0, "t", np.arange(len(table)) * SILVERBOX_PERIOD)
+    parts = {
+        "training": table.iloc[slice(*SILVERBOX_TRAINING)].copy(),
+        "multisine": table.iloc[slice(*SILVERBOX_MULTISINE)].copy(),
+    }
+    means = parts["training"][["V1", "V2"]].mean()
+    for part in parts.values():
+        part[["V1", "V2"]] -= means
+    return parts

@@ -1,0 +1,331 @@
+"""The commands: exit codes, one-line messages, and files that are written whole or left alone."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from ruamel.yaml import YAML
+
+import rig
+from camid.cli import main
+
+
+@pytest.fixture(scope="module")
+def film():
+    return rig.recording().to_csv(index=False)
+
+
+@pytest.fixture
+def bench(film, tmp_path, monkeypatch):
+    """A folder with a recording and the simulation that fits it, and the current one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recording.csv").write_text(film)
+    rig.write_yaml(rig.simulation(), tmp_path / "S.yaml")
+    return tmp_path
+
+
+IDENTIFY = ["identify", "recording.csv", "--simulation", "S.yaml", "--output", "model.yaml"]
+SIMULATE = ["simulate", "recording.csv", "--simulation", "S.yaml", "--output", "simulated.csv"]
+
+
+def load(path):
+    return YAML(typ="safe", pure=True).load(path)
+
+
+def contents():
+    return {path: path.read_bytes() for path in Path().iterdir() if path.is_file()}
+
+
+def refusal(capsys, arguments):
+    """Run a command that has to fail and return its message."""
+    before = contents()
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("camid: error: ")
+    assert err.endswith("\n")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    after = contents()
+    assert after == before
+    return err
+
+
+def replaced(arguments, *changes):
+    changed = [*arguments]
+    for old, new in zip(changes[::2], changes[1::2], strict=True):
+        changed[changed.index(old)] = new
+    return changed
+
+
+def test_identify_writes_a_model_that_both_commands_accept(bench, capsys):
+    assert main(IDENTIFY) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "natural frequency" in out
+    assert "written to model.yaml" in out
+    model = load(bench / "model.yaml")
+    found = model["plant"]["transfer_function"]
+    assert found["denominator"][0] == rig.DENOMINATOR[0]  # two, as it was written
+    deviations = model["plant"]["standard_deviations"]
+    covariance = np.array(model["plant"]["covariance"])
+    assert covariance.shape == (3, 3)
+    np.testing.assert_allclose(covariance, covariance.T, rtol=1e-9)
+    estimated = [*deviations["numerator"], *deviations["denominator"][1:]]
+    np.testing.assert_allclose(np.sqrt(np.diag(covariance)), estimated, rtol=1e-9)
+    assert deviations["denominator"][0] == 0.0
+    errors = np.array([*found["numerator"], *found["denominator"][1:]]) - [*rig.NUMERATOR, *rig.DENOMINATOR[1:]]
+    assert np.all(np.abs(errors) < 4.0 * np.array(estimated))
+    assert 0.0 < max(np.array(estimated) / [*rig.NUMERATOR, *rig.DENOMINATOR[1:]]) < 0.05
+
+    again = ["identify", "recording.csv", "--simulation", "model.yaml", "--output", "second.yaml"]
+    assert main(again) == 0
+    second = load(bench / "second.yaml")["plant"]["transfer_function"]
+    np.testing.assert_allclose(second["denominator"], found["denominator"], rtol=1e-6)
+    assert main(replaced(SIMULATE, "S.yaml", "model.yaml")) == 0
+    table = pd.read_csv(bench / "simulated.csv")
+    assert np.std(table["y"] - table["simulated"]) / np.std(table["y"]) < 0.12
+
+
+def test_simulate_writes_a_row_for_every_recorded_row(bench, capsys):
+    assert main(SIMULATE) == 0
+    assert capsys.readouterr().out.startswith("400 rows written to simulated.csv\n")
+    recorded, table = pd.read_csv(bench / "recording.csv"), pd.read_csv(bench / "simulated.csv")
+    assert list(table.columns) == ["t", "simulated", "y"]
+    np.testing.assert_array_equal(table["t"], recorded["t"])
+    np.testing.assert_array_equal(table["y"], recorded["y"])
+    assert not table.isna().any().any()
+    np.testing.assert_allclose(table["simulated"], rig.film(recorded["u"].to_numpy()), atol=1e-5)
+
+
+def test_simulate_without_a_recorded_output(bench):
+    pd.read_csv("recording.csv").drop(columns="y").to_parquet("input.parquet")
+    assert main(replaced(SIMULATE, "recording.csv", "input.parquet", "simulated.csv", "simulated.parquet")) == 0
+    table = pd.read_parquet(bench / "simulated.parquet")
+    assert list(table.columns) == ["t", "simulated"]
+    assert len(table) == 400
+
+
+@pytest.mark.parametrize("command", [IDENTIFY, SIMULATE, ["identify", "recording.csv", "--order", "2", "0"]])
+def test_json_is_all_there_is_on_the_output(bench, capsys, command):
+    assert main([*command, "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    content = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert content["schema"] == 1
+    if command[0] == "identify":
+        assert content["converged"] is True
+        assert content["rows_fitted"] == 400
+        assert content["period"] == pytest.approx(rig.PERIOD)
+        assert content["nrmse"] == pytest.approx(0.1, rel=0.1)
+        assert content["nrmse_validation"] is None
+        scale = content["denominator"][0]
+        np.testing.assert_allclose(np.array(content["denominator"]) / scale, [1.0, 3.0, 100.0], rtol=0.03)
+    else:
+        assert content["rows"] == 400
+        assert content["nrmse"] == pytest.approx(0.1, rel=0.1)
+
+
+def test_json_knows_no_infinity(bench, capsys):
+    """A validation row alone has no spread to compare with."""
+    rig.write_yaml(rig.simulation(validation={"start": 1.0, "end": 1.01}), bench / "S.yaml")
+    assert main([*IDENTIFY, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert content["nrmse_validation"] is None
+    assert content["rows_fitted"] == 399
+
+
+@pytest.mark.parametrize(
+    "options", [["--sensor", "instant"], ["--hold", "foh"], ["--exposure", "0.02"], ["--latency", "0.03"]]
+)
+def test_options_say_what_a_file_says(bench, capsys, options):
+    name, value = options[0][2:], options[1]
+    content = rig.simulation(plant=rig.plant([1.0], [1.0, 3.0, 100.0]))
+    where = content["input"] if name == "hold" else content["sensor"]
+    where["kind" if name == "sensor" else name] = value if value.isalpha() else float(value)
+    rig.write_yaml(content, bench / "S.yaml")
+    assert main([*IDENTIFY, "--json"]) == 0
+    by_file = json.loads(capsys.readouterr().out)
+    assert main(["identify", "recording.csv", "--order", "2", "0", *options, "--json"]) == 0
+    by_options = json.loads(capsys.readouterr().out)
+    np.testing.assert_allclose(by_options["denominator"], by_file["denominator"], rtol=1e-4)
+    assert main(["identify", "recording.csv", "--order", "2", "0", "--json"]) == 0
+    assert abs(json.loads(capsys.readouterr().out)["denominator"][1] - by_file["denominator"][1]) > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (replaced(IDENTIFY, "recording.csv", "none.csv"), "none.csv: no such file"),
+        (replaced(SIMULATE, "recording.csv", "none.csv"), "none.csv: no such file"),
+        (replaced(IDENTIFY, "S.yaml", "none.yaml"), "none.yaml: no such file"),
+        (replaced(SIMULATE, "recording.csv", "."), ".: this is a folder"),
+        (replaced(SIMULATE, "S.yaml", "."), ".: this is a folder"),
+        (replaced(SIMULATE, "recording.csv", "n" * 300), "File name too long"),
+        (replaced(SIMULATE, "S.yaml", "n" * 300), "File name too long"),
+        (replaced(SIMULATE, "simulated.csv", "n" * 300), "File name too long"),
+        (replaced(SIMULATE, "recording.csv", "two\nlines"), "two?lines: no such file"),
+        (replaced(SIMULATE, "simulated.csv", "recording.csv"), "recording.csv: --output would overwrite"),
+        (replaced(SIMULATE, "simulated.csv", "./S.yaml"), "S.yaml: --output would overwrite"),
+        (replaced(IDENTIFY, "model.yaml", "S.yaml"), "S.yaml: --output would overwrite"),
+        (replaced(IDENTIFY, "model.yaml", "recording.csv"), "recording.csv: --output would overwrite"),
+        (replaced(IDENTIFY, "model.yaml", "none/model.yaml"), "none: no such folder"),
+        (replaced(SIMULATE, "simulated.csv", "none/simulated.csv"), "none: no such folder"),
+        (replaced(IDENTIFY, "model.yaml", "."), ".: this is a folder"),
+        (replaced(SIMULATE, "simulated.csv", ""), "this is a folder"),
+        (["identify", "recording.csv"], "neither --simulation nor --order is given"),
+        ([*IDENTIFY, "--order", "2", "0"], "--order and --simulation contradict each other"),
+        ([*IDENTIFY, "--hold", "foh"], "--hold and --simulation contradict each other"),
+        ([*IDENTIFY, "--initial-state", "zero"], "--initial-state and --simulation contradict each other"),
+        (["identify", "recording.csv", "--order", "-1", "0"], "order -1 0 is improper"),
+        (["identify", "recording.csv", "--order", "0", "0"], "order 0 0 is improper"),
+        (["identify", "recording.csv", "--order", "2", "-1"], "order 2 -1 is improper"),
+        (["identify", "recording.csv", "--order", "1", "2"], "order 1 2 is improper"),
+        (["identify", "recording.csv", "--order", "2"], "--order"),
+        (["identify", "recording.csv", "--order", "2", "x"], "'x' is not a valid integer"),
+        (["identify", "recording.csv", "--order", "300", "200"], "fewer than needed for 501 parameters"),
+        (["identify", "recording.csv", "--order", "2", "0", "--output-column", "x"], "no column 'x'"),
+        (["identify", "recording.csv", "--order", "2", "0", "--output-column", "u"], "input and output are the same"),
+        (["identify", "recording.csv", "--order", "2", "0", "--output-column", "t"], "time and output are the same"),
+        (["identify", "recording.csv", "--order", "2", "0", "--exposure", "0"], "--exposure 0; it takes a positive"),
+        (["identify", "recording.csv", "--order", "2", "0", "--exposure", "nan"], "--exposure nan"),
+        (["identify", "recording.csv", "--order", "2", "0", "--exposure", "0.06"], "is longer than the period"),
+        (["identify", "recording.csv", "--order", "2", "0", "--latency", "-1"], "--latency -1; it takes a zero or"),
+        (["identify", "recording.csv", "--order", "2", "0", "--latency", "1e300"], "is longer than recording.csv"),
+        (
+            ["identify", "recording.csv", "--order", "2", "0", "--sensor", "instant", "--exposure", "0.01"],
+            "no exposure",
+        ),
+        (["identify", "recording.csv", "--order", "2", "0", "--method", "magic"], "'magic' is not one of"),
+        ([*IDENTIFY, "--colour", "red"], "--colour"),
+        (["simulate", "recording.csv", "--simulation", "S.yaml"], "Missing option '--output'"),
+        (["simulate"], "Missing argument"),
+        (["divine", "recording.csv"], "divine"),
+    ],
+)
+def test_wrong_arguments_are_refused_in_one_line(bench, capsys, arguments, said):
+    (bench / "model.yaml").write_text("older result")
+    (bench / "simulated.csv").write_text("older result")
+    assert said in refusal(capsys, arguments)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"initial_stat": "zero"}, "S.yaml, line"),
+        (
+            {"sensor": {"column": "y", "kind": "camera", "exposure": 0.051}},
+            "S.yaml, sensor: exposure = 0.051 s is longer",
+        ),
+        (
+            {"sensor": {"column": "y", "kind": "camera", "latency": 30.0}},
+            "S.yaml, sensor: latency = 30 s is longer than",
+        ),
+        ({"sensor": {"column": "simulated", "kind": "camera"}}, "'simulated'"),
+        ({"time": {"column": "simulated"}}, "'simulated'"),
+        ({"time": {"column": "two\nlines"}}, "no column 'two?lines'"),
+        ({"sensor": {"column": "t", "kind": "camera"}}, "S.yaml: time and output are the same column 't'"),
+        ({"input": {"column": "y", "hold": "zoh"}}, "S.yaml: input and output are the same column 'y'"),
+        ({"effects": [{"id": "dead-zone", "parameters": {"half_width": 0.1}}]}, "S.yaml, line"),
+        ({"plant": {"pendulum": {"natural_frequency": 3.0, "damping": 0.01}}}, "does not simulate a pendulum"),
+        ({"controller": {"reference": "r", "position_gain": 1.0, "velocity_gain": 1.0}}, "not simulate a controller"),
+        ({"plant": rig.plant([1.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
+    ],
+)
+@pytest.mark.parametrize("command", [IDENTIFY, SIMULATE])
+def test_wrong_simulations_are_refused_in_one_line(bench, capsys, command, changes, said):
+    (bench / command[-1]).write_text("older result")
+    table = pd.read_csv("recording.csv")
+    table["simulated"] = table["t"]
+    table.to_csv("recording.csv", index=False)
+    if "simulated" in said and command is IDENTIFY:
+        return_code = main([*command, "--json"])  # nothing is called 'simulated' in a model
+        assert return_code == 0
+        return
+    rig.write_yaml(rig.simulation(**changes), bench / "S.yaml")
+    assert said in refusal(capsys, command)
+
+
+@pytest.mark.parametrize("command", [IDENTIFY, SIMULATE])
+def test_a_bad_cell_is_refused_in_one_line(bench, capsys, command):
+    lines = (bench / "recording.csv").read_text().splitlines()
+    lines[100] = lines[100].rpartition(",")[0] + ",broken"
+    (bench / "recording.csv").write_text("\n".join(lines))
+    (bench / command[-1]).write_text("older result")
+    assert "recording.csv, line 101, column 'y': 'broken' where a number should be" in refusal(capsys, command)
+
+
+def test_the_output_may_not_be_an_input_by_another_name(bench, capsys):
+    (bench / "link.csv").symlink_to("recording.csv")
+    assert "would overwrite" in refusal(capsys, replaced(SIMULATE, "simulated.csv", "link.csv"))
+    os.mkfifo("pipe")
+    assert "a device or a pipe" in refusal(capsys, replaced(SIMULATE, "simulated.csv", "pipe"))
+
+
+def test_undetermined_coefficients_have_no_accuracy(bench, capsys):
+    """A step that has settled tells nothing of a third-order plant, and nothing may look as if it did."""
+    count = np.arange(50)
+    table = pd.DataFrame({"t": 0.05 * count, "u": 1.0, "y": np.where(count < 1, 0.0, 1.0)})
+    table.to_csv("recording.csv", index=False)
+    rig.write_yaml(rig.simulation(plant=rig.plant([1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0])), bench / "S.yaml")
+    assert main([*IDENTIFY, "--method", "plain-srivc"]) == 0
+    out, err = capsys.readouterr()
+    assert out.count("undetermined") == 7
+    assert err.startswith("camid: warning: ")
+    assert err.count("\n") == 1
+    plant = load(bench / "model.yaml")["plant"]
+    assert set(plant) == {"transfer_function", "free"}
+    assert main([*IDENTIFY, "--method", "plain-srivc", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert content["converged"] is False
+    assert content["standard_deviations"] is None
+
+
+def test_an_older_result_is_replaced(bench):
+    (bench / "simulated.csv").write_text("older result")
+    assert main(SIMULATE) == 0
+    assert len(pd.read_csv("simulated.csv")) == 400
+    assert sorted(os.listdir()) == ["S.yaml", "recording.csv", "simulated.csv"]
+
+
+def test_an_iteration_that_fails_says_so(bench, capsys):
+    """Noise has no dynamics of order six: whatever comes out, the numbers do not pass for an estimate in silence."""
+    noise = np.random.default_rng(0).standard_normal((60, 2))
+    pd.DataFrame({"t": 0.05 * np.arange(60), "u": noise[:, 0], "y": noise[:, 1]}).to_csv("noise.csv", index=False)
+    assert (
+        main(["identify", "noise.csv", "--order", "6", "5", "--method", "plain-srivc", "--output", "m.yaml", "--json"])
+        == 0
+    )
+    out, err = capsys.readouterr()
+    assert json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))["converged"] is False
+    assert err.startswith("camid: warning: the iteration did not converge; the numbers are not to be used")
+    assert err.count("\n") == 1
+    assert "NOT CONVERGED" in (bench / "m.yaml").read_text().splitlines()[0]
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["identify", "--help"], ["simulate", "-h"], ["--version"]])
+def test_help(capsys, arguments):
+    assert main(arguments) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.startswith("camid, version" if arguments == ["--version"] else "Usage: camid")
+
+
+def test_the_module_runs_as_a_program(bench):
+    def run(*arguments):
+        environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONWARNINGS": "default"}
+        return subprocess.run(
+            [sys.executable, "-m", "camid", *arguments], capture_output=True, text=True, check=False, env=environment
+        )
+
+    done = run(*IDENTIFY)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (bench / "model.yaml").exists()
+    failed = run(*replaced(SIMULATE, "recording.csv", "none.csv"))
+    assert (failed.returncode, failed.stdout) == (2, "")
+    assert failed.stderr == "camid: error: none.csv: no such file; check the path\n"

@@ -1,0 +1,169 @@
+# The eight figures of the paper: each a named target (fig1 … fig8) and file targets (paper_figs/fig1.png, …).
+
+
+rule fig1:
+    input:
+        image=rules.marker_image.output[0],
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig1.py"),
+    output:
+        png=report(
+            "paper_figs/fig1.png",
+            caption="../report/fig1.rst",
+            category="Imaging",
+            labels={"figure": "1", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig1.pdf",
+        csv="paper_figs/fig1.csv",
+    message:
+        "Drawing: Exposed image of the fast marker and its trajectory (Fig. 1)."
+    script:
+        "../scripts/fig1.py"
+
+
+rule fig2:
+    input:
+        image=rules.marker_image.output[0],
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig2.py"),
+    output:
+        png=report(
+            "paper_figs/fig2.png",
+            caption="../report/fig2.rst",
+            category="Imaging",
+            labels={"figure": "2", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig2.pdf",
+        csv="paper_figs/fig2.csv",
+    params:
+        threshold=lookup(within=config, dpath="imaging/threshold"),
+    message:
+        "Drawing: Gradient image and centre of mass (Fig. 2)."
+    script:
+        "../scripts/fig2.py"
+
+
+rule fig3:
+    input:
+        trajectory=rules.marker_trajectory.output[0],
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig3.py"),
+    output:
+        png=report(
+            "paper_figs/fig3.png",
+            caption="../report/fig3.rst",
+            category="Imaging",
+            labels={"figure": "3", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig3.pdf",
+        csv="paper_figs/fig3.csv",
+    params:
+        frequency=lookup(within=config, dpath="imaging/slow_frequency"),
+    message:
+        "Drawing: Measured and modelled trajectories (Fig. 3)."
+    script:
+        "../scripts/fig3.py"
+
+
+rule fig4:
+    input:
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig4.py"),
+    output:
+        png=report(
+            "paper_figs/fig4.png",
+            caption="../report/fig4.rst",
+            category="Models",
+            labels={"figure": "4", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig4.pdf",
+        csv="paper_figs/fig4.csv",
+    message:
+        "Drawing: Model #1, first version (Fig. 4)."
+    script:
+        "../scripts/fig4.py"
+
+
+rule fig5:
+    input:
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig5.py"),
+    output:
+        png=report(
+            "paper_figs/fig5.png",
+            caption="../report/fig5.rst",
+            category="Models",
+            labels={"figure": "5", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig5.pdf",
+        csv="paper_figs/fig5.csv",
+    message:
+        "Drawing: Model #1, second version (Fig. 5)."
+    script:
+        "../scripts/fig5.py"
+
+
+rule fig6:
+    input:
+        responses=rules.camera_models.output[0],
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig6.py"),
+    output:
+        png=report(
+            "paper_figs/fig6.png",
+            caption="../report/fig6.rst",
+            category="Models",
+            labels={"figure": "6", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig6.pdf",
+        csv="paper_figs/fig6.csv",
+    params:
+        period=lookup(within=config, dpath="camera_models/period"),
+    message:
+        "Drawing: Bode diagrams of the three models (Fig. 6)."
+    script:
+        "../scripts/fig6.py"
+
+
+rule fig7:
+    input:
+        estimates=rules.sampling_period.output[0],
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig7.py"),
+    output:
+        png=report(
+            "paper_figs/fig7.png",
+            caption="../report/fig7.rst",
+            category="Identification",
+            labels={"figure": "7", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig7.pdf",
+        csv="paper_figs/fig7.csv",
+    params:
+        natural_frequency=lookup(within=config, dpath="plant/natural_frequency"),
+    message:
+        "Drawing: Errors against the sampling period (Fig. 7)."
+    script:
+        "../scripts/fig7.py"
+
+
+rule fig8:
+    input:
+        estimates=rules.neglected_mode.output[0],
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/fig8.py"),
+    output:
+        png=report(
+            "paper_figs/fig8.png",
+            caption="../report/fig8.rst",
+            category="Identification",
+            labels={"figure": "8", "of": "the paper"},
+        ),
+        pdf="paper_figs/fig8.pdf",
+        csv="paper_figs/fig8.csv",
+    params:
+        period=lookup(within=config, dpath="neglected_mode_sweep/period"),
+    message:
+        "Drawing: Errors due to a neglected mode (Fig. 8)."
+    script:
+        "../scripts/fig8.py"

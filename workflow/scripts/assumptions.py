@@ -1,0 +1,19 @@
+"""Write what happens when the assumptions fail."""
+
+from typing import TYPE_CHECKING
+
+from camid.experiments.marker_images import assumption_failures
+from camid.experiments.tables import write_dataset
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Write what happens when the assumptions fail."""
+    imaging = snakemake.params.imaging
+    write_dataset(assumption_failures(imaging), snakemake.output[0], {"imaging": imaging})
+
+
+if __name__ == "__main__":
+    main()

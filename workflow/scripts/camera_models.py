@@ -1,0 +1,19 @@
+"""Write the frequency responses of Fig. 6."""
+
+from typing import TYPE_CHECKING
+
+from camid.experiments.camera_models import camera_model_responses
+from camid.experiments.tables import write_dataset
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Write the frequency responses of Fig. 6."""
+    configuration = snakemake.params.camera_models
+    write_dataset(camera_model_responses(configuration), snakemake.output[0], {"camera_models": configuration})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+"""Compare the results with the stored tolerances; a failure ends the workflow with an error."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+from jsonschema import validate
+from ruamel.yaml import YAML
+
+from camid.experiments.tolerances import compare, print_comparison
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Compare the results with the stored tolerances; a failure ends the workflow with an error."""
+    yaml = YAML(typ="safe")
+    tolerances = yaml.load(Path(snakemake.input.tolerances))
+    validate(tolerances, yaml.load(Path(snakemake.input.schema)))
+    comparison = compare(pd.read_csv(snakemake.input.quantities), tolerances)
+    print_comparison(comparison)
+    if not comparison["passed"].all():
+        sys.exit("check: results outside their tolerances, see the table above")
+    comparison.to_csv(snakemake.output[0], index=False, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    main()

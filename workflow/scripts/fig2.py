@@ -1,0 +1,23 @@
+"""Draw Fig. 2."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camid.figures.gradient_image import draw
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw Fig. 2."""
+    with np.load(snakemake.input.image) as image:
+        centres = {name: image[name] for name in ("centroid", "time_mean")}
+        figure, table = draw(image["gradient"], image["selected"], centres, snakemake.params.threshold)
+    save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,21 @@
+"""Draw Fig. 3."""
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.figures.marker_trajectory import draw
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw Fig. 3."""
+    figure, table = draw(pd.read_parquet(snakemake.input.trajectory), snakemake.params.frequency)
+    save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,19 @@
+"""Draw Fig. 5."""
+
+from typing import TYPE_CHECKING
+
+from camid.figures.block_diagrams import draw_second_version
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw Fig. 5."""
+    figure, table = draw_second_version()
+    save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,22 @@
+"""Draw Fig. 7."""
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.figures.sampling_period import draw
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw Fig. 7."""
+    cases = {"camera": "camera", "held": "zoh", "noise": "camera-noise"}
+    figure, table = draw(pd.read_parquet(snakemake.input.estimates), snakemake.params.natural_frequency, cases)
+    save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,21 @@
+"""Draw Fig. 8."""
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.figures.neglected_mode import draw
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw Fig. 8."""
+    figure, table = draw(pd.read_parquet(snakemake.input.estimates), snakemake.params.period)
+    save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+
+
+if __name__ == "__main__":
+    main()

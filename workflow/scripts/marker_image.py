@@ -1,0 +1,19 @@
+"""Write what Figs. 1 and 2 show."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camid.experiments.marker_images import fast_marker_image
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Write what Figs. 1 and 2 show."""
+    np.savez_compressed(snakemake.output[0], allow_pickle=False, **fast_marker_image(snakemake.params.imaging))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,24 @@
+"""Write the outputs of Fig. 8."""
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.experiments.datasets import neglected_mode_outputs
+from camid.experiments.tables import write_dataset
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Write the outputs of Fig. 8."""
+    plant = snakemake.params.plant
+    sweep = {key: snakemake.params[key] for key in ("period", "damping", "start", "stop", "points")}
+    signal = pd.read_parquet(snakemake.input.excitation)["u"].to_numpy()
+    table = neglected_mode_outputs(signal, plant, sweep)
+    write_dataset(table, snakemake.output[0], {"plant": plant, "neglected_mode_sweep": sweep})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,23 @@
+"""Write the noise samples of Fig. 7."""
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.experiments.datasets import noise_samples, with_closing_frame
+from camid.experiments.tables import write_dataset
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Write the noise samples of Fig. 7."""
+    sweep = {key: snakemake.params[key] for key in ("start", "stop", "step", "noise_samples")}
+    length = len(with_closing_frame(pd.read_parquet(snakemake.input.excitation)["u"].to_numpy()))
+    table = noise_samples(length, sweep, snakemake.params.seed)
+    write_dataset(table, snakemake.output[0], {"seed": snakemake.params.seed, "sampling_period_sweep": sweep})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,25 @@
+"""Collect the numbers that are quoted and guarded."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.experiments.quantities import all_quantities
+from camid.figures.style import rounded
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Collect the numbers that are quoted and guarded."""
+    names = [name for name, _ in snakemake.input.items() if name != "sources"]
+    files = {name: Path(snakemake.input[name]) for name in names}
+    tables = {n: pd.read_csv(f) if f.suffix == ".csv" else pd.read_parquet(f) for n, f in files.items()}
+    table = all_quantities(tables, {"plant": snakemake.params.plant})
+    rounded(table).to_csv(snakemake.output[0], index=False, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    main()
