@@ -66,7 +66,7 @@ def test_identify_recovers_the_plant(hold, exposure, latency, moving):
 def test_the_standard_deviations_are_those_of_repeated_runs():
     errors = []
     for seed in range(20):
-        result = camid.identify(rig.recording(300, seed=seed), believed(initial_state="estimate"))
+        result = camid.identify(rig.recording(200, seed=seed), believed(initial_state="estimate"))
         deviations = result.simulation.standard_deviations
         stated = np.array([*deviations["numerator"], *deviations["denominator"][1:]])
         found = np.array([*result.simulation.plant.numerator, *result.simulation.plant.denominator[1:]])

@@ -81,16 +81,16 @@ class Identification:
             "rows_fitted": self.rows_fitted,
             "period": self.period,
         }
-        return {key: _without_infinities(value) for key, value in content.items()}
+        return {key: without_infinities(value) for key, value in content.items()}
 
 
-def _without_infinities(value: Any) -> Any:
+def without_infinities(value: Any) -> Any:
     """The same with None for infinities and NaN, which JSON does not know."""
     if isinstance(value, dict):
-        return {k: _without_infinities(v) for k, v in value.items()}
+        return {k: without_infinities(v) for k, v in value.items()}
     if isinstance(value, list):
-        return [_without_infinities(v) for v in value]
-    return value if not isinstance(value, float | complex) or np.isfinite(value) and np.isreal(value) else None
+        return [without_infinities(v) for v in value]
+    return value if not isinstance(value, float | complex) or (np.isfinite(value) and np.isreal(value)) else None
 
 
 def load_recording(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> Recording:
@@ -282,7 +282,7 @@ def _identification(
 
     lead = believed.plant.denominator[0] if len(believed.plant.denominator) == result.plant.order + 1 else 1.0
     split = len(result.plant.numerator)
-    deviations, covariance = abs(lead) * result.standard_deviations, lead**2 * result.covariance
+    deviations, covariance = abs(lead) * result.standard_deviations, np.square(lead) * result.covariance
     free_numerator, free_denominator = result.free[:split], np.concatenate([[False], result.free[split:]])
     if believed.input_column is None:  # the numerator was not fitted, but a recording with an input may fit it
         free_numerator = believed.free_numerator

@@ -53,7 +53,7 @@ def model_1_response(
 def model_1_first_version_response(angular_frequency: ArrayLike, period: float) -> ComplexArray:
     """Model #1, first version (Fig. 4): an integrator, a sampler and H(z) of (8), for a tone below or above 1/(2T)."""
     s = 1j * np.asarray(angular_frequency, dtype=float)
-    return (1.0 - np.exp(-s * period)) / period / s
+    return np.asarray((1.0 - np.exp(-s * period)) / period / s, dtype=np.complex128)
 
 
 def model_2_response(angular_frequency: ArrayLike, period: float) -> ComplexArray:

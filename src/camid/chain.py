@@ -5,7 +5,8 @@ difference of integrals and as exact as the state itself. Because input and sens
 state comes at the same price, and with it the regressors, instruments and sensitivities of identification.
 
 Time convention: frame k is delivered at t_k; w_k = (1/τ)∫ y dt over [t_k − ℓ − τ, t_k − ℓ] (instant sensor:
-y(t_k − ℓ)); u_k is applied from t_k to t_{k+1}, held (zoh) or along a straight line to u_{k+1} (foh); before the first sample u = 0.
+y(t_k − ℓ)); u_k is applied from t_k to t_{k+1}, held (zoh) or along a straight line to u_{k+1} (foh); before the first
+sample u = 0.
 """
 
 from __future__ import annotations

@@ -205,6 +205,7 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
     import numpy as np
 
     from camid.api import simulate as run
+    from camid.api import without_infinities
     from camid.recording import write_table
     from camid.simulation import load_simulation
 
@@ -220,7 +221,7 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
         spread = float(np.std(recorded))
         summary["nrmse"] = summary["rmse"] / spread if spread > 0.0 else None
     if as_json:
-        click.echo(json.dumps(summary, indent=2))
+        click.echo(json.dumps(without_infinities(summary), indent=2))
         return
     click.echo(f"{summary['rows']} rows written to {output}")
     if summary["nrmse"] is not None:

@@ -15,6 +15,8 @@ rule quantities:
         sources=sources("workflow/scripts/quantities.py"),
     output:
         "results/quantities.csv",
+    log:
+        "results/logs/quantities.log",
     params:
         plant=lookup(within=config, dpath="plant"),
     message:
@@ -36,6 +38,8 @@ rule claims:
             labels={"figure": "claims", "of": "the paper"},
         ),
         markdown="paper_figs/claims.md",
+    log:
+        "results/logs/claims.log",
     message:
         "Judging the paper's claims."
     script:
@@ -56,6 +60,8 @@ rule check:
         sources=sources("workflow/scripts/check.py"),
     output:
         "results/check.csv",
+    log:
+        "results/logs/check.log",
     message:
         "Comparing the results with the stored tolerances."
     script:

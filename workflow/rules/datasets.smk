@@ -6,6 +6,8 @@ rule excitation:
         sources=sources("workflow/scripts/excitation.py"),
     output:
         "results/datasets/excitation.parquet",
+    log:
+        "results/logs/excitation.log",
     cache: True
     params:
         excitation=lookup(within=config, dpath="excitation"),
@@ -21,6 +23,8 @@ rule sampling_period_outputs:
         sources=sources("workflow/scripts/sampling_period_outputs.py"),
     output:
         "results/datasets/sampling_period.parquet",
+    log:
+        "results/logs/sampling_period_outputs.log",
     cache: True
     params:
         plant=lookup(within=config, dpath="plant"),
@@ -39,6 +43,8 @@ rule noise:
         sources=sources("workflow/scripts/noise.py"),
     output:
         "results/datasets/noise.parquet",
+    log:
+        "results/logs/noise.log",
     cache: True
     params:
         seed=lookup(within=config, dpath="seed"),
@@ -58,6 +64,8 @@ rule neglected_mode_outputs:
         sources=sources("workflow/scripts/neglected_mode_outputs.py"),
     output:
         "results/datasets/neglected_mode.parquet",
+    log:
+        "results/logs/neglected_mode_outputs.log",
     cache: True
     params:
         plant=lookup(within=config, dpath="plant"),

@@ -15,6 +15,8 @@ rule fig1:
         ),
         pdf="paper_figs/fig1.pdf",
         csv="paper_figs/fig1.csv",
+    log:
+        "results/logs/fig1.log",
     message:
         "Drawing: Exposed image of the fast marker and its trajectory (Fig. 1)."
     script:
@@ -35,6 +37,8 @@ rule fig2:
         ),
         pdf="paper_figs/fig2.pdf",
         csv="paper_figs/fig2.csv",
+    log:
+        "results/logs/fig2.log",
     params:
         threshold=lookup(within=config, dpath="imaging/threshold"),
     message:
@@ -57,6 +61,8 @@ rule fig3:
         ),
         pdf="paper_figs/fig3.pdf",
         csv="paper_figs/fig3.csv",
+    log:
+        "results/logs/fig3.log",
     params:
         frequency=lookup(within=config, dpath="imaging/slow_frequency"),
     message:
@@ -78,6 +84,8 @@ rule fig4:
         ),
         pdf="paper_figs/fig4.pdf",
         csv="paper_figs/fig4.csv",
+    log:
+        "results/logs/fig4.log",
     message:
         "Drawing: Model #1, first version (Fig. 4)."
     script:
@@ -97,6 +105,8 @@ rule fig5:
         ),
         pdf="paper_figs/fig5.pdf",
         csv="paper_figs/fig5.csv",
+    log:
+        "results/logs/fig5.log",
     message:
         "Drawing: Model #1, second version (Fig. 5)."
     script:
@@ -117,6 +127,8 @@ rule fig6:
         ),
         pdf="paper_figs/fig6.pdf",
         csv="paper_figs/fig6.csv",
+    log:
+        "results/logs/fig6.log",
     params:
         period=lookup(within=config, dpath="camera_models/period"),
     message:
@@ -139,6 +151,8 @@ rule fig7:
         ),
         pdf="paper_figs/fig7.pdf",
         csv="paper_figs/fig7.csv",
+    log:
+        "results/logs/fig7.log",
     params:
         natural_frequency=lookup(within=config, dpath="plant/natural_frequency"),
     message:
@@ -161,6 +175,8 @@ rule fig8:
         ),
         pdf="paper_figs/fig8.pdf",
         csv="paper_figs/fig8.csv",
+    log:
+        "results/logs/fig8.log",
     params:
         period=lookup(within=config, dpath="neglected_mode_sweep/period"),
     message:

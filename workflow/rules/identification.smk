@@ -6,6 +6,8 @@ rule camera_models:
         sources=sources("workflow/scripts/camera_models.py"),
     output:
         "results/estimates/camera_models.parquet",
+    log:
+        "results/logs/camera_models.log",
     params:
         camera_models=lookup(within=config, dpath="camera_models"),
     message:
@@ -20,6 +22,8 @@ rule discrete_time:
         sources=sources("workflow/scripts/discrete_time.py"),
     output:
         "results/estimates/discrete_time.parquet",
+    log:
+        "results/logs/discrete_time.log",
     params:
         plant=lookup(within=config, dpath="plant"),
         periods=lookup(within=config, dpath="discrete_time/periods"),
@@ -36,6 +40,8 @@ rule sampling_period:
         sources=sources("workflow/scripts/sampling_period.py"),
     output:
         "results/estimates/sampling_period.parquet",
+    log:
+        "results/logs/sampling_period.log",
     params:
         plant=lookup(within=config, dpath="plant"),
         sweep=lookup(within=config, dpath="sampling_period_sweep"),
@@ -51,6 +57,8 @@ rule neglected_mode:
         sources=sources("workflow/scripts/neglected_mode.py"),
     output:
         "results/estimates/neglected_mode.parquet",
+    log:
+        "results/logs/neglected_mode.log",
     params:
         plant=lookup(within=config, dpath="plant"),
         sweep=lookup(within=config, dpath="neglected_mode_sweep"),

@@ -6,6 +6,8 @@ rule marker_image:
         sources=sources("workflow/scripts/marker_image.py"),
     output:
         "results/datasets/marker_image.npz",
+    log:
+        "results/logs/marker_image.log",
     cache: True
     params:
         imaging=lookup(within=config, dpath="imaging"),
@@ -20,6 +22,8 @@ rule marker_trajectory:
         sources=sources("workflow/scripts/marker_trajectory.py"),
     output:
         "results/datasets/marker_trajectory.parquet",
+    log:
+        "results/logs/marker_trajectory.log",
     cache: True
     params:
         imaging=lookup(within=config, dpath="imaging"),
@@ -34,6 +38,8 @@ rule assumptions:
         sources=sources("workflow/scripts/assumptions.py"),
     output:
         "results/estimates/assumptions.parquet",
+    log:
+        "results/logs/assumptions.log",
     params:
         imaging=lookup(within=config, dpath="imaging"),
     message:

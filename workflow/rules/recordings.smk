@@ -7,6 +7,8 @@ rule silverbox_parts:
     output:
         training="results/recordings/silverbox_training.parquet",
         multisine="results/recordings/silverbox_multisine.parquet",
+    log:
+        "results/logs/silverbox_parts.log",
     message:
         "Finding the Silverbox recording and splitting it."
     script:
@@ -22,11 +24,15 @@ rule silverbox:
     output:
         model="results/recordings/silverbox_{hold}.yaml",
         simulated="results/recordings/silverbox_{hold}_multisine.csv",
+    log:
+        "results/logs/silverbox_{hold}.log",
+    params:
+        camid=CAMID,
     message:
         "Identifying the Silverbox with {wildcards.hold} input and simulating the test multisine."
     shell:
-        "{CAMID} identify {input.training} --simulation {input.simulation} --output {output.model}"
-        " && {CAMID} simulate {input.multisine} --simulation {output.model} --output {output.simulated}"
+        "{params.camid} identify {input.training} --simulation {input.simulation} --output {output.model} > {log} 2>&1"
+        " && {params.camid} simulate {input.multisine} --simulation {output.model} --output {output.simulated} >> {log} 2>&1"
 
 
 rule recordings:
@@ -37,6 +43,8 @@ rule recordings:
         sources=sources("workflow/scripts/recordings.py"),
     output:
         "results/recordings/summary.csv",
+    log:
+        "results/logs/recordings.log",
     message:
         "Root mean square errors on the real recordings beside their references."
     script:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from camid.experiments.camera_models import camera_model_responses
+from camid.experiments.log import logged
 from camid.experiments.tables import write_dataset
 
 if TYPE_CHECKING:
@@ -16,4 +17,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

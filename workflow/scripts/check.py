@@ -8,6 +8,7 @@ import pandas as pd
 from jsonschema import validate
 from ruamel.yaml import YAML
 
+from camid.experiments.log import logged
 from camid.experiments.tolerances import compare, print_comparison
 
 if TYPE_CHECKING:
@@ -27,4 +28,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0], also_print=True):
+        main()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.experiments.claims import ambiguities, claims, to_markdown
+from camid.experiments.log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
@@ -20,4 +21,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

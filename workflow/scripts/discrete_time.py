@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.experiments.discrete_time import compare_discrete_time
+from camid.experiments.log import logged
 from camid.experiments.tables import write_dataset
 
 if TYPE_CHECKING:
@@ -20,4 +21,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

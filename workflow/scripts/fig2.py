@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camid.experiments.log import logged
 from camid.figures.gradient_image import draw
 from camid.figures.style import save
 
@@ -20,4 +21,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

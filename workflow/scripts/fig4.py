@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from camid.experiments.log import logged
 from camid.figures.block_diagrams import draw_first_version
 from camid.figures.style import save
 
@@ -16,4 +17,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

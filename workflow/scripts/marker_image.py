@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camid.experiments.log import logged
 from camid.experiments.marker_images import fast_marker_image
 
 if TYPE_CHECKING:
@@ -16,4 +17,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from camid.experiments.log import logged
 from camid.experiments.marker_images import slow_marker_trajectory
 from camid.experiments.tables import write_dataset
 
@@ -16,4 +17,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

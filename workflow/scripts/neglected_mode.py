@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid.experiments.log import logged
 from camid.experiments.neglected_mode import identify_neglected_mode
 from camid.experiments.tables import write_dataset
 
@@ -19,4 +20,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()

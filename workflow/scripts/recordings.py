@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from camid.benchmark_recordings import SILVERBOX_TRANSIENT
+from camid.experiments.log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
@@ -32,4 +33,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0], also_print=True):
+        main()

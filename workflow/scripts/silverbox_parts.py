@@ -1,10 +1,9 @@
 """Find the Silverbox recording and write its parts."""
 
-import sys
 from typing import TYPE_CHECKING
 
 from camid.benchmark_recordings import fetch, silverbox_parts
-from camid.errors import InputError
+from camid.experiments.log import logged
 from camid.recording import write_table
 
 if TYPE_CHECKING:
@@ -13,13 +12,11 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Find the Silverbox recording and write its parts."""
-    try:
-        parts = silverbox_parts(fetch("silverbox"))
-    except InputError as error:
-        sys.exit(f"camid: error: {error}")
+    parts = silverbox_parts(fetch("silverbox"))
     write_table(parts["training"], snakemake.output.training)
     write_table(parts["multisine"], snakemake.output.multisine)
 
 
 if __name__ == "__main__":
-    main()
+    with logged(snakemake.log[0]):
+        main()
