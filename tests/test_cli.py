@@ -228,6 +228,7 @@ def test_wrong_arguments_are_refused_in_one_line(bench, capsys, arguments, said)
         ),
         ({"sensor": {"column": "simulated", "kind": "camera"}}, "'simulated'"),
         ({"time": {"column": "simulated"}}, "'simulated'"),
+        ({"input": {"column": "", "hold": "zoh"}}, "recording.csv: no column ''"),
         ({"time": {"column": "two\nlines"}}, "no column 'two?lines'"),
         ({"sensor": {"column": "t", "kind": "camera"}}, "S.yaml: time and output are the same column 't'"),
         ({"input": {"column": "y", "hold": "zoh"}}, "S.yaml: input and output are the same column 'y'"),

@@ -105,7 +105,8 @@ def load_recording(recording: RecordingSource, simulation: Simulation, *, output
             raise InputError(
                 f"{one} and {other} are the same column '{first}'", where=simulation.source, mend="name two columns"
             )
-    required = [c for c in (simulation.input_column, simulation.output_column if output_needed else None) if c]
+    named = [simulation.input_column, simulation.output_column if output_needed else None]
+    required = [column for column in named if column is not None]
     optional = [] if output_needed else [simulation.output_column]
     return read_recording(recording, simulation.time_column, required, optional)
 
@@ -215,9 +216,11 @@ def identify(
         raise InputError("no coefficient is free", where=believed.source, mend="free one under plant.free")
     try:
         result = estimate(wanted, experiments, nominal=nominal, method=method, progress=progress)
-    except ValueError as error:
-        raise InputError(str(error), where=recordings[0].source, mend="try another order") from None
-    return _identification(believed, result, recordings, experiments, held_out)
+        return _identification(believed, result, recordings, experiments, held_out)
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(
+            f"no estimate: {error}", where=recordings[0].source, mend="try another order, or check the units"
+        ) from None
 
 
 def _wanted(believed: Simulation, structure: tuple[int, int] | None) -> tuple[Structure, TransferFunction | None]:
@@ -262,8 +265,8 @@ def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
         raise InputError(
             f"column '{column}' is constant", where=recording.source, mend="there is nothing to identify in it"
         )
-    column = simulation.input_column or ""
-    if column and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
+    column = simulation.input_column
+    if column is not None and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
         raise InputError(
             f"column '{column}' is zero throughout",
             where=recording.source,

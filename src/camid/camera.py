@@ -58,7 +58,8 @@ def model_1_first_version_response(angular_frequency: ArrayLike, period: float) 
 
 def model_2_response(angular_frequency: ArrayLike, period: float) -> ComplexArray:
     """Model #2: (1 + z^-1)/2 at z = e^(jωT) (Ranftl et al. 2007)."""
-    return 0.5 * (1.0 + np.exp(-1j * period * np.asarray(angular_frequency, dtype=float)))
+    delayed = np.exp(-1j * period * np.asarray(angular_frequency, dtype=float))
+    return np.asarray(0.5 * (1.0 + delayed), dtype=np.complex128)
 
 
 def model_3_response(angular_frequency: ArrayLike, period: float) -> ComplexArray:

@@ -313,6 +313,7 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
         )
     try:
         plant = TransferFunction(tuple(raw["numerator"]), tuple(raw["denominator"]))
+        _ = plant.monic  # refuses a leading coefficient so small that the others overflow
     except ValueError as error:
         raise InputError(
             str(error), where=where("plant", "transfer_function"), mend="coefficients stand in descending powers of s"

@@ -3,6 +3,7 @@
 import ast
 import shlex
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(workflow.basedir)
@@ -12,11 +13,12 @@ FIGURES = [f"fig{number}" for number in range(1, 9)]
 
 # A fresh clone holds the committed figures but none of the data behind them, and to Snakemake a file that is there is up
 # to date. This mark is made when the workflow is first read in a working copy (or after results/ was removed); it is
-# newer than anything committed, and every rule that writes into paper_figs/ depends on it.
+# newer than anything committed, and every rule that writes into paper_figs/ depends on it. Its content is the time,
+# because Snakemake takes a new file with the old content for unchanged.
 BIRTH_MARK = "results/.working-copy"
 if not Path(BIRTH_MARK).exists():
     Path(BIRTH_MARK).parent.mkdir(exist_ok=True)
-    Path(BIRTH_MARK).touch()
+    Path(BIRTH_MARK).write_text(f"{time.time_ns()}\n")
 
 
 def running_nodes(tree):

@@ -1,0 +1,154 @@
+import numpy as np
+import pytest
+
+from camid.chain import Acquisition, sample
+from camid.identification.estimate import estimate
+from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect, safeguarded_srivc
+from camid.plant import TransferFunction, second_order
+
+PLANT = second_order(1.0, 10.0, 0.1)
+TRUTH = np.array([100.0, 2.0, 100.0])
+
+
+def experiment(excitation, acquisition, plant=PLANT, noise=0.0, seed=0, initial_state=None):
+    output = sample(plant, excitation, acquisition, initial_state)
+    output = output + noise * np.random.default_rng(seed).standard_normal(len(output))
+    return Experiment(excitation, output, acquisition, np.ones(len(output), bool), initial_state is not None)
+
+
+def predictor_for(one, structure=None):
+    return Predictor.around(structure or Structure.of_order(2, 0), [one], np.array([1.0, 2.0, 100.0]))
+
+
+@pytest.mark.parametrize("acquisition", [Acquisition(0.1), Acquisition(0.1, "foh", "camera", 0.03, 0.16)])
+@pytest.mark.parametrize("initial", [None, np.array([0.4, -1.0])])
+def test_sensitivities_are_the_derivatives_of_the_output(acquisition, initial, excitation):
+    structure = Structure.of_order(2, 1)
+    one = experiment(excitation, acquisition, initial_state=initial)
+    predictor = predictor_for(one, structure)
+    parameters = predictor.from_physical(np.array([3.0, 100.0, 2.0, 100.0]), initial)
+    residual, sensitivities = predictor.linearise(parameters)
+    for i in range(len(parameters)):
+        step = 1e-6
+        ahead, behind = parameters.copy(), parameters.copy()
+        ahead[i] += step
+        behind[i] -= step
+        numeric = (predictor.simulate(ahead)[0] - predictor.simulate(behind)[0]) / (2.0 * step)
+        assert np.allclose(sensitivities[:, i], numeric, atol=1e-6)
+    assert np.allclose(residual, one.output - predictor.simulate(parameters)[0], atol=1e-12)
+
+
+def test_plain_srivc_reaches_the_truth_below_shannon_and_fails_near_it(excitation):
+    near = {}
+    for period in (0.02, 0.1, 0.2, 0.3):
+        one = experiment(excitation, Acquisition(period))
+        predictor = predictor_for(one)
+        fit = plain_srivc(predictor, least_squares_state_variable_filter(predictor, 10.0))
+        error = np.max(np.abs(predictor.to_physical(fit.parameters) / TRUTH - 1.0))
+        near[period] = fit.converged and error < 1e-6
+    assert near == {0.02: True, 0.1: True, 0.2: True, 0.3: False}
+
+
+def test_safeguarded_srivc_holds_where_plain_srivc_leaves_from_the_truth(excitation):
+    """Tω0 = 3.0 with noise: plain SRIVC does not settle even when started at the truth."""
+    acquisition = Acquisition(0.3)
+    left, held = 0, 0
+    for seed in range(10):
+        level = np.std(sample(PLANT, excitation, acquisition)) / np.sqrt(10.0)
+        predictor = predictor_for(experiment(excitation, acquisition, noise=level, seed=seed))
+        start = predictor.from_physical(TRUTH)
+        left += not plain_srivc(predictor, start).converged
+        safe = safeguarded_srivc(predictor, start)
+        held += safe.converged and np.max(np.abs(predictor.to_physical(safe.parameters) / TRUTH - 1.0)) < 0.2
+    assert left >= 8
+    assert held == 10
+
+
+def test_safeguarded_iteration_never_raises_the_output_error(excitation):
+    predictor = predictor_for(experiment(excitation, Acquisition(0.1), noise=0.3))
+    costs = []
+    safeguarded_srivc(
+        predictor, predictor.from_physical(np.array([60.0, 5.0, 130.0])), on_iteration=lambda _i, c: costs.append(c)
+    )
+    assert len(costs) >= 3
+    assert np.all(np.diff(costs) < 0.0)
+
+
+def test_undetermined_coefficients_are_not_called_converged():
+    """A constant input says nothing of a plant that is already at rest in it."""
+    signal = np.ones(200)
+    acquisition = Acquisition(0.1)
+    one = Experiment(signal, np.ones(200), acquisition, np.arange(200) > 150)
+    predictor = predictor_for(one)
+    fit = safeguarded_srivc(predictor, predictor.from_physical(TRUTH))
+    assert not fit.converged
+
+
+def test_one_sample_shift_belongs_to_the_camera(excitation):
+    """u[k], w[k+1] under a first-order hold is the camera sensor under a zero-order hold."""
+    output = sample(PLANT, excitation, Acquisition(0.1))
+    shifted = np.concatenate([[0.0], excitation[:-1]])
+    rows = np.ones(len(output), bool)
+    argument = Experiment(shifted, output, Acquisition(0.1, "foh", "instant"), rows)
+    result = estimate(Structure.of_order(2, 0), [argument])
+    found = np.array([*result.plant.numerator, *result.plant.denominator[1:]])
+    assert np.max(np.abs(found / TRUTH - 1.0)) < 1e-12
+
+
+def test_fixed_coefficients_stay(excitation):
+    one = experiment(excitation, Acquisition(0.1), noise=0.05)
+    structure = Structure(
+        np.array([100.0]), np.array([1.0, 3.0, 100.0]), np.array([True]), np.array([False, False, True])
+    )
+    result = estimate(structure, [one], nominal=TransferFunction((90.0,), (1.0, 3.0, 110.0)))
+    assert result.plant.denominator[1] == pytest.approx(3.0, rel=1e-12)
+    assert result.standard_deviations[1] == 0.0
+    assert result.standard_deviations[2] > 0.0
+
+
+def test_unknown_initial_state_is_estimated(excitation):
+    acquisition = Acquisition(0.05, latency=0.02)
+    one = experiment(excitation, acquisition, initial_state=np.array([2.0, -3.0]))
+    result = estimate(Structure.of_order(2, 0), [one])
+    found = np.array([*result.plant.numerator, *result.plant.denominator[1:]])
+    assert result.converged
+    assert np.max(np.abs(found / TRUTH - 1.0)) < 1e-9
+
+
+def test_several_recordings_with_their_own_initial_states(excitation):
+    acquisition = Acquisition(0.1)
+    first = experiment(excitation, acquisition, noise=0.1, initial_state=np.array([1.0, 1.0]))
+    second = experiment(-excitation[100:], acquisition, noise=0.1, seed=1, initial_state=np.array([-2.0, 0.0]))
+    both = estimate(Structure.of_order(2, 0), [first, second])
+    alone = estimate(Structure.of_order(2, 0), [first])
+    assert both.converged
+    assert np.all(both.standard_deviations < alone.standard_deviations)
+
+
+def test_output_error_by_a_general_optimiser_agrees(excitation):
+    one = experiment(excitation, Acquisition(0.2), noise=0.2)
+    ours = estimate(Structure.of_order(2, 0), [one])
+    theirs = estimate(Structure.of_order(2, 0), [one], method="output-error")
+    assert np.allclose(ours.plant.denominator, theirs.plant.denominator, rtol=1e-5)
+    assert np.allclose(ours.plant.numerator, theirs.plant.numerator, rtol=1e-5)
+
+
+def test_reflection_keeps_the_modulus_of_the_roots():
+    mirrored = reflect(np.array([1.0, -2.0, 100.0]))
+    assert np.allclose(mirrored, [1.0, 2.0, 100.0])
+    assert reflect(np.array([1.0, 2.0, 100.0])) is not None
+    assert np.allclose(reflect(np.array([1.0, 2.0, 100.0])), [1.0, 2.0, 100.0])
+
+
+def test_alias_is_not_taken_for_a_wrong_model(excitation):
+    """A model that cannot fit (hold declared wrongly) must not be explained by a mode past the Shannon frequency."""
+    output = sample(PLANT, excitation, Acquisition(0.1))
+    wrong = Experiment(excitation, output, Acquisition(0.1, "zoh", "instant"), np.ones(len(output), bool))
+    result = estimate(Structure.of_order(2, 0), [wrong])
+    assert np.max(np.abs(result.plant.poles())) < np.pi / 0.1
+
+
+def test_unknown_method_is_refused(excitation):
+    with pytest.raises(ValueError, match="must be one of"):
+        estimate(Structure.of_order(2, 0), [experiment(excitation, Acquisition(0.1))], method="magic")
