@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import camid
-import rig
 from camid.errors import InputError
+from tests import rig
 
 TRUTH = np.array([*rig.NUMERATOR, *rig.DENOMINATOR])
 

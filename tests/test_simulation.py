@@ -9,9 +9,9 @@ from scipy.integrate import solve_ivp
 from scipy.signal import tf2ss
 
 import camid
-import rig
 from camid.errors import InputError
 from camid.simulation import load_simulation, write_simulation
+from tests import rig
 
 GOOD = """\
 schema: 1

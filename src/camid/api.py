@@ -260,10 +260,11 @@ def _wanted(believed: Simulation, structure: tuple[int, int] | None) -> tuple[St
 
 
 def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
-    column = simulation.output_column
-    if np.ptp(recording.columns[column]) == 0.0:
+    if np.ptp(recording.columns[simulation.output_column]) == 0.0:
         raise InputError(
-            f"column '{column}' is constant", where=recording.source, mend="there is nothing to identify in it"
+            f"column '{simulation.output_column}' is constant",
+            where=recording.source,
+            mend="there is nothing to identify in it",
         )
     column = simulation.input_column
     if column is not None and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:

@@ -7,7 +7,6 @@ import pandas as pd
 
 from camid.experiments.log import logged
 from camid.experiments.quantities import all_quantities
-from camid.figures.style import rounded
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
@@ -19,7 +18,7 @@ def main() -> None:
     files = {name: Path(snakemake.input[name]) for name in names}
     tables = {n: pd.read_csv(f) if f.suffix == ".csv" else pd.read_parquet(f) for n, f in files.items()}
     table = all_quantities(tables, {"plant": snakemake.params.plant})
-    rounded(table).to_csv(snakemake.output[0], index=False, lineterminator="\n")
+    table.to_csv(snakemake.output[0], index=False, lineterminator="\n")
 
 
 if __name__ == "__main__":

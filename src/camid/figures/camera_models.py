@@ -72,5 +72,5 @@ def draw(responses: pd.DataFrame, period: float) -> tuple[Figure, pd.DataFrame]:
     lower.set(ylabel="phase (°)", xlabel=f"frequency (Hz), T = {1e3 * period:g} ms", xlim=(frequency[0], frequency[-1]))
     lower.set_yticks(np.arange(-900, 1, 180))
     lower.set_ylim(-920, 20)
-    table = responses.assign(**{f"gain_{n}_decibels": np.maximum(gains[n], -300.0) for n in LOOKS})
+    table = responses.assign(**{f"gain_{n}_decibels": np.maximum(gains[n], -200.0) for n in LOOKS})
     return figure, table

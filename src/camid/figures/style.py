@@ -17,6 +17,7 @@ PAGE_WIDTH = 7.1
 # Okabe & Ito (2008), ordered so that their luminance differs in grey, too; line styles differ besides.
 BLUE, VERMILION, GREEN, ORANGE, GREY, BLACK = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#7F7F7F", "#000000"
 SIGNIFICANT_DIGITS = 9
+SMALLEST = 1e-12
 
 SETTINGS: dict[Any, Any] = {
     # DejaVu comes with matplotlib, so a figure has the same bytes wherever the locked versions are installed.
@@ -61,7 +62,7 @@ def rounded(table: pd.DataFrame) -> pd.DataFrame:
     """The table with its numbers cut to digits that no processor's rounding reaches."""
 
     def cut(value: float) -> float:
-        return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+        return 0.0 if abs(value) < SMALLEST else float(f"{value:.{SIGNIFICANT_DIGITS}g}")
 
     floats = [c for c in table.columns if table[c].dtype.kind == "f"]
     return table.assign(**{str(c): table[c].map(cut) for c in floats})

@@ -1,0 +1,226 @@
+"""What the workflow promises, shown by running it in fresh copies."""
+
+import json
+import re
+
+import pytest
+
+from tests.workflow.conftest import ROOT
+
+FIGURES = {f"fig{number}" for number in range(1, 9)}
+DATASETS = {
+    "excitation",
+    "sampling_period_outputs",
+    "noise",
+    "neglected_mode_outputs",
+    "marker_image",
+    "marker_trajectory",
+}
+pytestmark = pytest.mark.workflow
+
+
+def test_fresh_clone_with_committed_figures_computes_all_of_them(computed):
+    """The trap: figures that are there and whose data are missing look up to date to Snakemake."""
+    assert {f"{f}.{kind}" for f in FIGURES for kind in ("png", "pdf", "csv")} <= set(computed.before)
+    for name, stamp in computed.figures_before.items():
+        assert (computed.folder / "paper_figs" / name).stat().st_mtime_ns > stamp, name
+    assert "0 failed" in computed.printed
+    for dataset in ("excitation", "sampling_period", "noise", "neglected_mode", "marker_trajectory"):
+        assert (computed.folder / f"results/datasets/{dataset}.parquet").is_file()
+
+
+def test_file_target_and_named_target_alone_compute_in_a_fresh_clone(fresh):
+    assert {"fig8", "neglected_mode", "excitation"} <= fresh.planned("paper_figs/fig8.png")
+    assert {"fig7", "sampling_period", "noise"} <= fresh.planned("fig7")
+    assert fresh.planned("all") >= FIGURES | DATASETS | {"claims"}
+
+
+def test_removed_results_are_computed_again(computed, tmp_path):
+    kept = computed.folder / "results"
+    moved = kept.rename(tmp_path / "results")
+    try:
+        assert computed.planned("all") >= FIGURES | DATASETS
+    finally:
+        (kept / ".working-copy").unlink()
+        kept.rmdir()
+        moved.rename(kept)
+
+
+def test_second_run_does_nothing(computed):
+    assert computed.planned("all") == set()
+    assert computed.planned("check") == set()
+
+
+def test_deleted_figure_takes_one_job(computed):
+    (computed.folder / "paper_figs/fig4.png").unlink()
+    assert computed.planned("fig4") == {"fig4"}
+    computed.snakemake("paper_figs/fig4.png")
+    assert (computed.folder / "paper_figs/fig4.png").read_bytes() == computed.before["fig4.png"]
+
+
+@pytest.mark.parametrize(
+    ("module", "rerun", "kept"),
+    [
+        ("src/camid/figures/neglected_mode.py", {"fig8"}, DATASETS | {"neglected_mode", "fig7"}),
+        ("src/camid/figures/style.py", FIGURES, DATASETS | {"neglected_mode", "sampling_period"}),
+        ("src/camid/identification/srivc.py", {"sampling_period", "neglected_mode", "fig7"}, DATASETS | {"fig6"}),
+        ("src/camid/chain.py", {"sampling_period_outputs", "neglected_mode_outputs"}, {"excitation", "marker_image"}),
+        ("src/camid/excitation.py", {"excitation", "noise", "fig7", "fig8"}, {"marker_image", "fig1", "fig6"}),
+        ("src/camid/imaging.py", {"marker_image", "marker_trajectory", "fig1", "fig3"}, {"excitation", "fig7"}),
+    ],
+)
+def test_changed_source_reruns_the_rules_that_use_it_and_no_others(computed, module, rerun, kept):
+    path = computed.folder / module
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text + "\nCHANGED = True\n", encoding="utf-8")
+    try:
+        planned = computed.planned("all")
+    finally:
+        path.write_text(text, encoding="utf-8")
+    assert rerun <= planned
+    assert not kept & planned
+
+
+def test_changed_source_really_changes_the_result(computed):
+    """Not only planned: the drawing code of the copy is what runs, and only its figure is drawn."""
+    path = computed.folder / "src/camid/figures/camera_models.py"
+    text = path.read_text(encoding="utf-8")
+    stamp = (computed.folder / "paper_figs/fig7.png").stat().st_mtime_ns
+    path.write_text(text.replace('"gain (dB)"', '"gain of the camera (dB)"'), encoding="utf-8")
+    computed.snakemake("all")
+    changed = computed.outputs()["fig6.png"]
+    path.write_text(text, encoding="utf-8")
+    computed.snakemake("all")
+    assert changed != computed.before["fig6.png"]
+    assert computed.outputs()["fig6.png"] == computed.before["fig6.png"]
+    assert (computed.folder / "paper_figs/fig7.png").stat().st_mtime_ns == stamp
+
+
+def test_changed_number_reruns_only_what_uses_it(computed):
+    planned = computed.planned("all", "--config", 'imaging={"threshold": 0.3}')
+    assert {"fig2", "marker_trajectory"} <= planned
+    assert not planned & {"excitation", "sampling_period", "fig7", "fig8"}
+
+
+def test_wrong_key_in_the_configuration_is_named(fresh):
+    path = fresh.folder / "config/config.yaml"
+    path.write_text(path.read_text(encoding="utf-8").replace("noise_samples:", "noise_sample:"), encoding="utf-8")
+    printed = fresh.snakemake("-n", expect=1)
+    assert "noise_sample" in printed
+
+
+def test_second_clone_takes_its_datasets_from_the_cache(computed, fresh):
+    printed = fresh.snakemake(
+        "results/datasets/sampling_period.parquet", "results/datasets/marker_image.npz", cache=computed.cache
+    )
+    for name in ("excitation", "sampling_period_outputs", "marker_image"):
+        log = fresh.folder / f"results/logs/{name}.log"
+        assert not log.exists(), f"{name} ran although it is cached"
+    assert "from cache" in printed.lower()
+    for name in ("excitation.parquet", "sampling_period.parquet"):
+        ours = (fresh.folder / "results/datasets" / name).read_bytes()
+        assert ours == (computed.folder / "results/datasets" / name).read_bytes()
+
+
+def test_one_core_gives_the_same_bytes_as_two(computed, fresh):
+    fresh.snakemake("all", cores=1)
+    ours, theirs = fresh.outputs(), computed.outputs()
+    assert {n for n in ours if ours[n] != theirs[n]} == set()
+
+
+def test_committed_results_are_those_of_the_workflow(computed):
+    """Numbers that are committed must be the ones that the committed code computes."""
+    import io
+
+    import numpy as np
+    import pandas as pd
+
+    ours = computed.outputs()
+    for name, content in computed.before.items():
+        if name.endswith(".csv") and name != "claims.csv":
+            committed = pd.read_csv(io.BytesIO(content))
+            computed_now = pd.read_csv(io.BytesIO(ours[name]))
+            assert list(committed.columns) == list(computed_now.columns)
+            for column in committed.select_dtypes("number"):
+                assert np.allclose(committed[column], computed_now[column], rtol=1e-6, atol=1e-6, equal_nan=True), name
+        elif name.startswith("claims"):
+            assert content == ours[name]
+
+
+MUTATIONS = {
+    "zero-order hold declared for the first-order hold": (
+        "config/config.yaml",
+        "{hold: foh, sensor: instant, shift: 1, methods: [srivc]}",
+        "{hold: zoh, sensor: instant, shift: 1, methods: [srivc]}",
+        "largest_error_foh-argument",
+    ),
+    "one-sample shift dropped": (
+        "config/config.yaml",
+        "{hold: foh, sensor: instant, shift: 1, methods: [srivc]}",
+        "{hold: foh, sensor: instant, shift: 0, methods: [srivc]}",
+        "largest_error_foh-argument",
+    ),
+    "camera declared an instant sensor": (
+        "config/config.yaml",
+        "{hold: zoh, sensor: camera, shift: 0, methods: [srivc, plain-srivc]}",
+        "{hold: zoh, sensor: instant, shift: 0, methods: [srivc, plain-srivc]}",
+        "largest_error_camera",
+    ),
+    "wrong PRBS": (
+        "src/camid/excitation.py",
+        "max_len_seq(order)",
+        "max_len_seq(order, taps=[order - 1])",
+        "largest_side_of_autocorrelation",
+    ),
+}
+
+
+@pytest.mark.parametrize("mutation", list(MUTATIONS))
+def test_mutation_makes_check_fail(computed, fresh, mutation):
+    """The datasets come from the cache where the mutation leaves them, so that only what it touches is computed."""
+    file, right, wrong, quantity = MUTATIONS[mutation]
+    path = fresh.folder / file
+    text = path.read_text(encoding="utf-8")
+    assert text.count(right) == 1
+    path.write_text(text.replace(right, wrong), encoding="utf-8")
+    printed = fresh.snakemake("check", cache=computed.cache, expect=1)
+    failed = re.findall(r"FAIL │ \S+ +│ (\S+)", printed)
+    assert quantity in failed, printed
+
+
+def test_lint_has_nothing_but_the_missing_containers(fresh):
+    """One locked environment serves the whole workflow; see README.md."""
+    printed = fresh.snakemake("--lint", "json", expect=None)
+    found = json.loads(printed[printed.index("{") : printed.rindex("}") + 1])
+    titles = {lint["title"] for rule in found["rules"] for lint in rule["lints"]}
+    assert titles <= {"Specify a conda environment or container for each rule."}
+    assert not found.get("global")
+
+
+def test_report_holds_every_figure_with_its_caption_and_needs_no_network(computed):
+    computed.snakemake("--report", "report.html")
+    page = (computed.folder / "report.html").read_text(encoding="utf-8")
+    for figure in sorted(FIGURES):
+        assert f"{figure}.png" in page
+    for phrase in ("Sobel gradient", "neglected mode", "second version"):
+        assert phrase in page
+    assert not re.findall(r'(?:src|href)="https?://[^"]+\.(?:js|css)"', page)
+
+
+@pytest.mark.skipif("not __import__('os').environ.get('CAMID_RECORDINGS')", reason="CAMID_RECORDINGS is not set")
+def test_silverbox_reaches_its_references(computed):
+    printed = computed.snakemake("recordings")
+    rows = dict(re.findall(r"(zoh|foh)\s+([\d.]+)", printed))
+    assert float(rows["zoh"]) == pytest.approx(14.8, abs=0.1)
+    assert float(rows["foh"]) == pytest.approx(7.0, abs=0.1)
+
+
+def test_recording_that_cannot_be_found_is_one_clear_line(fresh, monkeypatch):
+    monkeypatch.setenv("CAMID_RECORDINGS", "nowhere")
+    printed = fresh.snakemake("recordings", expect=1)
+    assert "camid: error: nowhere/silverbox.csv: no such file; mend or unset CAMID_RECORDINGS" in printed
+
+
+def test_rules_are_formatted_files_that_the_snakefile_includes():
+    included = set(re.findall(r'include: "workflow/rules/(\w+)\.smk"', (ROOT / "Snakefile").read_text()))
+    assert included == {p.stem for p in (ROOT / "workflow/rules").glob("*.smk")}
