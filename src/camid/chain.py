@@ -109,6 +109,8 @@ def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Ar
     norm = 0.0
     for i in range(size):
         norm = max(norm, np.sum(np.abs(scaled[i])))
+    if not np.isfinite(norm):
+        return np.full((size, size), np.nan), np.full((size, size), np.nan)
     halvings = 0
     while norm > 0.5:
         norm *= 0.5

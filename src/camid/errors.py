@@ -34,5 +34,6 @@ class CamidWarning(UserWarning):
 def nearest_match(name: str, known: Iterable[str]) -> str:
     """Sentence that offers the likeliest spelling of ``name`` among ``known``, or lists them all."""
     known = list(known)
-    near = get_close_matches(str(name), known, n=1, cutoff=0.5)
-    return f"did you mean '{near[0]}'?" if near else f"known here: {', '.join(known)}"
+    lower = {k.lower(): k for k in reversed(known)}
+    near = get_close_matches(str(name).lower(), lower, n=1, cutoff=0.5)
+    return f"did you mean '{lower[near[0]]}'?" if near else f"known here: {', '.join(known)}"

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from importlib.resources import files
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition
+from camid.checked_yaml import place, read_yaml, refuse_schema_errors
 from camid.errors import InputError, nearest_match
 from camid.plant import TransferFunction
 from camid.recording import write_whole
@@ -149,93 +146,6 @@ def default_freedom(plant: TransferFunction) -> tuple[NDArray[np.bool_], NDArray
     return free_numerator, free_denominator
 
 
-def _is_finite_number(_checker: Any, value: Any) -> bool:
-    """Whether a schema's number stands here; YAML's truth values, .nan and .inf are none."""
-    from ruamel.yaml.scalarbool import ScalarBoolean
-
-    try:
-        return (
-            isinstance(value, Real) and not isinstance(value, bool | ScalarBoolean) and bool(np.isfinite(float(value)))
-        )
-    except OverflowError:
-        return False
-
-
-@cache
-def _validator() -> Any:
-    from jsonschema import Draft202012Validator
-    from jsonschema.validators import extend
-
-    text = files("camid").joinpath("schemas/simulation.schema.json").read_text(encoding="utf-8")
-    types = Draft202012Validator.TYPE_CHECKER.redefine("number", _is_finite_number)
-    types = types.redefine("array", lambda _checker, value: isinstance(value, list | tuple))
-    types = types.redefine("object", lambda _checker, value: isinstance(value, Mapping))
-    return extend(Draft202012Validator, type_checker=types)(json.loads(text))
-
-
-def _line(content: Any, path: list[Any]) -> int | None:
-    """Line in the YAML file at which the value at ``path`` stands, as ruamel.yaml remembers it."""
-    line = None
-    for key in path:
-        try:
-            marks: Any = content.lc  # only what came out of a file has them
-            line = (marks.item(key) if isinstance(content, list) else marks.key(key))[0] + 1
-            content = content[key]
-        except (AttributeError, KeyError, TypeError, IndexError):
-            return line
-    return line
-
-
-def _where(source: str, content: Any, path: list[Any]) -> str:
-    line = _line(content, path)
-    place = ".".join(str(p) for p in path)
-    return ", ".join([source, *([f"line {line}"] if line else []), *([place] if place else [])])
-
-
-def _refuse_schema_errors(content: Any, source: str) -> None:
-    from jsonschema.exceptions import best_match
-
-    errors = list(_validator().iter_errors(content))
-    # A misspelt key explains the missing one beside it, so it is named first.
-    unknown = [e for e in errors if e.validator == "additionalProperties"]
-    error = unknown[0] if unknown else best_match(errors)
-    if error is None:
-        return
-    path = list(error.absolute_path)
-    if error.validator == "additionalProperties" and "properties" in error.schema:
-        known = list(error.schema["properties"])
-        key = next(k for k in error.instance if k not in known)
-        raise InputError(
-            f"unknown key '{key}'", where=_where(source, content, [*path, key]), mend=nearest_match(key, known)
-        )
-    if error.validator == "required":
-        missing = next(k for k in error.validator_value if k not in error.instance)
-        raise InputError(f"the key '{missing}' is missing", where=_where(source, content, path), mend="add it")
-    if error.validator == "enum":
-        known = [str(v) for v in error.validator_value]
-        raise InputError(
-            f"'{error.instance}' is not known here",
-            where=_where(source, content, path),
-            mend=f"it must be one of {', '.join(known)}",
-        )
-    if error.validator == "const":
-        raise InputError(
-            f"version {error.instance!r} is not known",
-            where=_where(source, content, path),
-            mend=f"this camid reads {path[-1]}: {error.validator_value}",
-        )
-    if error.validator == "type" and error.validator_value == "number":
-        raise InputError(
-            f"{error.instance!r} is no finite number",
-            where=_where(source, content, path),
-            mend=f"here belongs: {error.schema.get('description', 'a number with a decimal point')}",
-        )
-    described = error.schema.get("description", "") if isinstance(error.schema, Mapping) else ""
-    raise InputError(
-        error.message, where=_where(source, content, path), mend=f"here belongs: {described}" if described else None
-    )
-
-
 def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulation) -> Simulation:
     """Read and check a simulation.
 
@@ -255,55 +165,31 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     if isinstance(source, Mapping):
         content, name = source, "simulation"
     else:
-        content, name = _read_yaml(Path(source)), str(source)
+        content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
         raise InputError("this is no mapping of keys to values", where=name, mend="see the example in README.md")
-    _refuse_schema_errors(content, name)
+    refuse_schema_errors(content, "simulation.schema.json", name)
     for key, part in (("pendulum", content["plant"]), ("controller", content)):
         if key in part:
             raise InputError(
                 f"this version does not simulate a {key}",
-                where=_where(name, content, ["plant", key] if key == "pendulum" else [key]),
+                where=place(name, content, ["plant", key] if key == "pendulum" else [key]),
                 mend="use a transfer_function driven by a recorded input",
             )
     if content.get("effects"):
         raise InputError(
             "this version simulates linear chains only",
-            where=_where(name, content, ["effects"]),
+            where=place(name, content, ["effects"]),
             mend="leave the list empty",
         )
     if "transfer_function" not in content["plant"]:
-        raise InputError(
-            "the key 'transfer_function' is missing", where=_where(name, content, ["plant"]), mend="add it"
-        )
+        raise InputError("the key 'transfer_function' is missing", where=place(name, content, ["plant"]), mend="add it")
     return _build(content, name)
-
-
-def _read_yaml(path: Path) -> Any:
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import MarkedYAMLError
-
-    if path.is_dir():
-        raise InputError("this is a folder", where=str(path), mend="name a YAML file")
-    if not path.exists():
-        raise InputError("no such file", where=str(path), mend="check the path")
-    try:
-        return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8-sig"))
-    except OSError:
-        raise
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f"{path}, line {mark.line + 1}" if mark else str(path)
-        problem = " ".join(str(error.problem or error.context).split())
-        raise InputError(f"no YAML: {problem}", where=where, mend="mend the line") from None
-    except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
-        problem = (str(error) or type(error).__name__).splitlines()[0]
-        raise InputError(f"no YAML: {problem}", where=str(path), mend="write it as text") from None
 
 
 def _build(content: Mapping[str, Any], name: str) -> Simulation:
     def where(*path: Any) -> str:
-        return _where(name, content, list(path))
+        return place(name, content, list(path))
 
     written = content["plant"]["transfer_function"]
     raw = {k: np.array([float(c) for c in written[k]]) for k in ("numerator", "denominator")}

@@ -19,23 +19,21 @@ def draw_bode():
 
 
 def estimates_of_fig7():
-    rows = []
-    for period in (0.05, 0.1, 0.3):
-        for case in ("camera", "zoh", "camera-noise"):
-            for sample in (0, 1) if case == "camera-noise" else (-1,):
-                for method in ("srivc", "plain-srivc"):
-                    rows.append(
-                        {
-                            "period": period,
-                            "case": case,
-                            "sample": sample,
-                            "method": method,
-                            "converged": method == "srivc" or period < 0.2,
-                            **{f"error_{p}": 3e-14 if case == "camera" else 5.0 for p in ("b0", "a1", "a0")},
-                            **{f"bound_{p}": 2.0 for p in ("b0", "a1", "a0")},
-                        }
-                    )
-    return pd.DataFrame(rows)
+    cases = [("camera", -1), ("zoh", -1), ("camera-noise", 0), ("camera-noise", 1)]
+    return pd.DataFrame(
+        {
+            "period": period,
+            "case": case,
+            "sample": sample,
+            "method": method,
+            "converged": method == "srivc" or period < 0.2,
+            **{f"error_{p}": 3e-14 if case == "camera" else 5.0 for p in ("b0", "a1", "a0")},
+            **{f"bound_{p}": 2.0 for p in ("b0", "a1", "a0")},
+        }
+        for period in (0.05, 0.1, 0.3)
+        for case, sample in cases
+        for method in ("srivc", "plain-srivc")
+    )
 
 
 def draw_fig7():

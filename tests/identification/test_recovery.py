@@ -1,4 +1,4 @@
-"""Clean data must be recovered to 1e-9 at every frequency, order, hold, exposure and latency, from 10 % off or from nothing."""
+"""Clean data are recovered to 1e-9 at every frequency, order, hold, exposure and latency, 10 % off or from nothing."""
 
 import numpy as np
 import pytest

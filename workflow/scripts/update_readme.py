@@ -1,7 +1,6 @@
 """Put the tables that the workflow made between their marks in README.md; run by `make readme`."""
 
 import re
-import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -34,4 +33,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

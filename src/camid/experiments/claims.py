@@ -115,7 +115,8 @@ def _models(value: Numbers) -> Iterable[Row]:
         "The three models have the same phase and different gains",
         "2.4",
         verdict(apart < 1e-6, caveat=True),
-        f"phases differ by {tiny(before, 1e-9)}° up to 1/(2T); each zero turns the sign, so beyond it they differ by half turns",
+        f"phases differ by {tiny(before, 1e-9)}° up to 1/(2T); each zero turns the sign, so beyond it they differ by "
+        "half turns",
         "fig6",
     )
     zero_1, zero_2 = value("fig6", "gain_1_at_its_zeros"), value("fig6", "gain_2_at_its_zeros")
@@ -172,8 +173,8 @@ def _identification(value: Numbers) -> Iterable[Row]:
         "Declared as first-order hold, camera data give errors below 1 % without noise while Tω0 < π",
         "3.2",
         verdict(max(default, argument, plain) < GOOD_PERCENT, caveat=fails < 3.14),
-        f"largest error {tiny(default, 1e-9)} % (camera sensor model), {tiny(argument, 1e-9)} % (first-order-hold argument); plain "
-        f"SRIVC {tiny(plain, 1e-5)} % but without convergence from Tω0 = {fails:.2f}",
+        f"largest error {tiny(default, 1e-9)} % (camera sensor model), {tiny(argument, 1e-9)} % (first-order-hold "
+        f"argument); plain SRIVC {tiny(plain, 1e-5)} % but without convergence from Tω0 = {fails:.2f}",
         "fig7",
     )
     errors = [value("fig7", f"noise_rms_error_{p}") for p in ("b0", "a1", "a0")]

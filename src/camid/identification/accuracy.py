@@ -148,8 +148,11 @@ def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str
     rows: list[dict[str, float | str]] = []
 
     def add(name: str, value: float, gradient: Array, unit: str) -> None:
-        variance = float(gradient @ covariance @ gradient)
-        rows.append({"name": name, "value": value, "standard_deviation": variance**0.5, "unit": unit})
+        with np.errstate(invalid="ignore", over="ignore"):
+            variance = float(gradient @ covariance @ gradient)
+        # A repeated pole has no derivative, hence no standard deviation of first order.
+        deviation = max(variance, 0.0) ** 0.5 if np.isfinite(variance) else float("inf")
+        rows.append({"name": name, "value": value, "standard_deviation": deviation, "unit": unit})
 
     last = plant.denominator[-1]
     if last != 0.0:
@@ -162,7 +165,8 @@ def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str
         if pole.imag < 0.0:
             continue
         # dp/da_i = -p^(n-i) / A'(p)
-        slope = -(pole ** np.arange(plant.order - 1, -1, -1)) / np.polyval(derivative, pole)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = -(pole ** np.arange(plant.order - 1, -1, -1)) / np.polyval(derivative, pole)
         gradient = np.zeros(count)
         if pole.imag == 0.0:
             gradient[split:] = slope.real

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,63 @@ def estimate(
     """
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
+    units = _units(experiments)
+    gain = units.output / units.signal
+    scaled = [replace(e, signal=e.signal / units.signal, output=e.output / units.output) for e in experiments]
+    result = _estimate_scaled(
+        replace(structure, numerator=structure.numerator / gain),
+        scaled,
+        None if nominal is None else _times_gain(nominal, 1.0 / gain),
+        method,
+        progress,
+    )
+    return _in_units(result, units)
+
+
+@dataclass(frozen=True)
+class _Units:
+    """About the largest input and output: in these units no square of a datum overflows or vanishes.
+
+    Powers of two, so that scaling is exact.
+    """
+
+    signal: float
+    output: float
+
+
+def _units(experiments: list[Experiment]) -> _Units:
+    signal = max(float(np.max(np.abs(e.signal))) for e in experiments)
+    output = max(float(np.max(np.abs(e.output))) for e in experiments)
+    return _Units(*(2.0 ** np.round(np.log2(largest or 1.0)) for largest in (signal, output)))
+
+
+def _times_gain(plant: TransferFunction, gain: float) -> TransferFunction:
+    return TransferFunction(tuple(gain * b for b in plant.numerator), plant.denominator)
+
+
+def _in_units(result: Estimate, units: _Units) -> Estimate:
+    """The estimate for the recording as it came."""
+    gain = units.output / units.signal
+    factors = np.ones(len(result.free))
+    factors[: len(result.free) - result.plant.order] = gain
+    return replace(
+        result,
+        plant=_times_gain(result.plant, gain),
+        standard_deviations=factors * result.standard_deviations,
+        covariance=np.outer(factors, factors) * result.covariance,
+        noise_variance=units.output**2 * result.noise_variance,
+        residuals=[units.output * r for r in result.residuals],
+    )
+
+
+def _estimate_scaled(
+    structure: Structure,
+    experiments: list[Experiment],
+    nominal: TransferFunction | None,
+    method: str,
+    progress: Progress | None,
+) -> Estimate:
+    """Estimate from data of the order of one."""
     tell = progress or (lambda _sentence: None)
     believed = None if nominal is None else np.asarray(nominal.monic.denominator)
     if method == "plain-srivc":
@@ -186,10 +243,11 @@ def _respecting_fixed(structure: Structure, denominator: Array) -> Array:
 
 
 def _summarise(predictor: Predictor, fit: Fit) -> Estimate:
-    coefficients = predictor.to_physical(fit.parameters)
+    structure = predictor.structure
+    coefficients = np.where(structure.free, predictor.to_physical(fit.parameters), structure.coefficients())
     covariance, variance, determined = covariance_from(predictor, fit.parameters)
-    count = len(predictor.structure.free)
-    plant = predictor.structure.plant(coefficients)
+    count = len(structure.free)
+    plant = structure.plant(coefficients)
     simulated = predictor.simulate(fit.parameters)
     return Estimate(
         plant=plant,

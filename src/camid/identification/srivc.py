@@ -242,7 +242,7 @@ def safeguarded_srivc(
                 trial_residual, trial_sensitivities = predictor.linearise(trial)
                 trial_cost = _sum_of_squares(trial_residual)
             accepted = trial_cost < cost
-            kept_promise = (cost - trial_cost) / promised if accepted else 0.0
+            kept_promise = (cost - trial_cost) / promised if accepted and promised > 0.0 else 0.0
             # A step that gains far less than promised overshoots: plain Gauss–Newton would then swing for ever.
             if kept_promise < 0.25:
                 damping = max(4.0 * damping, 1e-3)
