@@ -45,6 +45,7 @@ rule sampling_period:
     params:
         plant=lookup(within=config, dpath="plant"),
         sweep=lookup(within=config, dpath="sampling_period_sweep"),
+    cache: True
     message:
         "Identifying at every sampling period of Fig. 7."
     script:
@@ -62,6 +63,7 @@ rule neglected_mode:
     params:
         plant=lookup(within=config, dpath="plant"),
         sweep=lookup(within=config, dpath="neglected_mode_sweep"),
+    cache: True
     message:
         "Identifying with a neglected mode at every ω1 of Fig. 8."
     script:

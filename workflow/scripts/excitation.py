@@ -2,7 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from camid.experiments.datasets import excitation
+import numpy as np
+import pandas as pd
+
+from camid.excitation import pseudo_random_binary_sequence
 from camid.experiments.log import logged
 from camid.experiments.tables import write_dataset
 
@@ -13,7 +16,9 @@ if TYPE_CHECKING:
 def main() -> None:
     """Write the excitation."""
     configuration = snakemake.params.excitation
-    write_dataset(excitation(configuration), snakemake.output[0], {"excitation": configuration})
+    signal = pseudo_random_binary_sequence(configuration["order"], amplitude=configuration["amplitude"])
+    table = pd.DataFrame({"k": np.arange(len(signal)), "u": signal})
+    write_dataset(table, snakemake.output[0], {"excitation": configuration})
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Excitation, camera-sampled outputs of each sweep, noise samples (sections 3.2 and 3.3 of the paper)."""
+"""Camera-sampled outputs of each sweep and noise samples (sections 3.2 and 3.3 of the paper)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, sample
-from camid.excitation import pseudo_random_binary_sequence
 from camid.plant import TransferFunction, second_order
 
 Array = NDArray[np.float64]
@@ -19,12 +18,6 @@ Array = NDArray[np.float64]
 def believed_plant(plant: Mapping[str, float]) -> TransferFunction:
     """G0(s) of equation (15) from the section ``plant`` of the configuration."""
     return second_order(plant["static_gain"], plant["natural_frequency"], plant["damping"])
-
-
-def excitation(configuration: Mapping[str, Any]) -> pd.DataFrame:
-    """The PRBS: columns ``k`` and ``u``."""
-    signal = pseudo_random_binary_sequence(configuration["order"], amplitude=configuration["amplitude"])
-    return pd.DataFrame({"k": np.arange(len(signal)), "u": signal})
 
 
 def sweep_periods(configuration: Mapping[str, Any]) -> Array:

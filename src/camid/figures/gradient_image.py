@@ -48,6 +48,7 @@ def draw(
     shown = left.imshow(gradient, cmap="gray_r", vmin=0.0, interpolation="nearest")
     left.set(title="gradient (Sobel)", xlabel="x (px)", ylabel="y (px)")
     bar = figure.colorbar(shown, ax=left, shrink=0.82, pad=0.02)
+    style.separate_panels(figure)
     bar.set_label("grey levels per pixel")
     bar.outline.set_linewidth(0.6)
     right.imshow(np.where(selected, 0.55, 1.0), cmap="gray", vmin=0.0, vmax=1.0, interpolation="nearest")

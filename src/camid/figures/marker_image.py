@@ -41,6 +41,7 @@ def draw(quantised: NDArray[np.uint8], trajectory: Array) -> tuple[Figure, pd.Da
     left.set(title="image over one exposure", xlabel="x (px)", ylabel="y (px)")
     left.grid(visible=False)
     bar = figure.colorbar(shown, ax=left, shrink=0.82, pad=0.02)
+    style.separate_panels(figure)
     bar.set_label("grey level (of 255)")
     bar.outline.set_linewidth(0.6)
     right.plot(trajectory[:, 0], trajectory[:, 1], color=style.BLUE)

@@ -58,6 +58,15 @@ def apply() -> None:
     mpl.rcParams.update(SETTINGS)
 
 
+def separate_panels(figure: Figure, share: float = 0.08) -> None:
+    """Leave a share of the panels' width between them, where a colour bar's label would touch the next panel."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        engine.set(wspace=share)
+
+
 def rounded(table: pd.DataFrame) -> pd.DataFrame:
     """The table with its numbers cut to digits that no processor's rounding reaches."""
 

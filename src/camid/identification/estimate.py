@@ -125,7 +125,8 @@ class _Units:
 def _units(experiments: list[Experiment]) -> _Units:
     signal = max(float(np.max(np.abs(e.signal))) for e in experiments)
     output = max(float(np.max(np.abs(e.output))) for e in experiments)
-    return _Units(*(2.0 ** np.round(np.log2(largest or 1.0)) for largest in (signal, output)))
+    signal, output = (float(2.0 ** np.round(np.log2(largest or 1.0))) for largest in (signal, output))
+    return _Units(signal, output)
 
 
 def _times_gain(plant: TransferFunction, gain: float) -> TransferFunction:
