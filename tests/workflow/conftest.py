@@ -27,11 +27,7 @@ class Copy:
 
     def snakemake(self, *arguments: str, cores: int = 2, cache: Path | None = None, expect: int | None = 0) -> str:
         """Run Snakemake with the copy's own sources and return what it printed."""
-        environment = {
-            **os.environ,
-            "PYTHONPATH": str(self.folder / "src"),
-            "NUMBA_CACHE_DIR": str(ROOT / ".numba_cache"),
-        }
+        environment = {**os.environ, "PYTHONPATH": str(self.folder / "src")}
         environment.pop("SNAKEMAKE_OUTPUT_CACHE", None)
         if cache is not None:
             environment["SNAKEMAKE_OUTPUT_CACHE"] = str(cache)
