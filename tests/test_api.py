@@ -220,3 +220,11 @@ def test_numbers_that_overflow_are_not_written():
     table = pd.DataFrame({"t": rig.PERIOD * np.arange(20), "u": np.full(20, 1e308)})
     content = rig.simulation(plant=rig.plant([1e10], [1.0, 1.0]))
     assert "exceeds every floating-point number" in refusal(table, content, camid.simulate)
+
+
+def test_offset_in_the_recording_is_warned_of_and_noise_is_not():
+    table = rig.recording(noise=0.05)
+    assert camid.identify(table, believed()).warnings() == []
+    shifted = table.assign(y=table["y"] + 0.3)
+    (sentence,) = camid.identify(shifted, believed()).warnings()
+    assert "offset" in sentence

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
+# A mean of the residual is worth a warning if it is this many standard deviations off and this share of the power.
+OFFSET_SIGNIFICANCE = 5.0
+OFFSET_SHARE = 0.02
 RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
@@ -63,6 +66,26 @@ class Identification:
 
         return characteristics(self.estimate.plant, self.estimate.covariance)
 
+    def warnings(self) -> list[str]:
+        """What changes the worth of the numbers, a sentence each."""
+        sentences = []
+        if not self.converged:
+            sentences.append(
+                "the iteration did not converge; the numbers are not to be used (another order? more excitation?)"
+            )
+        for residual in self.estimate.residuals:
+            mean, power = float(np.mean(residual)), float(np.mean(residual**2))
+            centred = residual - mean
+            correlation = float(centred[1:] @ centred[:-1] / max(centred @ centred, np.finfo(float).tiny))
+            # A slow residual has fewer independent samples than rows.
+            effective = len(residual) * (1.0 - correlation) / (1.0 + correlation)
+            if mean**2 > OFFSET_SHARE * power and mean**2 > OFFSET_SIGNIFICANCE**2 * (power - mean**2) / effective:
+                sentences.append(
+                    f"the residual has a mean of {mean:.3g}, {100.0 * mean**2 / power:.0f} % of its power: the recording "
+                    "has an offset, which a linear model at rest has not; remove the means of input and output"
+                )
+        return sentences
+
     def to_mapping(self) -> dict[str, Any]:
         """Content of ``--json``."""
         plant = self.simulation.plant
@@ -80,6 +103,7 @@ class Identification:
             "nrmse_validation": self.nrmse_validation,
             "rows_fitted": self.rows_fitted,
             "period": self.period,
+            "warnings": self.warnings(),
         }
         return {key: without_infinities(value) for key, value in content.items()}
 

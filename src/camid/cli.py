@@ -86,7 +86,13 @@ def identify(
     believed = _declared_simulation(simulation, order, declared)
     _check_output(output, [*recording, *([simulation] if simulation else [])])
     with _progress(as_json) as progress:
-        result = run(list(recording), believed, structure=order, method=method, progress=progress)
+        try:
+            result = run(list(recording), believed, structure=order, method=method, progress=progress)
+        except InputError as error:
+            if simulation is None and error.problem.startswith("no column"):
+                options = "say --time-column, --input-column, --output-column"
+                raise InputError(error.problem, where=error.where, mend=f"{error.mend}; {options}") from None
+            raise
     if output is not None:
         names = ", ".join(p.name for p in recording)
         state = "converged" if result.converged else "NOT CONVERGED: do not use the numbers"
@@ -99,8 +105,8 @@ def identify(
         click.echo(json.dumps(result.to_mapping(), indent=2))
     else:
         _print_identification(result, output)
-    if not result.converged:
-        _warn("the iteration did not converge; the numbers are not to be used (another order? more excitation?)")
+    for sentence in result.warnings():
+        _warn(sentence)
 
 
 def _declared_simulation(
