@@ -8,16 +8,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from camid.api import Identification, identify, simulate
-    from camid.errors import CamidWarning, InputError
+    from camid.api import identify, simulate
+    from camid.errors import InputError
+    from camid.identification.result import Identification
     from camid.recording import Recording, read_recording
     from camid.simulation import Simulation, load_simulation, write_simulation
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "CamidWarning": "errors",
-    "Identification": "api",
+    "Identification": "identification.result",
     "InputError": "errors",
     "Recording": "recording",
     "Simulation": "simulation",
@@ -29,7 +29,6 @@ _HOMES = {
 }
 
 __all__ = [
-    "CamidWarning",
     "Identification",
     "InputError",
     "Recording",

@@ -20,7 +20,7 @@ from camid import __version__
 from camid.errors import InputError
 
 if TYPE_CHECKING:
-    from camid.api import Identification
+    from camid.identification.result import Identification
     from camid.simulation import Simulation
 
 INTERRUPTED = 130
@@ -211,7 +211,7 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
     import numpy as np
 
     from camid.api import simulate as run
-    from camid.api import without_infinities
+    from camid.identification.result import without_infinities
     from camid.recording import write_table
     from camid.simulation import load_simulation
 

@@ -1,4 +1,4 @@
-"""The one kind of error that a user can mend, and the warnings that a user should read."""
+"""The one kind of error that a user can mend."""
 
 from __future__ import annotations
 
@@ -25,10 +25,6 @@ class InputError(ValueError):
         self.problem, self.where, self.mend = problem, where, mend
         line = problem if where is None else f"{where}: {problem}"
         super().__init__(line if mend is None else f"{line}; {mend}")
-
-
-class CamidWarning(UserWarning):
-    """Something that does not stop the work but changes what its result is worth."""
 
 
 def nearest_match(name: str, known: Iterable[str]) -> str:
