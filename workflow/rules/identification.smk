@@ -42,10 +42,10 @@ rule sampling_period:
         "results/estimates/sampling_period.parquet",
     log:
         "results/logs/sampling_period.log",
+    cache: True
     params:
         plant=lookup(within=config, dpath="plant"),
         sweep=lookup(within=config, dpath="sampling_period_sweep"),
-    cache: True
     message:
         "Identifying at every sampling period of Fig. 7."
     script:
@@ -60,10 +60,10 @@ rule neglected_mode:
         "results/estimates/neglected_mode.parquet",
     log:
         "results/logs/neglected_mode.log",
+    cache: True
     params:
         plant=lookup(within=config, dpath="plant"),
         sweep=lookup(within=config, dpath="neglected_mode_sweep"),
-    cache: True
     message:
         "Identifying with a neglected mode at every ω1 of Fig. 8."
     script:
