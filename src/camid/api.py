@@ -328,4 +328,10 @@ def _simulated(recording: Recording, simulation: Simulation) -> Array:
             mend="record longer, or set initial_state: zero",
         )
     predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
-    return predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
+    simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
+    experiment = predictor.experiments[0]
+    if not experiment.free_motion_before_record:
+        # Frames exposed before the record saw an input that nobody wrote down: the first known value stands for them.
+        first = int(np.argmax(experiment.used))
+        simulated[:first] = simulated[first]
+    return simulated

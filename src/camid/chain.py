@@ -144,6 +144,7 @@ def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
     start: float,
     length: float,
     straddles: bool,
+    begin: int,
 ) -> Array:
     """Sampled sensor outputs of a linear system with one held input; see :func:`respond`."""
     order = state_matrix.shape[0]
@@ -171,8 +172,9 @@ def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
     result = np.zeros((count, outputs))
     now = np.zeros(order + 2)
     following = np.zeros(order + 2)
-    now[:order] = initial_state
     for j in range(-delay, count - delay):
+        if j == begin:
+            now[:order] += initial_state
         if j == 0:
             # The record begins: the input jumps from 0 to its first value.
             now[order] = signal[0]
@@ -208,6 +210,8 @@ def respond(
     signal: Array,
     acquisition: Acquisition,
     time_unit: float = 1.0,
+    *,
+    before_record: bool = True,
 ) -> Array:
     """Run dX/dt' = A X + B u through the hold and the sensor.
 
@@ -216,8 +220,7 @@ def respond(
     state_matrix : ndarray, shape (p, p)
         In units of ``1/time_unit``: t' = t / time_unit.
     input_vector, initial_state : ndarray, shape (p,)
-        The initial state is the one at the beginning of the interval in which the first frame's window begins,
-        t_0 - delay·T; the input is zero from there to t_0.
+        The input is zero before t_0.
     selection : ndarray, shape (q, p + 1)
         Rows that pick the wanted combinations of states and (last column) input, after the sensor.
     signal : ndarray, shape (N,)
@@ -225,6 +228,9 @@ def respond(
     acquisition : Acquisition
     time_unit : float
         Seconds in a unit of the scaled time.
+    before_record : bool
+        Whether the initial state is that at t_0 - delay·T, where the interval begins in which the first frame was
+        exposed, or that at t_0. The second leaves the frames that were exposed before t_0 without free motion.
 
     Returns
     -------
@@ -244,6 +250,7 @@ def respond(
         start / time_unit,
         length / time_unit,
         straddles,
+        -delay if before_record else 0,
     )
 
 

@@ -4,7 +4,8 @@ import pytest
 from camid.chain import Acquisition, sample
 from camid.identification.estimate import estimate
 from camid.identification.predictor import Experiment, Predictor, Structure
-from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect, safeguarded_srivc
+from camid.identification.safeguarded import safeguarded_srivc
+from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
 from camid.plant import TransferFunction, second_order
 
 PLANT = second_order(1.0, 10.0, 0.1)
@@ -152,3 +153,77 @@ def test_alias_is_not_taken_for_a_wrong_model(excitation):
 def test_unknown_method_is_refused(excitation):
     with pytest.raises(ValueError, match="must be one of"):
         estimate(Structure.of_order(2, 0), [experiment(excitation, Acquisition(0.1))], method="magic")
+
+
+def test_integrator_in_noise_ends_at_the_limit_of_stability_and_converges(excitation):
+    """The unconstrained optimum may lie in the unstable region; the bound is then an answer and no failure."""
+    plant = TransferFunction((2.0,), (1.0, 2.0, 0.0))
+    acquisition = Acquisition(0.1)
+    output = sample(plant, excitation, acquisition)
+    held = 0
+    for seed in range(12):
+        noisy = output + 0.03 * np.std(output) * np.random.default_rng(seed).standard_normal(len(output))
+        result = estimate(
+            Structure.of_order(2, 0), [Experiment(excitation, noisy, acquisition, np.ones(len(output), bool))]
+        )
+        assert result.converged
+        assert result.plant.denominator[1] == pytest.approx(2.0, rel=0.2)
+        assert 0.0 <= result.plant.denominator[2] < 0.2
+        held += result.plant.denominator[2] == 0.0
+    assert 0 < held < 12
+
+
+def test_undamped_mode_in_noise_converges(excitation):
+    acquisition = Acquisition(0.1)
+    output = sample(TransferFunction((9.0,), (1.0, 0.006, 9.0)), excitation, acquisition)
+    for seed in range(6):
+        noisy = output + 0.3 * np.std(output) * np.random.default_rng(seed).standard_normal(len(output))
+        rows = np.ones(len(output), bool)
+        result = estimate(Structure.of_order(2, 0), [Experiment(excitation, noisy, acquisition, rows)])
+        assert result.converged
+        assert np.abs(result.plant.poles()[0]) == pytest.approx(3.0, rel=0.01)
+
+
+@pytest.mark.parametrize("latency", [0.0, 1.8, 2.8])
+def test_fast_pole_and_unknown_initial_state(latency, excitation):
+    """The fast part of the initial motion is gone before the first fitted frame; the plant is still determined."""
+    plant = TransferFunction((7.5,), (1.0, 15.5, 7.5))
+    acquisition = Acquisition(1.0, "foh", "instant", None, latency)
+    output = sample(plant, excitation, acquisition)[60:]
+    rows = np.ones(len(output), bool)
+    rows[: acquisition.window()[0]] = False
+    one = Experiment(excitation[60:], output, acquisition, rows, estimate_initial_state=True)
+    result = estimate(Structure.of_order(2, 0), [one], nominal=plant)
+    assert result.converged
+    assert np.allclose(result.plant.denominator, plant.denominator, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("omega", "exposure", "noise"), [(36.0, 0.05, 0.003), (60.0, 0.005, 0.003), (50.0, 0.005, 0.03)]
+)
+def test_heavily_damped_mode_near_and_past_shannon_without_any_start(omega, exposure, noise):
+    """The sampled pole lies near the negative real axis, where discrete-time starts are blind."""
+    plant = TransferFunction((omega**2,), (1.0, 40.0, omega**2))
+    acquisition = Acquisition(0.1, exposure=exposure)
+    for seed in range(5):
+        generator = np.random.default_rng(seed)
+        signal = generator.choice([-1.0, 1.0], 1000)
+        output = sample(plant, signal, acquisition)
+        output = output + noise * np.std(output) * generator.standard_normal(1000)
+        result = estimate(Structure.of_order(2, 0), [Experiment(signal, output, acquisition, np.ones(1000, bool))])
+        assert result.converged
+        assert abs(result.plant.denominator[2] - omega**2) < 5.0 * result.standard_deviations[2]
+
+
+def test_what_cannot_be_told_apart_is_named(excitation):
+    """A plant with a zero behind a held input and before an instant sensor is its own alias, exactly."""
+    plant = TransferFunction((3.0, 100.0), (1.0, 4.0, 100.0))
+    acquisition = Acquisition(0.2, sensor="instant")
+    output = sample(plant, excitation, acquisition)
+    noisy = output + 0.1 * np.std(output) * np.random.default_rng(0).standard_normal(len(output))
+    alias = np.abs(plant.poles()[0] + 1j * (2.0 * np.pi / 0.2 - 2.0 * plant.poles()[0].imag))
+    one = Experiment(excitation, noisy, acquisition, np.ones(len(output), bool))
+    result = estimate(Structure.of_order(2, 1), [one])
+    assert np.abs(result.plant.poles()[0]) == pytest.approx(10.0, rel=0.05)
+    assert any(abs(r.natural_frequencies[0] / alias - 1.0) < 0.05 for r in result.rivals)
+    assert 0.3 < sum(r.weight for r in result.rivals) < 0.9

@@ -6,17 +6,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition
+from camid.identification.fit import LARGEST_CONDITION, leaves_coefficients_determined
 from camid.identification.predictor import Experiment, Predictor, Structure
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 
 LONGEST_REGRESSION = 30
-LARGEST_CONDITION = 1e11
 
 
-def inverse_information(sensitivities: Array) -> tuple[Array, bool]:
+def inverse_information(sensitivities: Array, coefficients: int | None = None) -> tuple[Array, bool]:
     """(JᵀJ)⁻¹ by a singular value decomposition of the column-scaled J.
+
+    Parameters
+    ----------
+    sensitivities : ndarray, shape (M, p)
+    coefficients : int, optional
+        How many of the first columns must be determined by the data; all, unless it is given.
 
     Returns
     -------
@@ -28,7 +34,9 @@ def inverse_information(sensitivities: Array) -> tuple[Array, bool]:
     if np.any(lengths == 0.0) or not np.all(np.isfinite(lengths)):
         return np.diag(np.where(lengths > 0.0, 0.0, np.inf)), False
     _, singular, right = np.linalg.svd(np.linalg.qr(sensitivities / lengths, mode="r"))
-    determined = bool(singular[-1] > singular[0] / LARGEST_CONDITION)
+    dropped = right[singular <= singular[0] / LARGEST_CONDITION]
+    number = sensitivities.shape[1] if coefficients is None else coefficients
+    determined = leaves_coefficients_determined(dropped, np.arange(sensitivities.shape[1]) < number)
     inverse = (right.T / np.maximum(singular, singular[0] / LARGEST_CONDITION) ** 2) @ right
     return inverse / np.outer(lengths, lengths), determined
 
@@ -60,7 +68,8 @@ def covariance_from(predictor: Predictor, parameters: Array) -> tuple[Array, flo
         return np.diag(np.where(free, np.inf, 0.0)), np.inf, False  # a method without safeguard ran away
     if not free.any():
         return covariance, variance, True
-    inverse, determined = inverse_information(sensitivities[:, free])
+    coefficients = int(predictor.structure.free.sum())
+    inverse, determined = inverse_information(sensitivities[:, free], coefficients)
     covariance[np.ix_(free, free)] = variance * inverse
     scale = predictor.scale()
     return covariance / np.outer(scale, scale), variance, determined

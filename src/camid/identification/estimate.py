@@ -9,19 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.identification.accuracy import covariance_from
+from camid.identification.fit import Fit
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Experiment, Predictor, Structure
-from camid.identification.selection import Optimum, conclusive, select
-from camid.identification.srivc import (
-    Fit,
-    least_squares_state_variable_filter,
-    plain_srivc,
-    reflect,
-    safeguarded_srivc,
-)
+from camid.identification.safeguarded import safeguarded_srivc
+from camid.identification.selection import Optimum, Rival, conclusive, past_shannon, rivals, select
+from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
 from camid.identification.starts import (
     Candidate,
     evaluate,
+    folded_denominator,
     grid_candidates,
     quick_candidates,
     start_window,
@@ -57,6 +54,8 @@ class Estimate:
     residuals : list of ndarray
         Recorded minus simulated output, every row of every experiment.
     free : ndarray of bool, shape (m + 1 + n,)
+    rivals : list of Rival
+        Models of other frequencies that the data do not tell from this one.
     """
 
     plant: TransferFunction
@@ -67,6 +66,7 @@ class Estimate:
     iterations: int
     residuals: list[Array]
     free: NDArray[np.bool_]
+    rivals: list[Rival]
 
 
 def estimate(
@@ -160,8 +160,9 @@ def _estimate_scaled(
     believed = None if nominal is None else np.asarray(nominal.monic.denominator)
     if method == "plain-srivc":
         predictor, fit = _plain(structure, experiments, believed, nominal, tell)
+        others: list[Rival] = []
     else:
-        candidate, start = _global_start(structure, experiments, believed, tell)
+        candidate, start, others = _global_start(structure, experiments, believed, tell)
         predictor = Predictor.around(structure, experiments, candidate)
         parameters = predictor.with_fitted_initial_states(start)
         tell("final iteration on the whole recording")
@@ -174,7 +175,7 @@ def _estimate_scaled(
                 maximum_iterations=FINAL_ITERATIONS,
                 on_iteration=lambda i, cost: tell(f"iteration {i}: output error {cost:.4g}"),
             )
-    return _summarise(predictor, fit)
+    return _summarise(predictor, fit, others)
 
 
 def _plain(
@@ -208,8 +209,8 @@ def _plain(
 
 def _global_start(
     structure: Structure, experiments: list[Experiment], believed: Array | None, tell: Progress
-) -> tuple[Array, Array]:
-    """Denominator and coefficients (SI units) of the best optimum that the starts lead to.
+) -> tuple[Array, Array, list[Rival]]:
+    """Denominator and coefficients (SI units) of the best optimum that the starts lead to, and its rivals.
 
     The search runs on a lively window of long recordings; only the last iteration sees every row.
     """
@@ -220,7 +221,14 @@ def _global_start(
         candidates.append(evaluate(structure, windows, believed))
     optima = [_refine(structure, windows, c) for c in candidates]
     best = select(optima, believed)
-    if not conclusive(best, windows):
+    if best is not None and past_shannon(best):
+        # The slower mode with the same sampled poles is the obvious rival, so it is always heard.
+        predictor, fit = best
+        fastest = predictor.split(fit.parameters)[1] / predictor.time_unit ** np.arange(structure.order + 1.0)
+        folded = folded_denominator(fastest, windows[0].acquisition.period)
+        optima.append(_refine(structure, windows, evaluate(structure, windows, folded)))
+        best = select(optima, believed)
+    if not conclusive(best, windows) or (best is not None and past_shannon(best)):
         tell("starting values: grid of poles")
         optima += [_refine(structure, windows, c) for c in grid_candidates(structure, windows)[:REFINED_GRID_STARTS]]
         best = select(optima, believed)
@@ -228,7 +236,7 @@ def _global_start(
         raise ValueError("no starting value leads to a stable model of this order")
     predictor, fit = best
     coefficients = predictor.to_physical(fit.parameters)
-    return np.concatenate([[1.0], coefficients[structure.degree + 1 :]]), coefficients
+    return np.concatenate([[1.0], coefficients[structure.degree + 1 :]]), coefficients, rivals(best, optima)
 
 
 def _refine(structure: Structure, experiments: list[Experiment], candidate: Candidate) -> Optimum:
@@ -243,7 +251,7 @@ def _respecting_fixed(structure: Structure, denominator: Array) -> Array:
     return np.where(structure.free_denominator, denominator, structure.denominator)
 
 
-def _summarise(predictor: Predictor, fit: Fit) -> Estimate:
+def _summarise(predictor: Predictor, fit: Fit, others: list[Rival]) -> Estimate:
     structure = predictor.structure
     coefficients = np.where(structure.free, predictor.to_physical(fit.parameters), structure.coefficients())
     covariance, variance, determined = covariance_from(predictor, fit.parameters)
@@ -259,4 +267,5 @@ def _summarise(predictor: Predictor, fit: Fit) -> Estimate:
         iterations=fit.iterations,
         residuals=[e.output - x for e, x in zip(predictor.experiments, simulated, strict=True)],
         free=predictor.structure.free,
+        rivals=others,
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.identification.fit import Fit
 from camid.identification.predictor import Predictor
-from camid.identification.srivc import Fit
 
 
 def output_error(predictor: Predictor, start: NDArray[np.float64]) -> Fit:

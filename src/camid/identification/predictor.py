@@ -42,6 +42,15 @@ class Experiment:
     used: NDArray[np.bool_]
     estimate_initial_state: bool = False
 
+    @property
+    def free_motion_before_record(self) -> bool:
+        """Whether the unknown initial state is that before the first frame's exposure, or that at the first sample.
+
+        A free decay is the same motion before and after the first sample. Where an input acts that is not recorded
+        before it, frames exposed earlier are not fitted, and a state at their time would have lost its fast part since.
+        """
+        return bool(self.used[: self.acquisition.window()[0]].any())
+
 
 @dataclass(frozen=True)
 class Structure:
@@ -173,9 +182,16 @@ class Predictor:
                 vector, start = np.eye(2 * order)[0], np.eye(2 * order)[order]
                 row = np.concatenate([output_row[:order], polynomial, output_row[order:]])
             results.append(
-                respond(matrix, vector, start, row[None, :], experiment.signal, experiment.acquisition, self.time_unit)[
-                    :, 0
-                ]
+                respond(
+                    matrix,
+                    vector,
+                    start,
+                    row[None, :],
+                    experiment.signal,
+                    experiment.acquisition,
+                    self.time_unit,
+                    before_record=experiment.free_motion_before_record,
+                )[:, 0]
             )
         return results
 
@@ -217,7 +233,14 @@ class Predictor:
                 selection[0, 2 * order : size] = polynomial
                 selection[1 + split + order :, 2 * order : size] = np.eye(order)
             result = respond(
-                matrix, vector, start, selection, experiment.signal, experiment.acquisition, self.time_unit
+                matrix,
+                vector,
+                start,
+                selection,
+                experiment.signal,
+                experiment.acquisition,
+                self.time_unit,
+                before_record=experiment.free_motion_before_record,
             )[experiment.used]
             outputs.append(result[:, 0])
             table = np.zeros((len(result), columns))
@@ -282,7 +305,8 @@ class Predictor:
             output = table[:, :split] @ numerator
             if polynomial is not None:
                 rows = np.eye(order, order + 1)
-                free = respond(block, np.zeros(order), unit, rows, *arguments)
+                early = experiment.free_motion_before_record
+                free = respond(block, np.zeros(order), unit, rows, *arguments, before_record=early)
                 table[:, position : position + order] = free
                 output = output + free @ polynomial
                 position += order

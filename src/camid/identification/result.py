@@ -49,6 +49,11 @@ class Identification:
         """Static gain, natural frequencies, damping ratios and real poles with their standard deviations."""
         return characteristics(self.estimate.plant, self.estimate.covariance)
 
+    def at_stability_limit(self) -> bool:
+        """Whether a free coefficient of the denominator ended at zero, where the data left to themselves go beyond."""
+        plant, free = self.estimate.plant, self.estimate.free[len(self.estimate.plant.numerator) :]
+        return bool(np.any((np.array(plant.denominator[1:]) == 0.0) & free))
+
     def warnings(self) -> list[str]:
         """What changes the worth of the numbers, a sentence each."""
         sentences = []
@@ -56,7 +61,20 @@ class Identification:
             sentences.append(
                 "the iteration did not converge; the numbers are not to be used (another order? more excitation?)"
             )
+        if self.at_stability_limit():
+            sentences.append(
+                "a pole lies at the limit of stability: an integrator or an undamped mode? For an integrator, write a "
+                "zero at the end of the denominator"
+            )
+        for rival in self.estimate.rivals:
+            modes = ", ".join(f"{value:.5g}" for value in rival.natural_frequencies)
+            sentences.append(
+                f"the data do not tell this plant from one with poles of {modes} rad/s (weight {rival.weight:.2g}): "
+                "another sampling period would"
+            )
         for residual in self.estimate.residuals:
+            if not np.max(np.abs(residual), initial=0.0) < 1e100:
+                continue  # a method without safeguard ran away, and its squares would overflow
             mean, power = float(np.mean(residual)), float(np.mean(residual**2))
             centred = residual - mean
             spread = float(centred @ centred)
@@ -88,6 +106,9 @@ class Identification:
             "nrmse_validation": self.nrmse_validation,
             "rows_fitted": self.rows_fitted,
             "period": self.period,
+            "rivals": [
+                {"natural_frequencies": list(r.natural_frequencies), "weight": r.weight} for r in self.estimate.rivals
+            ],
             "warnings": self.warnings(),
         }
         return {key: without_infinities(value) for key, value in content.items()}

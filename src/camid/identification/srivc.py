@@ -1,4 +1,4 @@
-"""Refined instrumental variables for continuous-time models (SRIVC), as published and safeguarded.
+"""Refined instrumental variables for continuous-time models (SRIVC) as published, and its start by LSSVF.
 
 References
 ----------
@@ -8,44 +8,16 @@ Young (2011), *Recursive Estimation and Time-Series Analysis*, ch. 8.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, respond
+from camid.identification.fit import Fit, sum_of_squares
 from camid.identification.predictor import Predictor
-from camid.plant import STABILITY_TOLERANCE
 
 Array = NDArray[np.float64]
-
-# A step that changes the simulated output by less than this share of the residual decides nothing (the relative offset
-# of Bates & Watts 1981), nor does one below the rounding error of the output itself.
-OFFSET_TOLERANCE = 1e-6
-ROUNDING = 1e-14
-LARGEST_CONDITION = 1e11
-LARGEST_DAMPING = 1e8
-
-
-@dataclass(frozen=True)
-class Fit:
-    """Where an iteration ended.
-
-    Attributes
-    ----------
-    parameters : ndarray
-        In the predictor's scaled units.
-    cost : float
-        Sum of squared differences between recorded and simulated output.
-    converged : bool
-    iterations : int
-    """
-
-    parameters: Array
-    cost: float
-    converged: bool
-    iterations: int
 
 
 def reflect(denominator: Array) -> Array:
@@ -54,14 +26,6 @@ def reflect(denominator: Array) -> Array:
     if not np.any(roots.real > 0.0):
         return denominator
     return np.real(np.poly(np.where(roots.real > 0.0, -np.conj(roots), roots)))
-
-
-def is_stable(denominator: Array) -> bool:
-    """Whether no root lies clearly in the right half plane; integrators and undamped modes are stable here."""
-    if not np.all(np.isfinite(denominator)):
-        return False
-    roots = np.roots(denominator)
-    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
 
 
 def filtered_derivatives(signal: Array, filter_denominator: Array, acquisition: Acquisition, unit: float) -> Array:
@@ -106,6 +70,7 @@ def _regression(predictor: Predictor, filter_denominator: Array, outputs: list[A
                 experiment.signal,
                 experiment.acquisition,
                 unit,
+                before_record=experiment.free_motion_before_record,
             )
             position += order
         tables.append(table[experiment.used])
@@ -179,86 +144,6 @@ def plain_srivc(predictor: Predictor, start: Array, *, maximum_iterations: int =
     residual = predictor.target - np.concatenate(
         [x[e.used] for x, e in zip(predictor.simulate(parameters), predictor.experiments, strict=True)]
     )
-    cost = _sum_of_squares(residual)
+    cost = sum_of_squares(residual)
     stable = not np.any(np.roots(np.concatenate([[1.0], parameters[split : split + order]])).real > 0.0)
     return Fit(parameters, cost, converged and stable, iterations)
-
-
-def safeguarded_srivc(
-    predictor: Predictor,
-    start: Array,
-    *,
-    maximum_iterations: int = 100,
-    on_iteration: Callable[[int, float], None] | None = None,
-) -> Fit:
-    """SRIVC that cannot run away: symmetric instruments and a step that must lower the output error.
-
-    Both methods solve Σ ẑ_k (w_k − x_k) = 0 with the instruments ẑ = ∂x/∂θ. Plain SRIVC inverts Σ ẑ φᵀ, whose noisy
-    regressors φ make the iteration lose its contraction near the Shannon frequency; Σ ẑ ẑᵀ (Young's symmetric form) has
-    the same fixed points and makes each iteration a Gauss–Newton step, here damped as Levenberg and Marquardt do
-    whenever the output error would grow or the plant become unstable. The instruments go through hold and sensor
-    exactly, so nothing is assumed between samples.
-
-    Parameters
-    ----------
-    predictor : Predictor
-    start : ndarray
-        Parameter vector in scaled units.
-    maximum_iterations : int
-    on_iteration : callable, optional
-        Called with the iteration and the sum of squared residuals, for progress.
-    """
-    free = predictor.free
-    parameters = start.copy()
-    residual, sensitivities = predictor.linearise(parameters)
-    cost = _sum_of_squares(residual)
-    rounding = ROUNDING * float(np.linalg.norm(predictor.target))
-    if not np.isfinite(cost):
-        return Fit(parameters, np.inf, False, 0)
-    damping, converged, determined, iteration = 0.0, False, False, 0
-    while iteration < maximum_iterations:
-        iteration += 1
-        instruments = sensitivities[:, free]
-        lengths = np.linalg.norm(instruments, axis=0)
-        lengths[lengths == 0.0] = 1.0
-        left, singular, right = np.linalg.svd(instruments / lengths, full_matrices=False)
-        # What the data do not determine at all must not move.
-        kept = singular > singular[0] / LARGEST_CONDITION
-        determined = bool(np.all(kept))
-        projected = np.where(kept, left.T @ residual, 0.0)
-        offset = float(np.linalg.norm(projected))  # effect of the undamped step on the simulated output
-        if offset <= OFFSET_TOLERANCE * np.sqrt(cost) or offset <= rounding:
-            converged = True
-            break
-        accepted = False
-        while not accepted and damping < LARGEST_DAMPING:
-            gain = np.where(kept, singular / (singular**2 + damping), 0.0)
-            trial = parameters.copy()
-            trial[free] += right.T @ (gain * projected) / lengths
-            effect = singular * gain * projected
-            promised = float(2.0 * effect @ projected - effect @ effect)
-            trial_cost = np.inf
-            if is_stable(predictor.split(trial)[1]):
-                trial_residual, trial_sensitivities = predictor.linearise(trial)
-                trial_cost = _sum_of_squares(trial_residual)
-            accepted = trial_cost < cost
-            kept_promise = (cost - trial_cost) / promised if accepted and promised > 0.0 else 0.0
-            # A step that gains far less than promised overshoots: plain Gauss–Newton would then swing for ever.
-            if kept_promise < 0.25:
-                damping = max(4.0 * damping, 1e-3)
-            elif kept_promise > 0.75:
-                damping = damping / 5.0 if damping > 1e-6 else 0.0
-        if not accepted:
-            converged = offset <= 1e5 * rounding  # only rounding was left to gain
-            break
-        parameters, residual, sensitivities, cost = trial, trial_residual, trial_sensitivities, trial_cost
-        if on_iteration is not None:
-            on_iteration(iteration, cost)
-    return Fit(parameters, cost, converged and determined, iteration)
-
-
-def _sum_of_squares(residual: Array) -> float:
-    """Infinite rather than a warning where an unstable trial overflows."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        total = float(residual @ residual)
-    return total if np.isfinite(total) else np.inf

@@ -24,7 +24,7 @@ LONGEST_START_WINDOW = 4096
 CUT_OFFS = 8
 # How far past the Shannon frequency π/T a mode is looked for, in units of π/T: a held input leaves no alias.
 HIGHEST_FREQUENCY = 2.6
-MODE_DAMPING = (0.02, 0.1, 0.4, 1.0, 3.0)
+MODE_DAMPING = (0.02, 0.1, 0.3, 0.6, 1.0, 3.0)
 GRID_STEP = 1.25
 MOST_ALIAS_COMBINATIONS = 64
 
@@ -141,12 +141,20 @@ def continuous_denominators(poles: ComplexArray, period: float, *, aliases: bool
     while len(negative) >= 2:
         first, second = negative.pop(), negative.pop()
         real = 0.5 * np.log(max(abs(first * second), 1e-12))
-        angles = [np.pi] if not aliases else [np.pi, 0.9 * np.pi, 1.1 * np.pi]
+        angles = [0.9 * np.pi, np.pi] if not aliases else list(np.arange(0.6, 2.5, 0.2) * np.pi)
         choices.append([(complex(real, a) / period, complex(real, -a) / period) for a in angles])
     if negative:
         choices.append([(complex(-3.0 / period),)])
     combinations = list(product(*choices))[:MOST_ALIAS_COMBINATIONS]
     return [np.real(np.poly(np.concatenate([np.array(p) for p in c]))) for c in combinations]
+
+
+def folded_denominator(denominator: Array, period: float) -> Array:
+    """Denominator with every mode past the Shannon frequency moved to the slower one with the same sampled poles."""
+    roots = np.roots(denominator)
+    turn = 2.0 * np.pi / period
+    frequency = np.abs((roots.imag + 0.5 * turn) % turn - 0.5 * turn)
+    return np.real(np.poly(roots.real + 1j * np.sign(roots.imag) * frequency))
 
 
 # -- grid -------------------------------------------------------------------------------------------------------------
