@@ -18,7 +18,8 @@ LOOKS = {
     "camera-zoh": ("(ii) camera, ZOH", style.VERMILION, "--", 1.2),
     "instant-zoh": ("(iii) no camera, ZOH", style.BLACK, ":", 1.4),
 }
-RESOLUTION = 1e-7
+# Percent; finer digits are those of the stopping rule and of the processor.
+RESOLUTION = 1e-5
 
 
 def draw(estimates: pd.DataFrame, period: float) -> tuple[Figure, pd.DataFrame]:

@@ -19,8 +19,9 @@ LABELS = {
     "a0": "error in $a_0 = \\omega_0^2$ (%)",
 }
 LIMITS = {"b0": (-60.0, 20.0), "a1": (-45.0, 45.0), "a0": (-12.0, 36.0)}
-# Noise-free errors are rounding; below this they are printed as zero, so that no processor changes the table.
-RESOLUTION = 1e-9
+# Noise-free errors are rounding; finer digits than this are not printed, so that no
+# processor changes the table.
+RESOLUTION = 1e-6
 
 
 def draw(estimates: pd.DataFrame, natural_frequency: float, cases: dict[str, str]) -> tuple[Figure, pd.DataFrame]:
