@@ -4,15 +4,17 @@ PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
 CORES ?= 2
-# Datasets go into and come out of a shared cache only where the reader names one.
-SNAKEMAKE := $(BIN)/snakemake -c$(CORES) $(if $(SNAKEMAKE_OUTPUT_CACHE),--cache)
+SNAKEMAKE := $(BIN)/snakemake -c$(CORES)
+# Datasets go into and come out of a shared cache only where the reader names one. The option comes last, because it would
+# take a target behind it for the name of a rule.
+CACHE := $(if $(SNAKEMAKE_OUTPUT_CACHE),--cache)
 FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
 .DEFAULT_GOAL := all
 .PHONY: all env test lint format check readme lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
-	$(SNAKEMAKE) all
+	$(SNAKEMAKE) all $(CACHE)
 
 env: $(ENVIRONMENT)/.installed ## only set up .venv from the hashed lock
 
@@ -42,7 +44,7 @@ check: env ## draw every figure from nothing, then compare with config/tolerance
 	$(SNAKEMAKE) --forceall check
 
 readme: env ## put the tables that the workflow made into README.md
-	$(SNAKEMAKE) claims
+	$(SNAKEMAKE) claims $(CACHE)
 	$(BIN)/python workflow/scripts/update_readme.py
 
 lock: ## renew requirements.lock (needs uv)

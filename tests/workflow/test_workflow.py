@@ -1,6 +1,8 @@
 """What the workflow promises, shown by running it in fresh copies."""
 
 import re
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -226,3 +228,23 @@ def test_recording_that_cannot_be_found_is_one_clear_line(fresh, monkeypatch):
 def test_rules_are_formatted_files_that_the_snakefile_includes():
     included = set(re.findall(r'include: "workflow/rules/(\w+)\.smk"', (ROOT / "Snakefile").read_text()))
     assert included == {p.stem for p in (ROOT / "workflow/rules").glob("*.smk")}
+
+
+def test_make_uses_the_cache_where_one_is_named(computed, fresh, monkeypatch):
+    """`--cache` in front of a target would take it for the name of a rule, and nothing would be drawn."""
+    import shutil
+    import subprocess
+
+    shutil.copy(ROOT / "Makefile", fresh.folder)
+    shutil.copy(ROOT / "requirements.lock", fresh.folder)
+    binaries = fresh.folder / ".venv/bin"
+    binaries.mkdir(parents=True)
+    (binaries / "snakemake").symlink_to(Path(sys.executable).parent / "snakemake")
+    (fresh.folder / ".venv/.installed").touch()
+    monkeypatch.setenv("SNAKEMAKE_OUTPUT_CACHE", str(computed.cache))
+    monkeypatch.setenv("PYTHONPATH", str(fresh.folder / "src"))
+    run = subprocess.run(["make", "all"], cwd=fresh.folder, capture_output=True, text=True, check=False)
+    printed = run.stdout + run.stderr
+    assert run.returncode == 0, printed
+    assert printed.count("from cache") >= 6
+    assert fresh.planned("all") == set()
