@@ -15,6 +15,7 @@ FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	$(SNAKEMAKE) all $(CACHE)
+	@echo 'Figures, their numbers and the claims are in paper_figs/.'
 
 env: $(ENVIRONMENT)/.installed ## only set up .venv from the hashed lock
 

@@ -123,6 +123,11 @@ def identify(
     sources = recording if isinstance(recording, list | tuple) else [recording]
     if not sources:
         raise InputError("no recording is given", mend="name at least one")
+    files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
+    if len(set(files)) < len(files):
+        raise InputError(
+            "the same recording is named twice", where=str(sources[0]), mend="what it says would count double"
+        )
     if progress:
         progress("reading the recording")
     recordings = [load_recording(source, believed, output_needed=True) for source in sources]

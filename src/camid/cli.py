@@ -183,17 +183,20 @@ def _print_identification(result: Identification, output: Path | None) -> None:
     for row in result.characteristics():
         table.add_row(str(row["name"]), f"{row['value']:.8g}", f"{row['standard_deviation']:.2g}", str(row["unit"]))
     console.print(table)
+    held = "free decay" if model.input_column is None else f"input {model.hold}"
     sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {1e3 * (model.exposure or 0):.6g} ms"
     console.print(
-        f"fitted to {result.rows_fitted} samples, period {1e3 * result.period:.6g} ms; input {model.hold}; {sensor}, "
-        f"latency {1e3 * model.latency:.6g} ms; initial state: {model.initial_state}"
+        f"fitted to {result.rows_fitted} samples, period {1e3 * result.period:.6g} ms; {held}; {sensor}, "
+        f"latency {1e3 * model.latency:.6g} ms; initial state: {model.initial_state}",
+        soft_wrap=True,
     )
     validation = (
         "" if result.nrmse_validation is None else f", {100 * result.nrmse_validation:.4g} % on validation rows"
     )
     console.print(
         f"residual: {100 * result.nrmse:.4g} % of the output's standard deviation{validation} "
-        f"({'converged' if result.converged else 'not converged'} after {result.estimate.iterations} iterations)"
+        f"({'converged' if result.converged else 'not converged'})",
+        soft_wrap=True,
     )
     if output is not None:
         console.print(f"written to {output}")

@@ -54,12 +54,12 @@ def draw(responses: pd.DataFrame, period: float) -> tuple[Figure, pd.DataFrame]:
             markerfacecolor="white",
             clip_on=False,
         )
-    upper.plot([], [], "o", color=style.BLUE, markerfacecolor="white", label="zeros of #1: k/T")
-    upper.plot([], [], "^", color=style.VERMILION, markerfacecolor="white", label="zeros of #2: (k + ½)/T")
+    upper.plot([], [], "o", color=style.BLUE, markerfacecolor="white", label="zeros of #1: (1 + k)/T")
+    upper.plot([], [], "^", color=style.VERMILION, markerfacecolor="white", label="zeros of #2: (½ + k)/T")
     for axes in (upper, lower):
         axes.axvline(1.0 / (2.0 * np.pi * period), color=style.GREY, linewidth=0.8, linestyle="-.")
     upper.annotate(
-        "ω = 1/T",
+        f"ω = 1/T ({1.0 / (2.0 * np.pi * period):.1f} Hz)",
         (1.0 / (2.0 * np.pi * period), -34.0),
         xytext=(-4, 0),
         textcoords="offset points",
