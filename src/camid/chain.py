@@ -97,6 +97,20 @@ class Acquisition:
 
 
 @njit(cache=True)
+def _multiply(left: Array, right: Array, product: Array) -> None:
+    """Product of small square matrices; a call of BLAS costs more than their few hundred multiplications."""
+    size = left.shape[0]
+    for i in range(size):
+        for j in range(size):
+            product[i, j] = 0.0
+        for k in range(size):
+            factor = left[i, k]
+            if factor != 0.0:
+                for j in range(size):
+                    product[i, j] += factor * right[k, j]
+
+
+@njit(cache=True)
 def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Array]:
     """Exp(F h) and its integral over [0, h], by a Taylor series of a halved duration and doubling.
 
@@ -104,11 +118,12 @@ def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Ar
     of F would not.
     """
     size = matrix.shape[0]
-    identity = np.eye(size)
-    scaled = matrix * duration
     norm = 0.0
     for i in range(size):
-        norm = max(norm, np.sum(np.abs(scaled[i])))
+        total = 0.0
+        for j in range(size):
+            total += abs(matrix[i, j])
+        norm = max(norm, total * duration)
     if not np.isfinite(norm):
         return np.full((size, size), np.nan), np.full((size, size), np.nan)
     halvings = 0
@@ -117,22 +132,78 @@ def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Ar
         halvings += 1
     step = duration / 2.0**halvings
     scaled = matrix * step
-    exponential = identity.copy()
-    integral = identity.copy()
-    term = identity.copy()
+    exponential = np.eye(size)
+    integral = np.eye(size)
+    term = np.eye(size)
+    product = np.empty((size, size))
     for k in range(1, 15):  # 0.5**15 / 15! lies below the rounding error
-        term = term @ scaled / k
-        exponential += term
-        integral += term / (k + 1)
+        _multiply(term, scaled, product)
+        for i in range(size):
+            for j in range(size):
+                term[i, j] = product[i, j] / k
+                exponential[i, j] += term[i, j]
+                integral[i, j] += term[i, j] / (k + 1)
     integral *= step
     for _ in range(halvings):
-        integral = integral + exponential @ integral
-        exponential = exponential @ exponential
+        _multiply(exponential, integral, product)
+        integral += product
+        _multiply(exponential, exponential, product)
+        exponential[:] = product
     return exponential, integral
 
 
 @njit(cache=True)
-def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
+def sampling_matrices(
+    augmented: Array, period: float, start: float, length: float, straddles: bool
+) -> tuple[Array, Array, Array]:
+    """What a linear system does in a period, and what the sensor sees of it.
+
+    Parameters
+    ----------
+    augmented : ndarray, shape (p + 2, p + 2)
+        State matrix with the input and its slope as the last two states, so that one exponential serves both holds.
+    period, start, length : float
+        Sampling period, and begin and length of the sensor's window, in the time unit of the matrix.
+    straddles : bool
+        Whether the window ends in the next interval of the input.
+
+    Returns
+    -------
+    transition, first, second : ndarray, shape (p + 2, p + 2)
+        State after a period; the sensor's output for every state is ``first @ now + second @ following``.
+    """
+    size = augmented.shape[0]
+    transition, integral = _exponential_and_integral(augmented, period)
+    second = np.zeros((size, size))
+    if start == 0.0 and length == period:
+        return transition, integral / length, second
+    onset = np.eye(size) if start == 0.0 else _exponential_and_integral(augmented, start)[0]
+    if length == 0.0:
+        return transition, onset, second
+    first = np.empty((size, size))
+    if not straddles:
+        _multiply(_exponential_and_integral(augmented, length)[1] / length, onset, first)
+        return transition, first, second
+    _multiply(_exponential_and_integral(augmented, period - start)[1] / length, onset, first)
+    second = _exponential_and_integral(augmented, start + length - period)[1] / length
+    return transition, first, second
+
+
+@njit(cache=True)
+def begin_interval(
+    signal: Array, first: int, count: int, j: int, first_order: bool, period: float
+) -> tuple[float, float]:
+    """Input and its slope at the begin of interval j of a record that starts at ``signal[first]``; zero outside it."""
+    if j < 0 or j >= count:
+        return 0.0, 0.0
+    value = signal[first + j]
+    if first_order and j + 1 < count:
+        return value, (signal[first + j + 1] - value) / period
+    return value, 0.0
+
+
+@njit(cache=True)
+def _run(
     state_matrix: Array,
     input_vector: Array,
     initial_state: Array,
@@ -149,25 +220,13 @@ def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
     """Sampled sensor outputs of a linear system with one held input; see :func:`respond`."""
     order = state_matrix.shape[0]
     outputs, count = selection.shape[0], signal.shape[0]
-    # The input and its slope are states of their own, so one exponential holds the transitions for both holds.
     augmented = np.zeros((order + 2, order + 2))
     augmented[:order, :order] = state_matrix
     augmented[:order, order] = input_vector
     augmented[order, order + 1] = 1.0
-    transition = _exponential_and_integral(augmented, period)[0]
-    first = np.zeros((outputs, order + 2))
-    second = np.zeros((outputs, order + 2))
-    onset = _exponential_and_integral(augmented, start)[0]
-    if length == 0.0:
-        first = selection @ np.ascontiguousarray(onset[: order + 1])
-    elif not straddles:
-        mean = _exponential_and_integral(augmented, length)[1] @ onset / length
-        first = selection @ np.ascontiguousarray(mean[: order + 1])
-    else:
-        before = _exponential_and_integral(augmented, period - start)[1] @ onset / length
-        after = _exponential_and_integral(augmented, start + length - period)[1] / length
-        first = selection @ np.ascontiguousarray(before[: order + 1])
-        second = selection @ np.ascontiguousarray(after[: order + 1])
+    transition, window, late_window = sampling_matrices(augmented, period, start, length, straddles)
+    first = selection @ np.ascontiguousarray(window[: order + 1])
+    second = selection @ np.ascontiguousarray(late_window[: order + 1])
 
     result = np.zeros((count, outputs))
     now = np.zeros(order + 2)
@@ -175,19 +234,13 @@ def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
     for j in range(-delay, count - delay):
         if j == begin:
             now[:order] += initial_state
-        if j == 0:
-            # The record begins: the input jumps from 0 to its first value.
-            now[order] = signal[0]
-            now[order + 1] = (signal[1] - signal[0]) / period if first_order and count > 1 else 0.0
+        now[order], now[order + 1] = begin_interval(signal, 0, count, j, first_order, period)
         for row in range(order):
             total = 0.0
             for column in range(order + 2):
                 total += transition[row, column] * now[column]
             following[row] = total
-        following[order] = signal[j + 1] if 0 <= j + 1 < count else 0.0
-        following[order + 1] = 0.0
-        if first_order and j + 1 >= 0 and j + 2 < count:
-            following[order + 1] = (signal[j + 2] - signal[j + 1]) / period
+        following[order], following[order + 1] = begin_interval(signal, 0, count, j + 1, first_order, period)
         frame = j + delay
         for row in range(outputs):
             total = 0.0
@@ -197,7 +250,7 @@ def _run(  # noqa: PLR0912 - one loop, so that it compiles to one
                 for column in range(order + 2):
                     total += second[row, column] * following[column]
             result[frame, row] = total
-        for row in range(order + 2):
+        for row in range(order):
             now[row] = following[row]
     return result
 

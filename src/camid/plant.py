@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +16,22 @@ if TYPE_CHECKING:
 # Relative size of a real part that counts as zero: an undamped mode is no unstable one, and a repeated root of the
 # denominator is only known to the square root of the rounding error.
 STABILITY_TOLERANCE = 1e-6
+
+
+def polynomial_roots(coefficients: Sequence[float] | NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Roots of a polynomial in descending powers, leading coefficient not zero; up to degree two in closed form."""
+    degree = len(coefficients) - 1
+    if degree > 2:
+        return np.roots(coefficients).astype(complex)
+    if degree < 2:
+        return np.array([-coefficients[1] / coefficients[0]] if degree == 1 else [], dtype=complex)
+    half, constant = -0.5 * coefficients[1] / coefficients[0], coefficients[2] / coefficients[0]
+    square = half * half - constant
+    if square < 0.0:
+        return np.array([complex(half, sqrt(-square)), complex(half, -sqrt(-square))])
+    far = half + (sqrt(square) if half > 0.0 else -sqrt(square))
+    # The product of the roots gives the near one without cancellation.
+    return np.array([far, constant / far if far != 0.0 else 0.0], dtype=complex)
 
 
 @dataclass(frozen=True)
@@ -36,13 +54,13 @@ class TransferFunction:
 
     def __post_init__(self) -> None:
         for name in ("numerator", "denominator"):
-            coefficients = np.atleast_1d(np.asarray(getattr(self, name), dtype=float))
-            if not np.all(np.isfinite(coefficients)):
+            coefficients = np.ravel(np.asarray(getattr(self, name), dtype=float)).tolist()
+            if not all(map(isfinite, coefficients)):
                 raise ValueError(f"the {name} has a coefficient that is not a finite number")
-            stripped = np.trim_zeros(coefficients, "f")
-            if stripped.size == 0:
+            leading = next((i for i, c in enumerate(coefficients) if c != 0.0), None)
+            if leading is None:
                 raise ValueError(f"the {name} is zero")
-            object.__setattr__(self, name, tuple(float(c) for c in stripped))
+            object.__setattr__(self, name, tuple(coefficients[leading:]))
         if len(self.numerator) > len(self.denominator):
             raise ValueError(
                 f"the transfer function is improper: numerator of degree {len(self.numerator) - 1}, "
@@ -62,11 +80,11 @@ class TransferFunction:
 
     def poles(self) -> NDArray[np.complex128]:
         """Poles in rad/s, shape (order,)."""
-        return np.roots(self.denominator).astype(complex)
+        return polynomial_roots(self.denominator)
 
     def zeros(self) -> NDArray[np.complex128]:
         """Finite zeros in rad/s."""
-        return np.roots(self.numerator).astype(complex)
+        return polynomial_roots(self.numerator)
 
     def unstable_poles(self) -> NDArray[np.complex128]:
         """Poles in the open right half plane; integrators and undamped modes do not count."""

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 
@@ -68,12 +70,20 @@ def test_safeguarded_srivc_holds_where_plain_srivc_leaves_from_the_truth(excitat
 
 def test_safeguarded_iteration_never_raises_the_output_error(excitation):
     predictor = predictor_for(experiment(excitation, Acquisition(0.1), noise=0.3))
-    costs = []
-    safeguarded_srivc(
-        predictor, predictor.from_physical(np.array([60.0, 5.0, 130.0])), on_iteration=lambda _i, c: costs.append(c)
-    )
-    assert len(costs) >= 3
-    assert np.all(np.diff(costs) < 0.0)
+    start = predictor.from_physical(np.array([60.0, 5.0, 130.0]))
+    costs = [safeguarded_srivc(predictor, start, maximum_iterations=i).cost for i in range(1, 9)]
+    assert costs[0] > 1.01 * costs[-1]
+    assert all(after <= before for before, after in itertools.pairwise(costs))
+
+
+def test_progress_is_reported_without_changing_the_result(excitation):
+    predictor = predictor_for(experiment(excitation, Acquisition(0.1), noise=0.3))
+    start = predictor.from_physical(np.array([60.0, 5.0, 130.0]))
+    reports = []
+    told = safeguarded_srivc(predictor, start, on_iteration=lambda i, cost: reports.append((i, cost)))
+    silent = safeguarded_srivc(predictor, start)
+    assert reports[-1] == (told.iterations, told.cost)
+    assert told.cost == silent.cost
 
 
 def test_undetermined_coefficients_are_not_called_converged():

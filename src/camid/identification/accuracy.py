@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition
@@ -13,6 +14,10 @@ from camid.plant import TransferFunction
 Array = NDArray[np.float64]
 
 LONGEST_REGRESSION = 30
+# Smallest pivot of a Cholesky factorisation that leaves half of the digits.
+SOUND_PIVOT = 1e-4
+# Smallest share of the power that may be left, as a difference of two powers, before its digits are lost.
+SOUND_REMAINDER = 1e-5
 
 
 def inverse_information(sensitivities: Array, coefficients: int | None = None) -> tuple[Array, bool]:
@@ -21,6 +26,7 @@ def inverse_information(sensitivities: Array, coefficients: int | None = None) -
     Parameters
     ----------
     sensitivities : ndarray, shape (M, p)
+        Or the triangle of their QR factorisation.
     coefficients : int, optional
         How many of the first columns must be determined by the data; all, unless it is given.
 
@@ -33,7 +39,7 @@ def inverse_information(sensitivities: Array, coefficients: int | None = None) -
     lengths = np.linalg.norm(sensitivities, axis=0)
     if np.any(lengths == 0.0) or not np.all(np.isfinite(lengths)):
         return np.diag(np.where(lengths > 0.0, 0.0, np.inf)), False
-    _, singular, right = np.linalg.svd(np.linalg.qr(sensitivities / lengths, mode="r"))
+    _, singular, right = np.linalg.svd(sensitivities / lengths, full_matrices=False)
     dropped = right[singular <= singular[0] / LARGEST_CONDITION]
     number = sensitivities.shape[1] if coefficients is None else coefficients
     determined = leaves_coefficients_determined(dropped, np.arange(sensitivities.shape[1]) < number)
@@ -41,14 +47,15 @@ def inverse_information(sensitivities: Array, coefficients: int | None = None) -
     return inverse / np.outer(lengths, lengths), determined
 
 
-def covariance_from(predictor: Predictor, parameters: Array) -> tuple[Array, float, bool]:
+def covariance_from(predictor: Predictor, triangle: Array, cost: float) -> tuple[Array, float, bool]:
     """Covariance σ² (Σ ẑ ẑᵀ)⁻¹ of all parameters, coefficients in SI units (Young 2011; white output noise).
 
     Parameters
     ----------
     predictor : Predictor
-    parameters : ndarray
-        Estimate in scaled units.
+    triangle : ndarray, shape (p + 1, p + 1)
+    cost : float
+        Both from :meth:`camid.identification.predictor.Predictor.factorise` at the estimate.
 
     Returns
     -------
@@ -59,17 +66,15 @@ def covariance_from(predictor: Predictor, parameters: Array) -> tuple[Array, flo
     determined : bool
         Whether the information matrix has full rank.
     """
-    residual, sensitivities = predictor.linearise(parameters)
     free = predictor.free
     covariance = np.zeros((len(free), len(free)))
-    with np.errstate(over="ignore", invalid="ignore"):
-        variance = float(residual @ residual) / max(len(residual) - int(free.sum()), 1)
+    variance = cost / max(len(predictor.target) - int(free.sum()), 1)
     if not np.isfinite(variance):
         return np.diag(np.where(free, np.inf, 0.0)), np.inf, False  # a method without safeguard ran away
     if not free.any():
         return covariance, variance, True
     coefficients = int(predictor.structure.free.sum())
-    inverse, determined = inverse_information(sensitivities[:, free], coefficients)
+    inverse, determined = inverse_information(triangle[:, :-1][:, free], coefficients)
     covariance[np.ix_(free, free)] = variance * inverse
     scale = predictor.scale()
     return covariance / np.outer(scale, scale), variance, determined
@@ -108,7 +113,7 @@ def cramer_rao_bound(
     predictor = Predictor.around(structure, [experiment], np.asarray(monic.denominator))
     parameters = predictor.from_physical(np.array([*monic.numerator, *monic.denominator[1:]]))
     scale = predictor.scale()
-    bound = inverse_information(predictor.linearise(parameters)[1])[0] / np.outer(scale, scale)
+    bound = inverse_information(predictor.factorise(parameters)[0][:, :-1])[0] / np.outer(scale, scale)
     count = len(structure.free)
     return noise_variance * bound[:count, :count]
 
@@ -125,16 +130,35 @@ def innovation_variance(experiment: Experiment) -> float:
     if length < 2:
         return 0.0
     rows = experiment.used[length:]
-    columns = [-output[length - i : count - i] for i in range(1, length + 1)]
+    past = sliding_window_view(output, length + 1)
+    table = past[:, :-1]
     if np.any(signal):
-        columns += [signal[length - i : count - i] for i in range(length + 1)]
-    table = np.column_stack(columns)[rows]
-    target = output[length:][rows]
+        table = np.hstack([table, sliding_window_view(signal, length + 1)])
+    table, target = table[rows], past[rows, -1]
     freedom = len(target) - table.shape[1]
     if freedom < length:
         return 0.0
+    return _residual_power(table, target) / freedom
+
+
+def _residual_power(table: Array, target: Array) -> float:
+    """Sum of squares that a regression leaves: by normal equations, a quarter of the price, where they are sound."""
+    product = table.T @ table
+    scale = np.sqrt(np.diag(product))
+    if np.all(scale > 0.0):
+        try:
+            factor = np.linalg.cholesky(product / np.outer(scale, scale))
+        except np.linalg.LinAlgError:
+            pass
+        else:
+            if np.min(np.diag(factor)) > SOUND_PIVOT:
+                projected = np.linalg.solve(factor, table.T @ target / scale)
+                total = float(target @ target)
+                left = total - float(projected @ projected)
+                if left > SOUND_REMAINDER * total:
+                    return left
     residual = target - table @ np.linalg.lstsq(table, target, rcond=None)[0]
-    return float(residual @ residual) / freedom
+    return float(residual @ residual)
 
 
 def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str, float | str]]:

@@ -9,30 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.identification.accuracy import covariance_from
+from camid.identification.factorisation import Records
 from camid.identification.fit import Fit
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Experiment, Predictor, Structure
 from camid.identification.safeguarded import safeguarded_srivc
-from camid.identification.selection import Optimum, Rival, conclusive, past_shannon, rivals, select
+from camid.identification.search import Search
+from camid.identification.selection import Rival
 from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
-from camid.identification.starts import (
-    Candidate,
-    evaluate,
-    folded_denominator,
-    grid_candidates,
-    quick_candidates,
-    start_window,
-)
+from camid.identification.starts import evaluate
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
 METHODS = ("srivc", "output-error", "plain-srivc")
-REFINED_STARTS = 4
 # A wrong model (a hold declared wrongly, say) leaves a large residual, for which Gauss–Newton converges only linearly.
 FINAL_ITERATIONS = 1000
-REFINED_GRID_STARTS = 6
 
 
 @dataclass(frozen=True)
@@ -104,7 +97,7 @@ def estimate(
     result = _estimate_scaled(
         replace(structure, numerator=structure.numerator / gain),
         scaled,
-        None if nominal is None else _times_gain(nominal, 1.0 / gain),
+        None if nominal is None else np.asarray(nominal.monic.denominator),
         method,
         progress,
     )
@@ -151,30 +144,35 @@ def _in_units(result: Estimate, units: _Units) -> Estimate:
 def _estimate_scaled(
     structure: Structure,
     experiments: list[Experiment],
-    nominal: TransferFunction | None,
+    believed: Array | None,
     method: str,
     progress: Progress | None,
 ) -> Estimate:
-    """Estimate from data of the order of one."""
+    """Estimate from data of the order of one; ``believed`` is a monic denominator in SI units."""
     tell = progress or (lambda _sentence: None)
-    believed = None if nominal is None else np.asarray(nominal.monic.denominator)
     if method == "plain-srivc":
-        predictor, fit = _plain(structure, experiments, believed, nominal, tell)
+        predictor, fit = _plain(structure, experiments, believed, tell)
         others: list[Rival] = []
     else:
-        candidate, start, others = _global_start(structure, experiments, believed, tell)
-        predictor = Predictor.around(structure, experiments, candidate)
-        parameters = predictor.with_fitted_initial_states(start)
-        tell("final iteration on the whole recording")
-        if method == "output-error":
-            fit = output_error(predictor, parameters)
-        else:
-            fit = safeguarded_srivc(
-                predictor,
-                parameters,
-                maximum_iterations=FINAL_ITERATIONS,
-                on_iteration=lambda i, cost: tell(f"iteration {i}: output error {cost:.4g}"),
-            )
+        records = Records.of(experiments)
+        search = Search(structure, experiments, records, believed, tell)
+        best, others = search.run()
+        predictor, fit = best.predictor, best.fit
+        if method == "output-error" or not (search.whole and fit.converged):
+            coefficients = predictor.to_physical(fit.parameters)
+            denominator = np.concatenate([[1.0], coefficients[structure.degree + 1 :]])
+            predictor = Predictor.around(structure, experiments, denominator, records)
+            parameters = predictor.with_fitted_initial_states(coefficients)
+            tell("final iteration on the whole recording")
+            if method == "output-error":
+                fit = output_error(predictor, parameters)
+            else:
+                fit = safeguarded_srivc(
+                    predictor,
+                    parameters,
+                    maximum_iterations=FINAL_ITERATIONS,
+                    on_iteration=lambda i, cost: tell(f"iteration {i}: output error {cost:.4g}"),
+                )
     return _summarise(predictor, fit, others)
 
 
@@ -182,23 +180,23 @@ def _plain(
     structure: Structure,
     experiments: list[Experiment],
     believed: Array | None,
-    nominal: TransferFunction | None,
     tell: Progress,
 ) -> tuple[Predictor, Fit]:
     """SRIVC as published: start from the nominal plant, else from LSSVF with the cut-off that fits best."""
-    if believed is not None and nominal is not None:
+    if believed is not None:
         predictor = Predictor.around(structure, experiments, believed)
         start = predictor.from_physical(structure.coefficients())
     else:
         tell("state-variable filters")
         period = experiments[0].acquisition.period
+        records = Records.of(experiments)
         trials = []
         for cut_off in np.geomspace(0.02, 1.0, 8) * np.pi / period:
             predictor = Predictor(structure, experiments, 1.0 / cut_off)
             start = least_squares_state_variable_filter(predictor, cut_off)
             split = structure.degree + 1
             denominator = reflect(np.concatenate([[1.0], predictor.to_physical(start)[split:]]))
-            trials.append((evaluate(structure, experiments, denominator).cost, denominator))
+            trials += [(c.cost, c.denominator) for c in evaluate(structure, records, [denominator])]
         denominator = min(trials, key=lambda t: t[0])[1]
         predictor = Predictor.around(structure, experiments, denominator)
         scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
@@ -207,57 +205,13 @@ def _plain(
     return predictor, plain_srivc(predictor, start)
 
 
-def _global_start(
-    structure: Structure, experiments: list[Experiment], believed: Array | None, tell: Progress
-) -> tuple[Array, Array, list[Rival]]:
-    """Denominator and coefficients (SI units) of the best optimum that the starts lead to, and its rivals.
-
-    The search runs on a lively window of long recordings; only the last iteration sees every row.
-    """
-    windows = [start_window(e) for e in experiments]
-    tell("starting values: state-variable filters and discrete-time models")
-    candidates = quick_candidates(structure, windows)[:REFINED_STARTS]
-    if believed is not None:
-        candidates.append(evaluate(structure, windows, believed))
-    optima = [_refine(structure, windows, c) for c in candidates]
-    best = select(optima, believed)
-    if best is not None and past_shannon(best):
-        # The slower mode with the same sampled poles is the obvious rival, so it is always heard.
-        predictor, fit = best
-        fastest = predictor.split(fit.parameters)[1] / predictor.time_unit ** np.arange(structure.order + 1.0)
-        folded = folded_denominator(fastest, windows[0].acquisition.period)
-        optima.append(_refine(structure, windows, evaluate(structure, windows, folded)))
-        best = select(optima, believed)
-    if not conclusive(best, windows) or (best is not None and past_shannon(best)):
-        tell("starting values: grid of poles")
-        optima += [_refine(structure, windows, c) for c in grid_candidates(structure, windows)[:REFINED_GRID_STARTS]]
-        best = select(optima, believed)
-    if best is None:
-        raise ValueError("no starting value leads to a stable model of this order")
-    predictor, fit = best
-    coefficients = predictor.to_physical(fit.parameters)
-    return np.concatenate([[1.0], coefficients[structure.degree + 1 :]]), coefficients, rivals(best, optima)
-
-
-def _refine(structure: Structure, experiments: list[Experiment], candidate: Candidate) -> Optimum:
-    denominator = _respecting_fixed(structure, candidate.denominator)
-    predictor = Predictor.around(structure, experiments, denominator)
-    scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
-    return predictor, safeguarded_srivc(predictor, predictor.solve_numerator(scaled)[0], maximum_iterations=50)
-
-
-def _respecting_fixed(structure: Structure, denominator: Array) -> Array:
-    """The candidate with the coefficients that are not free put back."""
-    return np.where(structure.free_denominator, denominator, structure.denominator)
-
-
 def _summarise(predictor: Predictor, fit: Fit, others: list[Rival]) -> Estimate:
     structure = predictor.structure
     coefficients = np.where(structure.free, predictor.to_physical(fit.parameters), structure.coefficients())
-    covariance, variance, determined = covariance_from(predictor, fit.parameters)
+    triangle, cost, residual = predictor.factorise(fit.parameters)
+    covariance, variance, determined = covariance_from(predictor, triangle, cost)
     count = len(structure.free)
     plant = structure.plant(coefficients)
-    simulated = predictor.simulate(fit.parameters)
     return Estimate(
         plant=plant,
         standard_deviations=np.sqrt(np.diag(covariance)[:count]),
@@ -265,7 +219,7 @@ def _summarise(predictor: Predictor, fit: Fit, others: list[Rival]) -> Estimate:
         noise_variance=variance,
         converged=bool(fit.converged and determined and plant.unstable_poles().size == 0),
         iterations=fit.iterations,
-        residuals=[e.output - x for e, x in zip(predictor.experiments, simulated, strict=True)],
+        residuals=np.split(residual, predictor.records.offsets[1:-1]),
         free=predictor.structure.free,
         rivals=others,
     )

@@ -37,12 +37,9 @@ class Fit:
     iterations: int
 
 
-def is_stable(denominator: Array) -> bool:
-    """Whether no root lies clearly in the right half plane; integrators and undamped modes are stable here."""
-    if not np.all(np.isfinite(denominator)):
-        return False
-    roots = np.roots(denominator)
-    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
+def has_stable(poles: NDArray[np.complex128]) -> bool:
+    """Whether no pole lies clearly in the right half plane; integrators and undamped modes are stable here."""
+    return bool(np.all(np.isfinite(poles)) and np.all(poles.real <= STABILITY_TOLERANCE * np.abs(poles)))
 
 
 def leaves_coefficients_determined(dropped: Array, are_coefficients: NDArray[np.bool_]) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, respond, time_scale
+from camid.identification.factorisation import Records, factorise
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
@@ -111,18 +112,29 @@ class Predictor:
     structure: Structure
     experiments: list[Experiment]
     time_unit: float
+    records: Records = field(default=None)  # type: ignore[assignment]
     target: Array = field(init=False)
     free: NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.target = np.concatenate([e.output[e.used] for e in self.experiments])
+        if self.records is None:
+            self.records = Records.of(self.experiments)
+        self.target = self.records.output[self.records.used]
+        self.target_norm = float(np.linalg.norm(self.target))
         initial = sum(self.structure.order for e in self.experiments if e.estimate_initial_state)
         self.free = np.concatenate([self.structure.free, np.ones(initial, bool)])
 
     @classmethod
-    def around(cls, structure: Structure, experiments: list[Experiment], denominator: Array) -> Predictor:
-        """Predictor whose time unit fits a given monic denominator in physical units."""
-        return cls(structure, experiments, time_scale(denominator))
+    def around(
+        cls, structure: Structure, experiments: list[Experiment], denominator: Array, records: Records | None = None
+    ) -> Predictor:
+        """Predictor whose time unit fits a given monic denominator in physical units.
+
+        ``records`` are the same experiments, packed; whoever makes many predictors packs them once.
+        """
+        return cls(
+            structure, experiments, time_scale(denominator), Records.of(experiments) if records is None else records
+        )
 
     # -- units -----------------------------------------------------------------------------------------------------
 
@@ -251,6 +263,35 @@ class Predictor:
             tables.append(table)
         return self.target - np.concatenate(outputs), np.concatenate(tables)
 
+    def factorise(self, parameters: Array, *, sensitive: bool = True) -> tuple[Array, float, Array]:
+        """Triangle R of the QR factorisation of [sensitivities, residual], sum of squares, and residual of every row.
+
+        Parameters
+        ----------
+        parameters : ndarray
+            In scaled units.
+        sensitive : bool
+            False leaves the columns of the denominator at zero, at half the cost.
+
+        Returns
+        -------
+        triangle : ndarray, shape (p + 1, p + 1)
+        cost : float
+        residual : ndarray, shape (total rows,)
+            Recorded minus simulated output, one experiment behind the other, rows that are not used included.
+        """
+        numerator, split, order = (
+            parameters[: self.structure.degree + 1],
+            self.structure.degree + 1,
+            self.structure.order,
+        )
+        denominator = np.concatenate([[1.0], parameters[split : split + order]])
+        residual = np.empty(len(self.records.signal))
+        triangle, cost = factorise(
+            numerator, denominator, parameters[split + order :], self.records, self.time_unit, sensitive, residual
+        )
+        return triangle, cost, residual
+
     def solve_numerator(self, denominator: Array) -> tuple[Array, float]:
         """Best numerator and initial states for a given denominator: a linear problem (variable projection).
 
@@ -272,44 +313,26 @@ class Predictor:
         # With every linear coefficient at its fixed value or zero, the sensitivities to the others are the regressors.
         linear = self.free.copy()
         linear[split : split + order] = False
-        parameters[linear] = 0.0
-        residual, sensitivities = self.linear_regressors(parameters)
-        if not np.all(np.isfinite(sensitivities)):
-            return parameters, np.inf
-        solution = np.linalg.lstsq(sensitivities[:, linear], residual, rcond=None)[0]
-        parameters[linear] = solution
-        return parameters, float(np.sum((residual - sensitivities[:, linear] @ solution) ** 2))
+        return self._solve_linear(parameters, linear)
 
     def with_fitted_initial_states(self, coefficients: Array) -> Array:
         """Parameter vector of coefficients in SI units with the initial states that fit them best."""
         parameters = self.from_physical(coefficients)
-        if self.initial_count:
-            residual, regressors = self.linear_regressors(parameters)
-            columns = slice(len(parameters) - self.initial_count, len(parameters))
-            parameters[columns] = np.linalg.lstsq(regressors[:, columns], residual, rcond=None)[0]
-        return parameters
+        linear = np.zeros(len(parameters), bool)
+        linear[len(self.structure.free) :] = True
+        return self._solve_linear(parameters, linear)[0] if self.initial_count else parameters
 
-    def linear_regressors(self, parameters: Array) -> tuple[Array, Array]:
-        """As :meth:`linearise`, with the columns of the denominator left at zero, at half the cost."""
-        numerator, denominator, initial = self.split(parameters)
-        order, split = self.structure.order, self.structure.degree + 1
-        block = companion(denominator)
-        derivatives = derivative_rows(denominator, range(self.structure.degree, -1, -1))
-        tables, outputs = [], []
-        position = split + order
-        for experiment, polynomial in zip(self.experiments, initial, strict=True):
-            unit = np.eye(order)[0]
-            table = np.zeros((len(experiment.output), len(parameters)))
-            arguments = (experiment.signal, experiment.acquisition, self.time_unit)
-            table[:, :split] = respond(block, unit, np.zeros(order), derivatives, *arguments)
-            output = table[:, :split] @ numerator
-            if polynomial is not None:
-                rows = np.eye(order, order + 1)
-                early = experiment.free_motion_before_record
-                free = respond(block, np.zeros(order), unit, rows, *arguments, before_record=early)
-                table[:, position : position + order] = free
-                output = output + free @ polynomial
-                position += order
-            tables.append(table[experiment.used])
-            outputs.append(output[experiment.used])
-        return self.target - np.concatenate(outputs), np.concatenate(tables)
+    def _solve_linear(self, parameters: Array, linear: NDArray[np.bool_]) -> tuple[Array, float]:
+        """The parameters with those that enter linearly solved for, and the sum of squares that is left."""
+        parameters[linear] = 0.0
+        triangle, _, _ = self.factorise(parameters, sensitive=False)
+        if not np.all(np.isfinite(triangle)):
+            return parameters, np.inf
+        table, target = triangle[:, :-1][:, linear], triangle[:, -1]
+        # Columns of one length, so that a small one is not taken for one that the data do not determine.
+        lengths = np.linalg.norm(table, axis=0)
+        lengths[lengths == 0.0] = 1.0
+        solution = np.linalg.lstsq(table / lengths, target, rcond=None)[0]
+        parameters[linear] = solution / lengths
+        left = target - table @ parameters[linear]
+        return parameters, float(left @ left)

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from camid.identification.fit import (
-    LARGEST_CONDITION,
-    Fit,
-    is_stable,
-    leaves_coefficients_determined,
-    sum_of_squares,
-)
+from camid.identification.factorisation import Records, factorise
+from camid.identification.fit import LARGEST_CONDITION, UNDETERMINED_SHARE, Fit
 from camid.identification.predictor import Predictor
+from camid.plant import STABILITY_TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -26,35 +22,123 @@ ROUNDING = 1e-14
 LARGEST_DAMPING = 1e8
 # Shares of the promised gain below which a step was too long, and above which it may be longer.
 BROKEN_PROMISE, KEPT_PROMISE = 0.25, 0.75
+# Iterations between two reports of progress.
+REPORTED_ITERATIONS = 10
 
 
-@dataclass(frozen=True)
-class _NormalEquations:
-    """Σ ẑ ẑᵀ δ = Σ ẑ (w − x) for the coefficients that move, by singular values of the column-scaled instruments."""
+@njit(cache=True)
+def _is_stable(denominator: Array) -> bool:
+    """As :func:`camid.identification.fit.has_stable`; non-negative coefficients suffice up to the order two."""
+    if not np.all(np.isfinite(denominator)):
+        return False
+    if len(denominator) <= 3 and np.all(denominator >= 0.0):
+        return True
+    order = len(denominator) - 1
+    matrix = np.zeros((order, order), dtype=np.complex128)
+    for i in range(order):
+        matrix[0, i] = -denominator[1 + i]
+        if i + 1 < order:
+            matrix[i + 1, i] = 1.0
+    roots = np.linalg.eigvals(matrix)
+    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
 
-    singular: Array
-    right: Array
-    lengths: Array
-    projected: Array
-    kept: NDArray[np.bool_]
 
-    @classmethod
-    def of(cls, instruments: Array, residual: Array) -> _NormalEquations:
-        lengths = np.linalg.norm(instruments, axis=0)
+@njit(cache=True)
+def _damped_step(
+    singular: Array, right: Array, lengths: Array, projected: Array, kept: NDArray[np.bool_], damping: float
+) -> tuple[Array, float]:
+    """Damped step, and the decrease of the sum of squares that it promises."""
+    gain = np.where(kept, singular / (singular**2 + damping), 0.0)
+    effect = singular * gain * projected
+    step = np.zeros(len(lengths))
+    for i in range(len(singular)):
+        step += gain[i] * projected[i] * right[i]
+    return step / lengths, float(np.sum(2.0 * effect * projected - effect * effect))
+
+
+@njit(cache=True)
+def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost more than some of them
+    parameters: Array,
+    free: NDArray[np.bool_],
+    bounded: NDArray[np.bool_],
+    held: NDArray[np.bool_],
+    split: int,
+    order: int,
+    records: Records,
+    time_unit: float,
+    rounding: float,
+    damping: float,
+    maximum_iterations: int,
+) -> tuple[Array, float, float, bool, bool, int]:
+    """Parameters, cost, damping, whether converged, whether finished, iterations; ``held`` changes in place."""
+    coefficients, count = split + order, len(parameters)
+    residual = np.empty(len(records.signal))
+    denominator = np.ones(order + 1)
+    denominator[1:] = parameters[split:coefficients]
+    triangle, cost = factorise(
+        parameters[:split], denominator, parameters[coefficients:], records, time_unit, True, residual
+    )
+    if not np.isfinite(cost):
+        return parameters, np.inf, damping, False, True, 0
+    iteration = 0
+    while iteration < maximum_iterations:
+        iteration += 1
+        moving = np.flatnonzero(free & ~held)
+        table = np.ascontiguousarray(triangle[:, moving])
+        target = np.ascontiguousarray(triangle[:, count])
+        lengths = np.sqrt(np.sum(table * table, axis=0))
         lengths[lengths == 0.0] = 1.0
-        left, singular, right = np.linalg.svd(instruments / lengths, full_matrices=False)
+        left, singular, right = np.linalg.svd(table / lengths, False)
         # What the data do not determine at all must not move.
-        kept = singular > singular[:1] / LARGEST_CONDITION
-        return cls(singular, right, lengths, np.where(kept, left.T @ residual, 0.0), kept)
-
-    def step(self, damping: float) -> tuple[Array, float]:
-        """Damped step, and the decrease of the sum of squares that it promises."""
-        gain = np.where(self.kept, self.singular / (self.singular**2 + damping), 0.0)
-        effect = self.singular * gain * self.projected
-        return (
-            self.right.T @ (gain * self.projected) / self.lengths,
-            float(2.0 * effect @ self.projected - effect @ effect),
-        )
+        kept = singular > np.max(singular) / LARGEST_CONDITION if len(singular) else singular > 0.0
+        projected = np.where(kept, left.T @ target, 0.0)
+        determined = True
+        for i in range(len(singular)):
+            share = 0.0
+            for k in range(len(moving)):
+                if moving[k] < coefficients:
+                    share += right[i, k] ** 2
+            if not kept[i] and share >= UNDETERMINED_SHARE**2:
+                determined = False
+        offset = np.sqrt(np.sum(projected**2))  # effect of the undamped step on the simulated output
+        small = max(OFFSET_TOLERANCE * np.sqrt(cost), rounding)
+        if offset <= small:
+            # A larger coefficient would lower the output error: a held one is then let go.
+            released = False
+            for j in np.flatnonzero(held):
+                length = np.sqrt(np.sum(triangle[:, j] ** 2))
+                if np.sum(triangle[:, j] * target) / (length if length > 0.0 else 1.0) > small:
+                    held[j] = False
+                    released = True
+            if released:
+                continue
+            return parameters, cost, damping, determined, True, iteration
+        accepted = False
+        while not accepted and damping < LARGEST_DAMPING:
+            step, promised = _damped_step(singular, right, lengths, projected, kept, damping)
+            trial = parameters.copy()
+            trial[moving] += step
+            clipped = bounded & (trial < 0.0)
+            trial[clipped] = 0.0
+            trial_cost = np.inf
+            denominator[1:] = trial[split:coefficients]
+            if _is_stable(denominator):
+                trial_triangle, trial_cost = factorise(
+                    trial[:split], denominator, trial[coefficients:], records, time_unit, True, residual
+                )
+            accepted = trial_cost < cost
+            gained = (cost - trial_cost) / promised if accepted and promised > 0.0 else 0.0
+            # A step that gains far less than promised overshoots: plain Gauss–Newton would then swing for ever.
+            if gained < BROKEN_PROMISE:
+                damping = max(4.0 * damping, 1e-3)
+            elif gained > KEPT_PROMISE:
+                damping = damping / 5.0 if damping > 1e-6 else 0.0
+        if not accepted:
+            # Only rounding was left to gain, or nothing that a step could do.
+            return parameters, cost, damping, determined and offset <= 1e5 * rounding, True, iteration
+        parameters, triangle, cost = trial, trial_triangle, trial_cost
+        held |= clipped
+    return parameters, cost, damping, False, False, iteration
 
 
 def safeguarded_srivc(
@@ -80,67 +164,34 @@ def safeguarded_srivc(
         Parameter vector in scaled units.
     maximum_iterations : int
     on_iteration : callable, optional
-        Called with the iteration and the sum of squared residuals, for progress.
+        Called now and then with the iteration and the sum of squared residuals, for progress.
     """
-    coefficients = len(predictor.structure.free)
+    split, order = predictor.structure.degree + 1, predictor.structure.order
     bounded = np.zeros(len(predictor.free), bool)
-    bounded[predictor.structure.degree + 1 : coefficients] = predictor.structure.free_denominator[1:]
+    bounded[split : split + order] = predictor.structure.free_denominator[1:]
     parameters = start.copy()
     # Coefficients held at zero, the limit of stability: an integrator or an undamped mode in noise.
     held = bounded & (parameters <= 0.0)
     parameters[held] = 0.0
-    residual, sensitivities = predictor.linearise(parameters)
-    cost = sum_of_squares(residual)
-    rounding = ROUNDING * float(np.linalg.norm(predictor.target))
-    if not np.isfinite(cost):
-        return Fit(parameters, np.inf, False, 0)
-    damping, converged, determined, iteration = 0.0, False, False, 0
-    while iteration < maximum_iterations:
-        iteration += 1
-        moving = predictor.free & ~held
-        equations = _NormalEquations.of(sensitivities[:, moving], residual)
-        determined = leaves_coefficients_determined(
-            equations.right[~equations.kept], np.flatnonzero(moving) < coefficients
+    rounding = ROUNDING * predictor.target_norm
+    damping, iterations, finished = 0.0, 0, False
+    cost, converged = np.inf, False
+    while not finished and iterations < maximum_iterations:
+        batch = maximum_iterations if on_iteration is None else REPORTED_ITERATIONS
+        parameters, cost, damping, converged, finished, done = _iterate(
+            parameters,
+            predictor.free,
+            bounded,
+            held,
+            split,
+            order,
+            predictor.records,
+            predictor.time_unit,
+            rounding,
+            damping,
+            min(batch, maximum_iterations - iterations),
         )
-        offset = float(np.linalg.norm(equations.projected))  # effect of the undamped step on the simulated output
-        small = max(OFFSET_TOLERANCE * np.sqrt(cost), rounding)
-        if offset <= small:
-            released = held & _pushed_inwards(sensitivities, residual, small)
-            if not released.any():
-                converged = True
-                break
-            held &= ~released
-            continue
-        accepted = False
-        while not accepted and damping < LARGEST_DAMPING:
-            step, promised = equations.step(damping)
-            trial = parameters.copy()
-            trial[moving] += step
-            clipped = bounded & (trial < 0.0)
-            trial[clipped] = 0.0
-            trial_cost = np.inf
-            if is_stable(predictor.split(trial)[1]):
-                trial_residual, trial_sensitivities = predictor.linearise(trial)
-                trial_cost = sum_of_squares(trial_residual)
-            accepted = trial_cost < cost
-            gained = (cost - trial_cost) / promised if accepted and promised > 0.0 else 0.0
-            # A step that gains far less than promised overshoots: plain Gauss–Newton would then swing for ever.
-            if gained < BROKEN_PROMISE:
-                damping = max(4.0 * damping, 1e-3)
-            elif gained > KEPT_PROMISE:
-                damping = damping / 5.0 if damping > 1e-6 else 0.0
-        if not accepted:
-            converged = offset <= 1e5 * rounding  # only rounding was left to gain
-            break
-        parameters, residual, sensitivities, cost = trial, trial_residual, trial_sensitivities, trial_cost
-        held |= clipped
+        iterations += done
         if on_iteration is not None:
-            on_iteration(iteration, cost)
-    return Fit(parameters, cost, converged and determined, iteration)
-
-
-def _pushed_inwards(sensitivities: Array, residual: Array, small: float) -> NDArray[np.bool_]:
-    """Whether a larger coefficient would lower the output error: a held one is then let go."""
-    lengths = np.linalg.norm(sensitivities, axis=0)
-    lengths[lengths == 0.0] = 1.0
-    return np.asarray(sensitivities.T @ residual / lengths > small)
+            on_iteration(iterations, cost)
+    return Fit(parameters, cost, bool(converged), iterations)

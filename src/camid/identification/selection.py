@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.accuracy import LONGEST_REGRESSION, innovation_variance
-from camid.identification.fit import Fit, is_stable
-from camid.identification.predictor import Experiment, Predictor
+from camid.identification.accuracy import LONGEST_REGRESSION
+from camid.identification.fit import Fit, has_stable
+from camid.identification.predictor import Predictor
+from camid.plant import polynomial_roots
 
 Array = NDArray[np.float64]
-Optimum = tuple[Predictor, Fit]
 
 # A fit whose residual variance is at most this share above the one-step prediction error of a long ARX model explains
 # the data down to the noise. To end the search, it must be as near as the ARX model's own number of parameters lets it
@@ -24,10 +25,54 @@ EXACT = 1e-9
 # Optima whose deviances (-2 log likelihood) differ by less cannot be told apart.
 SAME_LIKELIHOOD = 0.5
 SAME_LIKELIHOOD_WITH_PREFERENCE = 6.0
+# Two models that data hardly tell apart differ in deviance by −d² ± 2d for some d, so the wrong one leads by more than
+# this margin in at most one of 30,000 recordings.
+RIVAL_MARGIN = 16.0
+# An alias whose output error before refinement is more times that of the optimum is no rival after it.
+PLAUSIBLE_RATIO = 3.0
 # Poles whose moduli agree within this share belong to one model.
 SAME_MODEL = 0.02
 # A believed mode this far past π/T says that the rig's mode is meant to be there.
 CLEARLY_PAST_SHANNON = 1.1
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """Where an iteration ended, with the predictor in whose units its parameters are."""
+
+    predictor: Predictor
+    fit: Fit
+
+    @cached_property
+    def denominator(self) -> Array:
+        """Monic, in SI units, shape (n + 1,)."""
+        predictor = self.predictor
+        return predictor.split(self.fit.parameters)[1] / predictor.time_unit ** np.arange(predictor.structure.order + 1)
+
+    @cached_property
+    def poles(self) -> NDArray[np.complex128]:
+        """In rad/s, shape (n,)."""
+        return polynomial_roots(self.denominator)
+
+    @cached_property
+    def radii(self) -> Array:
+        """Moduli of the poles in rad/s, ascending."""
+        return np.sort(np.abs(self.poles))
+
+    @cached_property
+    def usable(self) -> bool:
+        """Whether the iteration ended at a stable model."""
+        return bool(np.isfinite(self.fit.cost)) and has_stable(self.poles)
+
+    @property
+    def past_shannon(self) -> bool:
+        """Whether a mode lies past π/T."""
+        return fastest(self.poles) > np.pi / self.predictor.experiments[0].acquisition.period
+
+
+def fastest(poles: NDArray[np.complex128]) -> float:
+    """Largest angular frequency of a mode in rad/s."""
+    return float(np.max(np.abs(poles.imag), initial=0.0))
 
 
 @dataclass(frozen=True)
@@ -46,101 +91,94 @@ class Rival:
     weight: float
 
 
-def _excess_variance(best: Optimum, experiments: list[Experiment]) -> float:
+def _excess_variance(best: Optimum, unpredictable: float) -> float:
     """Residual variance over that of the unpredictable part, less one; minus one where what is left is rounding."""
-    predictor, fit = best
-    variance = fit.cost / max(len(predictor.target) - int(predictor.free.sum()), 1)
-    if variance <= (EXACT * np.std(predictor.target)) ** 2:
+    predictor = best.predictor
+    variance = best.fit.cost / max(len(predictor.target) - int(predictor.free.sum()), 1)
+    if variance <= _exact_cost(best) / len(predictor.target):
         return -1.0
-    unpredictable = float(np.mean([innovation_variance(e) for e in experiments]))
     return variance / unpredictable - 1.0 if unpredictable > 0.0 else np.inf
 
 
-def conclusive(best: Optimum | None, experiments: list[Experiment]) -> bool:
+def _exact_cost(best: Optimum) -> float:
+    """Sum of squares that counts as rounding."""
+    return (EXACT * best.predictor.target_norm) ** 2
+
+
+def conclusive(best: Optimum, unpredictable: float) -> bool:
     """Whether no other start can do better: what is left is exact zero or as small as the unpredictable part."""
-    if best is None:
-        return False
-    spread = np.sqrt(2.0 * (2 * LONGEST_REGRESSION + 1)) / len(best[0].target)
-    return _excess_variance(best, experiments) <= CONCLUSIVE_DEVIATIONS * spread
+    spread = np.sqrt(2.0 * (2 * LONGEST_REGRESSION + 1)) / len(best.predictor.target)
+    return _excess_variance(best, unpredictable) <= CONCLUSIVE_DEVIATIONS * spread
 
 
-def adequate(best: Optimum) -> bool:
+def plausible_cost(best: Optimum) -> float:
+    """Sum of squares before refinement above which a start cannot become a rival of an optimum."""
+    return PLAUSIBLE_RATIO * max(best.fit.cost, _exact_cost(best))
+
+
+def adequate(best: Optimum, unpredictable: float) -> bool:
     """Whether an optimum explains its data down to the noise, with some allowance."""
-    return _excess_variance(best, best[0].experiments) <= ADEQUATE - 1.0
-
-
-def fastest(denominator: Array, time_unit: float) -> float:
-    """Largest angular frequency of a mode in rad/s."""
-    return float(np.max(np.abs(np.roots(denominator).imag), initial=0.0)) / time_unit
-
-
-def past_shannon(optimum: Optimum) -> bool:
-    """Whether a mode of the optimum lies past π/T."""
-    predictor, fit = optimum
-    limit = np.pi / predictor.experiments[0].acquisition.period
-    return fastest(predictor.split(fit.parameters)[1], predictor.time_unit) > limit
-
-
-def radii(optimum: Optimum) -> Array:
-    """Moduli of the poles in rad/s, ascending."""
-    predictor, fit = optimum
-    return np.sort(np.abs(np.roots(predictor.split(fit.parameters)[1]))) / predictor.time_unit
+    return _excess_variance(best, unpredictable) <= ADEQUATE - 1.0
 
 
 def _deviances(optima: list[Optimum]) -> Array:
     """-2 log likelihood, up to a constant; everything below rounding counts alike."""
-    rows = len(optima[0][0].target)
-    floor = (EXACT * float(np.linalg.norm(optima[0][0].target))) ** 2
-    return np.array([rows * np.log(max(f.cost, floor)) if floor > 0.0 else 0.0 for _, f in optima])
-
-
-def _usable(optima: list[Optimum]) -> list[Optimum]:
-    return [(p, f) for p, f in optima if np.isfinite(f.cost) and is_stable(p.split(f.parameters)[1])]
+    rows = len(optima[0].predictor.target)
+    floor = _exact_cost(optima[0])
+    return np.array([rows * np.log(max(o.fit.cost, floor)) if floor > 0.0 else 0.0 for o in optima])
 
 
 def rivals(chosen: Optimum, optima: list[Optimum]) -> list[Rival]:
     """Models of other frequencies that fit nearly as well as the chosen one, or better."""
-    usable = _usable(optima)
+    usable = [o for o in optima if o.usable and o is not chosen]
+    if not usable:
+        return []
     excess = _deviances(usable) - _deviances([chosen])[0]
     different: list[tuple[Array, float]] = []
     for optimum, difference in sorted(zip(usable, excess, strict=True), key=lambda pair: pair[1]):
-        known = [radii(chosen), *(r for r, _ in different)]
-        if difference <= SAME_LIKELIHOOD_WITH_PREFERENCE and not any(
-            np.allclose(radii(optimum), r, rtol=SAME_MODEL) for r in known
-        ):
-            different.append((radii(optimum), float(np.exp(np.clip(-0.5 * difference, -50.0, 50.0)))))
+        known = [chosen.radii, *(r for r, _ in different)]
+        if difference <= RIVAL_MARGIN and not any(np.all(np.abs(optimum.radii - r) <= SAME_MODEL * r) for r in known):
+            different.append((optimum.radii, float(np.exp(np.clip(-0.5 * difference, -50.0, 50.0)))))
     total = 1.0 + sum(w for _, w in different)
     return [Rival(tuple(float(v) for v in r), w / total) for r, w in different]
 
 
-def select(optima: list[Optimum], believed: Array | None) -> Optimum | None:
+def select(optima: list[Optimum], believed: NDArray[np.complex128] | None, unpredictable: float) -> Optimum | None:
     """The optimum of the highest likelihood; between equals the one nearest to the believed plant, else the slowest.
 
     A model and its alias can fit alike (a second-order plant with a zero, held input, instant sensor: exactly alike),
     so a difference in likelihood that noise explains decides nothing. Unless the believed plant lies clearly past the
     Shannon limit, a model past it is taken only where it explains the data down to the noise and no slower one does.
+
+    Parameters
+    ----------
+    optima : list of Optimum
+    believed : ndarray, shape (n,), optional
+        Poles of the believed plant in rad/s.
+    unpredictable : float
+        From :func:`camid.identification.accuracy.innovation_variance`.
     """
-    usable = _usable(optima)
-    if not usable:
-        return None
+    usable = [o for o in optima if o.usable]
+    if len(usable) <= 1:
+        return usable[0] if usable else None
     deviance = _deviances(usable)
     excess = deviance - deviance.min()
-    shannon = np.pi / usable[0][0].experiments[0].acquisition.period
+    shannon = np.pi / usable[0].predictor.experiments[0].acquisition.period
 
     def distance(optimum: Optimum) -> float:
         if believed is None:
-            return float(np.sum(radii(optimum)))
-        return float(np.sum(np.abs(radii(optimum) - np.sort(np.abs(np.roots(believed))))))
+            return float(np.sum(optimum.radii))
+        return float(np.sum(np.abs(optimum.radii - np.sort(np.abs(believed)))))
 
-    if believed is None or fastest(believed, 1.0) < CLEARLY_PAST_SHANNON * shannon:
-        inside = [e for o, e in zip(usable, excess, strict=True) if not past_shannon(o)]
+    if believed is None or fastest(believed) < CLEARLY_PAST_SHANNON * shannon:
+        inside = [e for o, e in zip(usable, excess, strict=True) if not o.past_shannon]
         # Where even the best optimum leaves structure behind, likelihoods of wrong models say nothing about aliases.
         best = usable[int(np.argmin(excess))]
         slower = SAME_LIKELIHOOD_WITH_PREFERENCE if believed is None else SAME_LIKELIHOOD
-        if inside and (min(inside) <= slower or not adequate(best)):
-            usable, excess = [o for o in usable if not past_shannon(o)], np.array(inside) - min(inside)
+        if inside and (min(inside) <= slower or not adequate(best, unpredictable)):
+            usable, excess = [o for o in usable if not o.past_shannon], np.array(inside) - min(inside)
     margin = SAME_LIKELIHOOD if believed is None else SAME_LIKELIHOOD_WITH_PREFERENCE
     equals = [o for o, e in zip(usable, excess, strict=True) if e <= margin]
     nearest = min(distance(o) for o in equals)
     same = [o for o in equals if distance(o) <= nearest * (1.0 + 1e-2)]
-    return min(same, key=lambda o: o[1].cost)
+    return min(same, key=lambda o: o.fit.cost)

@@ -1,0 +1,153 @@
+"""Starting values from a discrete-time model, and the continuous-time modes that look alike when sampled."""
+
+from __future__ import annotations
+
+from functools import reduce
+from itertools import islice, product
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from camid.identification.factorisation import BLOCK, fold
+from camid.identification.predictor import Experiment
+from camid.plant import polynomial_roots
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+# How far past the Shannon frequency π/T a mode is looked for, in units of π/T: a held input leaves no alias.
+HIGHEST_FREQUENCY = 2.6
+MOST_ALIAS_COMBINATIONS = 64
+STEIGLITZ_MCBRIDE_ITERATIONS = 12
+SETTLED = 1e-5
+
+
+@njit(cache=True)
+def _steiglitz_mcbride(  # noqa: PLR0912 - compiled as one
+    signal: Array, output: Array, used: NDArray[np.bool_], order: int, first_lag: int, lags: int, iterations: int
+) -> Array:
+    """Denominators in z⁻¹, shape (iterations done, n + 1): the first is ARX, the last Steiglitz–McBride's."""
+    count = len(output)
+    first = max(order, first_lag + lags - 1)
+    denominator = np.zeros(order + 1)
+    denominator[0] = 1.0
+    found = np.zeros((iterations, order + 1))
+    filtered_signal, filtered_output = signal.copy(), output.copy()
+    columns = order + lags
+    for iteration in range(iterations):
+        for k in range(count):
+            at_input, at_output = signal[k], output[k]
+            for i in range(1, min(order, k) + 1):
+                at_input -= denominator[i] * filtered_signal[k - i]
+                at_output -= denominator[i] * filtered_output[k - i]
+            filtered_signal[k], filtered_output[k] = at_input, at_output
+        triangle = np.zeros((columns + 1, columns + 1))
+        block = np.zeros((columns + 1, BLOCK))
+        filled = 0
+        for k in range(first, count):
+            if not used[k]:
+                continue
+            for i in range(order):
+                block[i, filled] = -filtered_output[k - 1 - i]
+            for i in range(lags):
+                block[order + i, filled] = filtered_signal[k - first_lag - i]
+            block[columns, filled] = filtered_output[k]
+            filled += 1
+            if filled == BLOCK:
+                fold(triangle, block, filled)
+                filled = 0
+        fold(triangle, block, filled)
+        if not np.all(np.isfinite(triangle)):
+            return found[:iteration]
+        solution = np.linalg.lstsq(np.ascontiguousarray(triangle[:, :columns]), triangle[:, columns].copy(), 1e-14)[0]
+        matrix = np.zeros((order, order), dtype=np.complex128)
+        for i in range(order):
+            matrix[0, i] = -solution[i]
+            if i + 1 < order:
+                matrix[i + 1, i] = 1.0
+        polynomial = np.zeros(order + 1, dtype=np.complex128)
+        polynomial[0] = 1.0
+        for root in np.linalg.eigvals(matrix):
+            stable = 1.0 / np.conj(root) if abs(root) > 1.0 else root  # the filter must be stable
+            polynomial[1:] -= stable * polynomial[:-1].copy()
+        change = np.max(np.abs(polynomial.real - denominator))
+        denominator = polynomial.real.copy()
+        found[iteration] = denominator
+        if not np.all(np.isfinite(denominator)):
+            return found[:iteration]
+        if change < SETTLED:
+            return found[: iteration + 1]
+    return found
+
+
+def discrete_time_poles(experiment: Experiment, order: int) -> list[ComplexArray]:
+    """Poles of discrete-time models: ARX (exact on clean data), then Steiglitz–McBride (consistent in white noise)."""
+    delay, _, _, straddles = experiment.acquisition.window()
+    lags = range(max(delay - 2, 0), delay + order + 1 + straddles)
+    count = len(experiment.output)
+    if count - max(order, lags[-1]) < 2 * (order + len(lags)):
+        return []
+    if not np.any(experiment.signal):
+        lags = range(0)
+    found = _steiglitz_mcbride(
+        experiment.signal,
+        experiment.output,
+        experiment.used,
+        order,
+        lags.start,
+        len(lags),
+        STEIGLITZ_MCBRIDE_ITERATIONS,
+    )
+    return [polynomial_roots(d) for d in found[[0, -1]] if d[-1] != 0.0] if len(found) else []
+
+
+def continuous_denominators(poles: ComplexArray, period: float, *, aliases: bool) -> list[Array]:
+    """Monic denominators in SI units whose sampled poles are the given ones.
+
+    A complex pair at the angle φ may be a mode at φ/T, (2π − φ)/T, (2π + φ)/T, …; a negative real pole can only come
+    from a mode at π/T.
+    """
+    choices: list[list[Array]] = []
+    negative = [z for z in poles if abs(z.imag) < 1e-9 and z.real <= 0.0]
+    for z in poles:
+        if z.imag > 1e-9:
+            angle = float(np.angle(z))
+            choices.append(_modes(np.log(abs(z)), alias_angles(angle) if aliases else [angle], period))
+        elif abs(z.imag) <= 1e-9 and z.real > 0.0:
+            choices.append([np.array([1.0, -np.log(max(z.real, 1e-12)) / period])])
+    while len(negative) >= 2:
+        first, second = negative.pop(), negative.pop()
+        angles = [0.9 * np.pi, np.pi] if not aliases else list(np.arange(0.6, 2.5, 0.2) * np.pi)
+        choices.append(_modes(0.5 * np.log(max(abs(first * second), 1e-12)), angles, period))
+    if negative:
+        choices.append([np.array([1.0, 3.0 / period])])
+    return [reduce(np.convolve, c) for c in islice(product(*choices), MOST_ALIAS_COMBINATIONS)]
+
+
+def _modes(real: float, angles: list[float], period: float) -> list[Array]:
+    """Denominators of modes whose poles have the real part ``real``/T and the given angles in a period."""
+    return [np.array([1.0, -2.0 * real / period, (real**2 + angle**2) / period**2]) for angle in angles]
+
+
+def alias_angles(angle: float) -> list[float]:
+    """Angles in a period, up to the highest looked for, that a sampled mode at the given angle may have, ascending."""
+    folded = abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
+    turns = range(int(np.ceil(HIGHEST_FREQUENCY / 2.0)) + 1)
+    every = {2.0 * np.pi * turn + sign * folded for turn in turns for sign in (-1.0, 1.0)}
+    # A folded mode is heard wherever it lies, its slower and faster twins up to the limit.
+    return sorted(a for a in every if 0.0 <= a <= HIGHEST_FREQUENCY * np.pi or a == folded)
+
+
+def alias_denominators(poles: ComplexArray, period: float) -> list[Array]:
+    """Denominators of the same sampled poles with modes moved to their aliases, the given one left out."""
+    choices = []
+    for pole in poles:
+        if pole.imag > 0.0:
+            here = pole.imag * period
+            # The mode itself comes first, so the first combination is the one that is known.
+            angles = [here, *(a for a in alias_angles(here) if not np.isclose(a, here))]
+            choices.append(_modes(pole.real * period, angles, period))
+        elif pole.imag == 0.0:
+            choices.append([np.array([1.0, -pole.real])])
+    return [reduce(np.convolve, c) for c in islice(product(*choices), 1, MOST_ALIAS_COMBINATIONS)]

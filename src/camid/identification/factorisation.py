@@ -1,0 +1,313 @@
+"""Simulated output, sensitivities and their QR factorisation in one pass over the samples.
+
+An iteration of identification needs of the sensitivities J and the residual r nothing but the triangle R of
+[J r] = Q R: every normal equation, covariance and cost follows from it. The rows are made by running the chain and
+folded into R a block at a time, so memory does not grow with the recording, and neither does the time of a sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from camid.chain import begin_interval, sampling_matrices
+
+if TYPE_CHECKING:
+    from camid.identification.predictor import Experiment
+
+Array = NDArray[np.float64]
+
+# Rows that are folded into the triangle at once: long enough for the loops, short enough for the nearest cache.
+BLOCK = 64
+
+
+class Records(NamedTuple):
+    """Experiments one behind the other, as compiled code takes them.
+
+    Attributes
+    ----------
+    signal, output : ndarray, shape (total,)
+    used : ndarray of bool, shape (total,)
+    offsets : ndarray of int, shape (E + 1,)
+        Rows of experiment e: ``offsets[e]`` up to ``offsets[e + 1]``.
+    first_order, straddles, early, initial : ndarray of bool, shape (E,)
+        First-order hold; window in two intervals; initial state that of the first exposure; initial state unknown.
+    period, start, length : ndarray, shape (E,)
+        In seconds, see :meth:`camid.chain.Acquisition.window`.
+    delay : ndarray of int, shape (E,)
+    """
+
+    signal: Array
+    output: Array
+    used: NDArray[np.bool_]
+    offsets: NDArray[np.int64]
+    first_order: NDArray[np.bool_]
+    straddles: NDArray[np.bool_]
+    early: NDArray[np.bool_]
+    initial: NDArray[np.bool_]
+    period: Array
+    start: Array
+    length: Array
+    delay: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, experiments: Sequence[Experiment]) -> Records:
+        """Pack experiments."""
+        windows = [e.acquisition.window() for e in experiments]
+        return cls(
+            np.concatenate([e.signal for e in experiments], dtype=np.float64),
+            np.concatenate([e.output for e in experiments], dtype=np.float64),
+            np.concatenate([e.used for e in experiments]),
+            np.cumsum([0, *(len(e.output) for e in experiments)]),
+            np.array([e.acquisition.hold == "foh" for e in experiments]),
+            np.array([w[3] for w in windows]),
+            np.array([e.free_motion_before_record for e in experiments]),
+            np.array([e.estimate_initial_state for e in experiments]),
+            np.array([e.acquisition.period for e in experiments]),
+            np.array([w[1] for w in windows]),
+            np.array([w[2] for w in windows]),
+            np.array([w[0] for w in windows]),
+        )
+
+
+@njit(cache=True)
+def fold(triangle: Array, block: Array, rows: int) -> None:
+    """Householder reflections that fold ``rows`` rows, the columns of ``block``, into an upper triangle."""
+    size = triangle.shape[0]
+    for j in range(size):
+        pivot = triangle[j, j]
+        below = 0.0
+        for i in range(rows):
+            below += block[j, i] * block[j, i]
+        if below == 0.0:
+            continue
+        length = np.sqrt(pivot * pivot + below)
+        diagonal = -length if pivot > 0.0 else length
+        head = pivot - diagonal
+        scale = 1.0 / (diagonal * head)  # minus two over the squared length of the reflection's vector
+        triangle[j, j] = diagonal
+        for k in range(j + 1, size):
+            total = head * triangle[j, k]
+            for i in range(rows):
+                total += block[j, i] * block[k, i]
+            total *= scale
+            triangle[j, k] += total * head
+            for i in range(rows):
+                block[k, i] += total * block[j, i]
+
+
+@njit(cache=True)
+def _companion_system(
+    numerator: Array, denominator: Array, initial: Array, estimated: bool, sensitive: bool
+) -> tuple[Array, Array, Array]:
+    """Augmented matrix, start and output rows of the chains z = u/A, z̃ = y/A and z_δ = δ/A (the last two as needed).
+
+    Output rows: simulated output, then its derivatives by [b_0 … b_m, a_1 … a_n, c_1 … c_n].
+    """
+    order, split = len(denominator) - 1, len(numerator)
+    forced = order if sensitive else 0
+    size = order + forced + (order if estimated else 0)
+    free = order + forced
+    augmented = np.zeros((size + 2, size + 2))
+    for chain in range(0, size, order):
+        for i in range(order):
+            augmented[chain, chain + i] = -denominator[1 + i]
+        for i in range(order - 1):
+            augmented[chain + i + 1, chain + i] = 1.0
+    augmented[0, size] = 1.0
+    augmented[size, size + 1] = 1.0
+    start = np.zeros(size + 2)
+    rows = np.zeros((1 + split + order + (order if estimated else 0), size + 2))
+    for j in range(split):
+        degree = split - 1 - j
+        if degree == order:  # z^(n) = u - a_1 z^(n-1) - … - a_n z
+            for i in range(order):
+                rows[1 + j, i] = -denominator[1 + i]
+            rows[1 + j, size] = 1.0
+        else:
+            rows[1 + j, order - 1 - degree] = 1.0
+        rows[0] += numerator[j] * rows[1 + j]
+    if estimated:
+        start[free] = 1.0
+        for i in range(order):
+            rows[0, free + i] = initial[i]
+            rows[1 + split + order + i, free + i] = 1.0
+    if sensitive:
+        augmented[order, :] += rows[0, :]
+        for i in range(order):
+            rows[1 + split + i, order + i] = -1.0
+    return augmented, start, rows
+
+
+@njit(cache=True)
+def factorise(  # noqa: PLR0912, PLR0915 - one loop over the samples, so that it compiles to one
+    numerator: Array,
+    denominator: Array,
+    initial: Array,
+    records: Records,
+    time_unit: float,
+    sensitive: bool,
+    residual: Array,
+) -> tuple[Array, float]:
+    """Run a plant through hold and sensor and factorise its sensitivities.
+
+    Parameters
+    ----------
+    numerator, denominator : ndarray, shapes (m + 1,) and (n + 1,)
+        In scaled time, monic denominator.
+    initial : ndarray, shape (n times the experiments with unknown initial state,)
+        Initial polynomials, one behind the other.
+    records : Records
+    time_unit : float
+        Seconds in a unit of the scaled time.
+    sensitive : bool
+        Whether the derivatives by the denominator are wanted; their columns are zero otherwise.
+    residual : ndarray, shape (total,)
+        Filled with recorded minus simulated output, rows that are not used included.
+
+    Returns
+    -------
+    triangle : ndarray, shape (p + 1, p + 1)
+        R of the QR factorisation of [∂x/∂θ, w − x] on the used rows.
+    cost : float
+        Sum of squared residuals; infinite where it overflows.
+    """
+    order, split = len(denominator) - 1, len(numerator)
+    columns = split + order + len(initial)
+    triangle = np.zeros((columns + 1, columns + 1))
+    block = np.zeros((columns + 1, BLOCK))
+    filled, position, cost = 0, 0, 0.0
+    for e in range(len(records.offsets) - 1):
+        estimated = records.initial[e]
+        augmented, start, rows = _companion_system(
+            numerator, denominator, initial[position : position + order], estimated, sensitive
+        )
+        size = len(start) - 2
+        period = records.period[e] / time_unit
+        transition, first, second = sampling_matrices(
+            augmented, period, records.start[e] / time_unit, records.length[e] / time_unit, records.straddles[e]
+        )
+        first = rows @ first
+        second = rows @ second
+        straddles, first_order, delay = records.straddles[e], records.first_order[e], records.delay[e]
+        begin, count = records.offsets[e], records.offsets[e + 1] - records.offsets[e]
+        begins_moving = -delay if records.early[e] else 0
+        block[:] = 0.0
+        now = np.zeros(size + 2)
+        following = np.zeros(size + 2)
+        outputs = 1 + split + (order if sensitive else 0)
+        for j in range(-delay, count - delay):
+            if estimated and j == begins_moving:
+                now[:size] += start[:size]
+            now[size], now[size + 1] = begin_interval(records.signal, begin, count, j, first_order, period)
+            for row in range(size):
+                total = 0.0
+                for column in range(size + 2):
+                    total += transition[row, column] * now[column]
+                following[row] = total
+            if straddles:
+                following[size], following[size + 1] = begin_interval(
+                    records.signal, begin, count, j + 1, first_order, period
+                )
+            frame = begin + j + delay
+            used = records.used[frame]
+            for row in range(len(rows)):
+                if row > 0 and (not used or outputs <= row < 1 + split + order):
+                    continue
+                total = 0.0
+                for column in range(size + 2):
+                    total += first[row, column] * now[column]
+                if straddles:
+                    for column in range(size + 2):
+                        total += second[row, column] * following[column]
+                if row == 0:
+                    residual[frame] = records.output[frame] - total
+                elif row <= split + order:
+                    block[row - 1, filled] = total
+                else:
+                    block[position + row - 1, filled] = total
+            if used:
+                block[columns, filled] = residual[frame]
+                cost += residual[frame] * residual[frame]
+                filled += 1
+                if filled == BLOCK:
+                    fold(triangle, block, filled)
+                    filled = 0
+                    block[split + order : columns] = 0.0
+            for row in range(size):
+                now[row] = following[row]
+        # The columns of one experiment's initial state are zero in the rows of the others.
+        fold(triangle, block, filled)
+        filled = 0
+        if estimated:
+            position += order
+    if not np.isfinite(cost):
+        cost = np.inf
+    return triangle, cost
+
+
+@njit(cache=True)
+def output_error_costs(
+    denominators: Array,
+    numerator: Array,
+    free_numerator: NDArray[np.bool_],
+    initial_count: int,
+    records: Records,
+) -> Array:
+    """Output error of many denominators, each with its best numerator and initial states (variable projection).
+
+    Parameters
+    ----------
+    denominators : ndarray, shape (K, n + 1)
+        Monic, in SI units.
+    numerator : ndarray, shape (m + 1,)
+        In SI units; only the entries that are not free count.
+    free_numerator : ndarray of bool, shape (m + 1,)
+    initial_count : int
+        Number of unknown initial-state coefficients.
+    records : Records
+
+    Returns
+    -------
+    ndarray, shape (K,)
+        Sums of squared residuals; infinite where the simulation overflows.
+    """
+    order, split = denominators.shape[1] - 1, len(numerator)
+    costs = np.empty(len(denominators))
+    residual = np.empty(len(records.signal))
+    initial = np.zeros(initial_count)
+    linear = np.concatenate((free_numerator, np.zeros(order, np.bool_), np.ones(initial_count, np.bool_)))
+    for k in range(len(denominators)):
+        radius = 0.0
+        for i in range(1, order + 1):
+            radius = max(radius, abs(denominators[k, i]) ** (1.0 / i))
+        unit = 1.0 / radius if radius > 0.0 else 1.0
+        scaled = denominators[k] * unit ** np.arange(order + 1)
+        fixed = np.where(free_numerator, 0.0, numerator * unit ** (order - split + 1.0 + np.arange(split)))
+        triangle, _ = factorise(fixed, scaled, initial, records, unit, False, residual)
+        costs[k] = _least_cost(triangle, linear)
+    return costs
+
+
+@njit(cache=True)
+def _least_cost(triangle: Array, linear: NDArray[np.bool_]) -> float:
+    """Squared distance of the last column from the span of the chosen ones, by modified Gram–Schmidt."""
+    size = triangle.shape[0]
+    target = triangle[:, size - 1].copy()
+    table = triangle.copy()
+    chosen = np.flatnonzero(linear)
+    for position in range(len(chosen)):
+        column = table[:, chosen[position]]
+        length = np.sqrt(np.sum(column**2))
+        if not length > 1e-13 * np.sqrt(np.sum(triangle[:, chosen[position]] ** 2)):
+            continue
+        column /= length
+        target -= np.sum(column * target) * column
+        for later in chosen[position + 1 :]:
+            table[:, later] -= np.sum(column * table[:, later]) * column
+    cost = np.sum(target**2)
+    return cost if np.isfinite(cost) else np.inf

@@ -1,0 +1,166 @@
+"""Search for the global optimum: from a belief or from nothing to the optimum that explains the data best.
+
+Starts are refined one after the other until an optimum leaves no more than what cannot be predicted; then no other can
+do better, save an alias that does as well. Aliases are therefore always heard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.identification.accuracy import innovation_variance
+from camid.identification.discrete_time_start import alias_denominators
+from camid.identification.factorisation import Records
+from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.safeguarded import safeguarded_srivc
+from camid.identification.selection import (
+    Optimum,
+    Rival,
+    conclusive,
+    plausible_cost,
+    rivals,
+    select,
+)
+from camid.identification.starts import (
+    Candidate,
+    discrete_time_candidates,
+    evaluate,
+    filter_candidates,
+    grid_candidates,
+    start_window,
+)
+from camid.plant import polynomial_roots
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+REFINED_STARTS = 4
+REFINED_GRID_STARTS = 6
+REFINEMENT_ITERATIONS = 50
+# Up to this order a conclusive optimum has no equal but its aliases; with more modes several starts are compared.
+SINGLE_MODE = 2
+
+
+class Search:
+    """Optima met so far, and the starts that lead to more.
+
+    It runs on a lively window of long recordings; only the last iteration sees every row.
+
+    Parameters
+    ----------
+    structure : Structure
+    experiments : list of Experiment
+    records : Records
+        The experiments, packed.
+    believed : ndarray, shape (n + 1,), optional
+        Monic denominator in SI units of the plant that is believed in.
+    tell : callable
+        Called with a sentence about the step at hand.
+    """
+
+    def __init__(
+        self,
+        structure: Structure,
+        experiments: list[Experiment],
+        records: Records,
+        believed: Array | None,
+        tell: Progress,
+    ) -> None:
+        self.structure, self.believed, self.tell = structure, believed, tell
+        self.windows = [start_window(e) for e in experiments]
+        self.whole = all(w is e for w, e in zip(self.windows, experiments, strict=True))
+        self.records = records if self.whole else Records.of(self.windows)
+        self.optima: list[Optimum] = []
+
+    @cached_property
+    def unpredictable(self) -> float:
+        """Mean variance of what past outputs and inputs do not predict."""
+        return float(np.mean([innovation_variance(w) for w in self.windows]))
+
+    def best(self) -> Optimum | None:
+        """The chosen one among the optima met so far."""
+        return select(self.optima, self.believed_poles, self.unpredictable) if self.optima else None
+
+    @cached_property
+    def believed_poles(self) -> NDArray[np.complex128] | None:
+        """In rad/s."""
+        return None if self.believed is None else polynomial_roots(self.believed)
+
+    def run(self) -> tuple[Optimum, list[Rival]]:
+        """The best optimum, and others that the data do not tell from it.
+
+        Raises
+        ------
+        ValueError
+            If no start leads to a stable model.
+        """
+        if self.believed is not None:
+            self.refine(evaluate(self.structure, self.records, [self.believed]))
+        if not self.is_conclusive() or self.structure.order > SINGLE_MODE:
+            self.tell("starting values: discrete-time models")
+            candidates = discrete_time_candidates(self.structure, self.windows, self.records)
+            if self.structure.order > SINGLE_MODE:
+                candidates += filter_candidates(self.structure, self.windows, self.records)
+                candidates.sort(key=lambda c: c.cost)
+            self.refine(candidates[:REFINED_STARTS])
+        if not self.is_conclusive() and self.structure.order <= SINGLE_MODE:
+            self.tell("starting values: state-variable filters")
+            self.refine(filter_candidates(self.structure, self.windows, self.records)[:REFINED_STARTS])
+        if not self.is_conclusive():
+            self.refine_grid()
+        self.hear_aliases()
+        best = self.best()
+        if best is None:
+            raise ValueError("no starting value leads to a stable model of this order")
+        return best, rivals(best, self.optima)
+
+    def is_conclusive(self) -> bool:
+        """Whether no other start can do better."""
+        best = self.best()
+        return best is not None and conclusive(best, self.unpredictable)
+
+    def refine(self, candidates: Sequence[Candidate]) -> None:
+        """Iterate from candidates until one ends the search."""
+        for candidate in candidates:
+            self.optima.append(self.optimum(candidate))
+            if self.structure.order <= SINGLE_MODE and self.is_conclusive():
+                break
+
+    def refine_grid(self) -> None:
+        """Iterate from the best of a grid of poles."""
+        self.tell("starting values: grid of poles")
+        candidates = grid_candidates(self.structure, self.windows, self.records)
+        self.optima += [self.optimum(c) for c in candidates[:REFINED_GRID_STARTS]]
+
+    def hear_aliases(self) -> None:
+        """Iterate from the modes with the same sampled poles that come near enough to be rivals.
+
+        Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too, unless a belief says
+        where to look.
+        """
+        best = self.best()
+        if best is None or not any(np.any(w.signal) for w in self.windows):
+            return
+        if self.believed is not None and not best.past_shannon:
+            return  # a belief below the Shannon frequency rules the faster twins out
+        aliases = alias_denominators(best.poles, self.windows[0].acquisition.period)
+        limit = plausible_cost(best)
+        near = [c for c in evaluate(self.structure, self.records, aliases) if c.cost <= limit]
+        self.optima += [self.optimum(c) for c in near]
+        chosen = self.best()
+        if self.believed is None and chosen is not None and (chosen.past_shannon or rivals(chosen, self.optima)):
+            self.refine_grid()
+
+    def optimum(self, candidate: Candidate) -> Optimum:
+        """Where the iteration leads from a candidate."""
+        structure = self.structure
+        # Coefficients that are not free keep their value.
+        denominator = np.where(structure.free_denominator, candidate.denominator, structure.denominator)
+        predictor = Predictor.around(structure, self.windows, denominator, self.records)
+        scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
+        start = predictor.solve_numerator(scaled)[0]
+        return Optimum(predictor, safeguarded_srivc(predictor, start, maximum_iterations=REFINEMENT_ITERATIONS))
