@@ -13,6 +13,7 @@ from camid.identification.factorisation import Records
 from camid.identification.fit import Fit
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.profile import Interval, intervals, standard_deviations
 from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.search import Search
 from camid.identification.selection import Rival
@@ -49,6 +50,9 @@ class Estimate:
     free : ndarray of bool, shape (m + 1 + n,)
     rivals : list of Rival
         Models of other frequencies that the data do not tell from this one.
+    intervals : list of Interval
+        95 % intervals where the data say so little that the output error is no parabola; the standard deviations then
+        reach to their farther ends.
     """
 
     plant: TransferFunction
@@ -60,6 +64,7 @@ class Estimate:
     residuals: list[Array]
     free: NDArray[np.bool_]
     rivals: list[Rival]
+    intervals: list[Interval]
 
 
 def estimate(
@@ -138,6 +143,10 @@ def _in_units(result: Estimate, units: _Units) -> Estimate:
         covariance=np.outer(factors, factors) * result.covariance,
         noise_variance=units.output**2 * result.noise_variance,
         residuals=[units.output * r for r in result.residuals],
+        intervals=[
+            Interval(i.coefficient, factors[i.coefficient] * i.low, factors[i.coefficient] * i.high)
+            for i in result.intervals
+        ],
     )
 
 
@@ -211,15 +220,21 @@ def _summarise(predictor: Predictor, fit: Fit, others: list[Rival]) -> Estimate:
     triangle, cost, residual = predictor.factorise(fit.parameters)
     covariance, variance, determined = covariance_from(predictor, triangle, cost)
     count = len(structure.free)
+    found = intervals(predictor, fit, covariance)
+    first_order = np.sqrt(np.diag(covariance)[:count])
+    deviations = standard_deviations(coefficients, first_order, found)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wider = np.where(first_order > 0.0, deviations / first_order, 1.0)
     plant = structure.plant(coefficients)
     return Estimate(
         plant=plant,
-        standard_deviations=np.sqrt(np.diag(covariance)[:count]),
-        covariance=covariance[:count, :count],
+        standard_deviations=deviations,
+        covariance=covariance[:count, :count] * np.outer(wider, wider),
         noise_variance=variance,
         converged=bool(fit.converged and determined and plant.unstable_poles().size == 0),
         iterations=fit.iterations,
         residuals=np.split(residual, predictor.records.offsets[1:-1]),
         free=predictor.structure.free,
         rivals=others,
+        intervals=found,
     )

@@ -84,13 +84,18 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
     while iteration < maximum_iterations:
         iteration += 1
         moving = np.flatnonzero(free & ~held)
-        table = np.ascontiguousarray(triangle[:, moving])
+        if not np.all(np.isfinite(triangle)):
+            return parameters, cost, damping, False, True, iteration
         target = np.ascontiguousarray(triangle[:, count])
+        # A column of zeros stands for no parameter at all where all are held, which no factorisation takes.
+        table = np.zeros((count + 1, max(len(moving), 1)))
+        for k in range(len(moving)):
+            table[:, k] = triangle[:, moving[k]]
         lengths = np.sqrt(np.sum(table * table, axis=0))
         lengths[lengths == 0.0] = 1.0
         left, singular, right = np.linalg.svd(table / lengths, False)
         # What the data do not determine at all must not move.
-        kept = singular > np.max(singular) / LARGEST_CONDITION if len(singular) else singular > 0.0
+        kept = singular > np.max(singular) / LARGEST_CONDITION
         projected = np.where(kept, left.T @ target, 0.0)
         determined = True
         for i in range(len(singular)):
@@ -117,7 +122,7 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
         while not accepted and damping < LARGEST_DAMPING:
             step, promised = _damped_step(singular, right, lengths, projected, kept, damping)
             trial = parameters.copy()
-            trial[moving] += step
+            trial[moving] += step[: len(moving)]
             clipped = bounded & (trial < 0.0)
             trial[clipped] = 0.0
             trial_cost = np.inf

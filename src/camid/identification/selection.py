@@ -162,6 +162,10 @@ def select(optima: list[Optimum], believed: NDArray[np.complex128] | None, unpre
     if len(usable) <= 1:
         return usable[0] if usable else None
     deviance = _deviances(usable)
+    # An iteration that runs to infinity along a valley fits as well as a model with fewer poles: no optimum at all.
+    ended = np.array([o.fit.converged for o in usable])
+    if ended.any() and not ended.all() and deviance[ended].min() <= deviance.min() + RIVAL_MARGIN:
+        usable, deviance = [o for o in usable if o.fit.converged], deviance[ended]
     excess = deviance - deviance.min()
     shannon = np.pi / usable[0].predictor.experiments[0].acquisition.period
 

@@ -99,14 +99,15 @@ def from_state_variable_filters(structure: Structure, experiments: list[Experime
 # -- grid -------------------------------------------------------------------------------------------------------------
 
 
-def mode_grid(period: float, count: int, *, aliases: bool) -> list[Array]:
-    """Denominators of single modes that cover frequency and damping."""
+def mode_grid(period: float, count: int, *, aliases: bool) -> Array:
+    """Denominators of single modes that cover frequency and damping, shape (frequencies, dampings, 3)."""
     lowest, highest = np.pi / (count * period), (HIGHEST_FREQUENCY if aliases else 1.0) * np.pi / period
     steps = int(np.ceil(np.log(highest / lowest) / np.log(GRID_STEP))) + 1
     frequencies = np.geomspace(lowest, highest, steps)
     # Near and past the Shannon frequency the bands of one alias are narrower than a geometric step.
     frequencies = np.union1d(frequencies, np.arange(0.6, highest * period / np.pi, 0.08) * np.pi / period)
-    return [np.array([1.0, 2.0 * d * w, w**2]) for d in MODE_DAMPING for w in frequencies]
+    frequency, damping = np.meshgrid(frequencies, MODE_DAMPING, indexing="ij")
+    return np.stack([np.ones_like(frequency), 2.0 * damping * frequency, frequency**2], axis=-1)
 
 
 def pole_grid(period: float, count: int) -> list[Array]:
@@ -114,12 +115,29 @@ def pole_grid(period: float, count: int) -> list[Array]:
     return [np.array([1.0, p]) for p in np.geomspace(1.0 / (count * period), 2.0 * np.pi / period, 16)]
 
 
+def single_modes(structure: Structure, experiments: list[Experiment], records: Records) -> list[Array]:
+    """Denominators of order two at the local minima of the output error over frequency, each with its best damping."""
+    grid = _grid_for(experiments)
+    costs = np.array([c.cost for c in evaluate(structure, records, list(grid.reshape(-1, 3)))]).reshape(grid.shape[:2])
+    over_frequency = np.concatenate([[np.inf], costs.min(axis=1), [np.inf]])
+    lowest = np.flatnonzero(
+        (over_frequency[1:-1] <= over_frequency[:-2]) & (over_frequency[1:-1] <= over_frequency[2:])
+    )
+    return [grid[i, int(np.argmin(costs[i]))] for i in lowest]
+
+
+def _grid_for(experiments: list[Experiment]) -> Array:
+    aliases = any(np.any(e.signal) for e in experiments)
+    return mode_grid(experiments[0].acquisition.period, max(len(e.output) for e in experiments), aliases=aliases)
+
+
 def from_grid(structure: Structure, experiments: list[Experiment], records: Records, kept: int = 3) -> list[Array]:
     """Grow the denominator by a mode (or a pole) at a time, keeping the best few."""
+    if structure.order == 2:
+        return single_modes(structure, experiments, records)
     period = experiments[0].acquisition.period
     count = max(len(e.output) for e in experiments)
-    aliases = any(np.any(e.signal) for e in experiments)
-    modes = mode_grid(period, count, aliases=aliases)
+    modes = list(_grid_for(experiments).reshape(-1, 3))
     grown = [np.ones(1)]
     while len(grown[0]) - 1 < structure.order:
         missing = structure.order - (len(grown[0]) - 1)
