@@ -4,9 +4,11 @@ min_version("9.10")
 
 
 configfile: "config/config.yaml"
+configfile: "config/ablations.yaml"
 
 
 validate(config, "workflow/schemas/config.schema.yaml")
+validate(config["ablations"], "workflow/schemas/ablations.schema.yaml")
 
 
 report: "workflow/report/workflow.rst"
@@ -17,6 +19,8 @@ include: "workflow/rules/datasets.smk"
 include: "workflow/rules/imaging.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/ablations.smk"
+include: "workflow/rules/monte_carlo.smk"
 include: "workflow/rules/check.smk"
 include: "workflow/rules/recordings.smk"
 
@@ -31,6 +35,7 @@ rule all:
         ),
         "paper_figs/claims.csv",
         "paper_figs/claims.md",
+        rules.ablations.output,
     localrule: True
     message:
         "All figures and the table of claims are up to date."

@@ -54,7 +54,11 @@ rule check:
             format=["png", "pdf", "csv"],
         ),
         rules.claims.output,
-        quantities=rules.quantities.output[0],
+        rules.ablations.output,
+        quantities=[
+            rules.quantities.output[0],
+            *expand("results/ablations/{name}.csv", name=ABLATIONS),
+        ],
         tolerances="config/tolerances.yaml",
         schema="workflow/schemas/tolerances.schema.yaml",
         sources=sources("workflow/scripts/check.py"),

@@ -20,7 +20,8 @@ def main() -> None:
     yaml = YAML(typ="safe")
     tolerances = yaml.load(Path(snakemake.input.tolerances))
     validate(tolerances, yaml.load(Path(snakemake.input.schema)))
-    comparison = compare(pd.read_csv(snakemake.input.quantities), tolerances)
+    quantities = pd.concat([pd.read_csv(file) for file in snakemake.input.quantities])
+    comparison = compare(quantities, tolerances)
     print_comparison(comparison)
     if not comparison["passed"].all():
         sys.exit("check: results outside their tolerances, see the table above")

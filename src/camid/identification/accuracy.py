@@ -131,10 +131,10 @@ def innovation_variance(experiment: Experiment) -> float:
         return 0.0
     rows = experiment.used[length:]
     past = sliding_window_view(output, length + 1)
-    table = past[:, :-1]
-    if np.any(signal):
-        table = np.hstack([table, sliding_window_view(signal, length + 1)])
-    table, target = table[rows], past[rows, -1]
+    columns = [past[:, :-1], sliding_window_view(signal, length + 1)] if np.any(signal) else [past[:, :-1]]
+    table, target = np.hstack(columns), past[:, -1]
+    if not rows.all():
+        table, target = table[rows], target[rows]
     freedom = len(target) - table.shape[1]
     if freedom < length:
         return 0.0
@@ -143,20 +143,17 @@ def innovation_variance(experiment: Experiment) -> float:
 
 def _residual_power(table: Array, target: Array) -> float:
     """Sum of squares that a regression leaves: by normal equations, a quarter of the price, where they are sound."""
-    product = table.T @ table
+    whole = np.column_stack([table, target])
+    product = whole.T @ whole
     scale = np.sqrt(np.diag(product))
     if np.all(scale > 0.0):
         try:
-            factor = np.linalg.cholesky(product / np.outer(scale, scale))
+            pivots = np.diag(np.linalg.cholesky(product / np.outer(scale, scale)))
         except np.linalg.LinAlgError:
-            pass
-        else:
-            if np.min(np.diag(factor)) > SOUND_PIVOT:
-                projected = np.linalg.solve(factor, table.T @ target / scale)
-                total = float(target @ target)
-                left = total - float(projected @ projected)
-                if left > SOUND_REMAINDER * total:
-                    return left
+            pivots = np.zeros(1)
+        # The last pivot is the distance of the target from the span of the columns before it.
+        if pivots[:-1].min(initial=1.0) > SOUND_PIVOT and pivots[-1] ** 2 > SOUND_REMAINDER:
+            return float((pivots[-1] * scale[-1]) ** 2)
     residual = target - table @ np.linalg.lstsq(table, target, rcond=None)[0]
     return float(residual @ residual)
 

@@ -74,7 +74,8 @@ class Records(NamedTuple):
         )
 
 
-@njit(cache=True)
+# Sums may be taken in any order, so that the loops use the processor's vectors.
+@njit(cache=True, fastmath={"reassoc", "contract"})
 def fold(triangle: Array, block: Array, rows: int) -> None:
     """Householder reflections that fold ``rows`` rows, the columns of ``block``, into an upper triangle."""
     size = triangle.shape[0]

@@ -25,8 +25,8 @@ WIDTH = 1.959964
 # Shares of the parabola's deviance between which the first order is left as it is.
 PARABOLIC = (0.75, 1.33)
 # How often the distance is doubled before a coefficient counts as undetermined.
-DOUBLINGS = 10
-RESOLUTION = 0.02
+DOUBLINGS = 6
+RESOLUTION = 0.05
 # Sensitivities of longer recordings cost too much to be made hundreds of times, and rarely need it.
 LONGEST = 50_000
 

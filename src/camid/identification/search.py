@@ -98,19 +98,20 @@ class Search:
         ValueError
             If no start leads to a stable model.
         """
+        found = False
         if self.believed is not None:
-            self.refine(evaluate(self.structure, self.records, [self.believed]))
-        if not self.is_conclusive() or self.structure.order > SINGLE_MODE:
+            found = self.refine(evaluate(self.structure, self.records, [self.believed]))
+        if not found or self.structure.order > SINGLE_MODE:
             self.tell("starting values: discrete-time models")
             candidates = discrete_time_candidates(self.structure, self.windows, self.records)
             if self.structure.order > SINGLE_MODE:
                 candidates += filter_candidates(self.structure, self.windows, self.records)
                 candidates.sort(key=lambda c: c.cost)
-            self.refine(candidates[:REFINED_STARTS])
-        if not self.is_conclusive() and self.structure.order <= SINGLE_MODE:
+            found = self.refine(candidates[:REFINED_STARTS])
+        if not found and self.structure.order <= SINGLE_MODE:
             self.tell("starting values: state-variable filters")
-            self.refine(filter_candidates(self.structure, self.windows, self.records)[:REFINED_STARTS])
-        if not self.is_conclusive():
+            found = self.refine(filter_candidates(self.structure, self.windows, self.records)[:REFINED_STARTS])
+        if not found:
             self.refine_grid()
         self.hear_aliases()
         best = self.best()
@@ -123,12 +124,13 @@ class Search:
         best = self.best()
         return best is not None and conclusive(best, self.unpredictable)
 
-    def refine(self, candidates: Sequence[Candidate]) -> None:
-        """Iterate from candidates until one ends the search."""
+    def refine(self, candidates: Sequence[Candidate]) -> bool:
+        """Iterate from candidates, with a single mode until one ends the search; whether the search may end."""
         for candidate in candidates:
             self.optima.append(self.optimum(candidate))
             if self.structure.order <= SINGLE_MODE and self.is_conclusive():
-                break
+                return True
+        return self.is_conclusive()
 
     def refine_grid(self) -> None:
         """Iterate from the best of a grid of poles."""

@@ -1,0 +1,85 @@
+# Many noise seeds at every period of Fig. 7: in shards, as many as config/ablations.yaml says, so that two cores or a
+# cluster work side by side. `ablations` takes few seeds; the target `monte_carlo` takes all of them.
+
+MONTE_CARLO = config["ablations"]["monte_carlo"]
+
+
+def monte_carlo_shards(seeds):
+    """Files of all shards for a number of seeds."""
+    shards = MONTE_CARLO["shards"]
+    return [
+        f"results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet"
+        for shard in range(shards)
+    ]
+
+
+rule monte_carlo_shard:
+    input:
+        sources=sources("workflow/scripts/monte_carlo_shard.py"),
+    output:
+        "results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet",
+    log:
+        "results/logs/monte_carlo_{seeds}_{shard}_of_{shards}.log",
+    wildcard_constraints:
+        seeds=r"\d+",
+        shard=r"\d+",
+        shards=r"\d+",
+    params:
+        settings={"signal_to_noise_ratio": MONTE_CARLO["signal_to_noise_ratio"]},
+        shared={
+            section: config[section]
+            for section in ["plant", "excitation", "sampling_period_sweep", "seed"]
+        },
+    message:
+        "Fitting shard {wildcards.shard} of {wildcards.shards} with {wildcards.seeds} noise seeds a period."
+    script:
+        "../scripts/monte_carlo_shard.py"
+
+
+rule monte_carlo_runs:
+    input:
+        shards=monte_carlo_shards(MONTE_CARLO["seeds"]),
+        sources=sources("workflow/scripts/monte_carlo_runs.py"),
+    output:
+        "results/ablations/monte_carlo.parquet",
+    log:
+        "results/logs/monte_carlo_runs.log",
+    message:
+        "Adding up the shards of the Monte Carlo."
+    script:
+        "../scripts/monte_carlo_runs.py"
+
+
+use rule monte_carlo_runs as monte_carlo_all_runs with:
+    input:
+        shards=monte_carlo_shards(MONTE_CARLO["all_seeds"]),
+        sources=sources("workflow/scripts/monte_carlo_runs.py"),
+    output:
+        "results/monte_carlo/all.parquet",
+    log:
+        "results/logs/monte_carlo_all_runs.log",
+
+
+rule monte_carlo:
+    input:
+        runs=rules.monte_carlo_all_runs.output[0],
+        sources=sources(
+            "workflow/scripts/ablation_figure.py",
+            "src/camid/experiments/ablations/monte_carlo.py",
+            "src/camid/figures/ablations/monte_carlo.py",
+        ),
+    output:
+        png="paper_figs/monte_carlo.png",
+        pdf="paper_figs/monte_carlo.pdf",
+        csv="paper_figs/monte_carlo.csv",
+        quantities="paper_figs/monte_carlo_quantities.csv",
+        conclusion="paper_figs/monte_carlo.txt",
+    log:
+        "results/logs/monte_carlo.log",
+    params:
+        ablation="monte_carlo",
+        title="Errors over the Cramér–Rao bound, all noise seeds",
+    message:
+        "Drawing: errors over the Cramér–Rao bound, all noise seeds."
+    script:
+        "../scripts/ablation_figure.py"

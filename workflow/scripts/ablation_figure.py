@@ -1,0 +1,34 @@
+"""Draw one ablation and state its numbers and its conclusion."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.experiments.log import logged
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw one ablation and state its numbers and its conclusion."""
+    name = snakemake.params.ablation
+    table = pd.read_parquet(snakemake.input.runs)
+    figure, plotted = import_module(f"camid.figures.ablations.{name}").draw(table)
+    save(figure, plotted, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+    experiment = import_module(f"camid.experiments.ablations.{name}")
+    rows = [
+        {"target": f"ablation_{name}", "quantity": quantity, "value": float(value), "unit": unit}
+        for quantity, (value, unit) in experiment.quantities(table).items()
+    ]
+    pd.DataFrame(rows).to_csv(snakemake.output.quantities, index=False, lineterminator="\n")
+    sentence = experiment.conclusion({row["quantity"]: row["value"] for row in rows})
+    Path(snakemake.output.conclusion).write_text(sentence + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()

@@ -1,0 +1,22 @@
+"""Compute one ablation; its module in camid.experiments.ablations says what it is about."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from camid.experiments.log import logged
+from camid.experiments.tables import write_dataset
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Compute one ablation."""
+    name, settings, shared = snakemake.params.ablation, snakemake.params.settings, snakemake.params.shared
+    table = import_module(f"camid.experiments.ablations.{name}").compute(settings, shared)
+    write_dataset(table, snakemake.output[0], {**shared, name: settings})
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()

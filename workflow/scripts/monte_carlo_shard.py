@@ -1,0 +1,23 @@
+"""Fit the noise seeds of one shard of the Monte Carlo."""
+
+from typing import TYPE_CHECKING
+
+from camid.experiments.ablations.monte_carlo import compute_shard, shard_seeds
+from camid.experiments.log import logged
+from camid.experiments.tables import write_dataset
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Fit the noise seeds of one shard of the Monte Carlo."""
+    settings, shared, wildcards = snakemake.params.settings, snakemake.params.shared, snakemake.wildcards
+    seeds = shard_seeds(int(wildcards.seeds), int(wildcards.shard), int(wildcards.shards))
+    table = compute_shard(settings, shared, seeds)
+    write_dataset(table, snakemake.output[0], {**shared, "monte_carlo": settings, "seeds": [*map(str, [seeds])]})
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()
