@@ -141,8 +141,8 @@ class Search:
     def hear_aliases(self) -> None:
         """Iterate from the modes with the same sampled poles that come near enough to be rivals.
 
-        Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too, unless a belief says
-        where to look.
+        Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too: modes of one frequency
+        with little and much damping may then do alike.
         """
         best = self.best()
         if best is None or not any(np.any(w.signal) for w in self.windows):
@@ -154,7 +154,7 @@ class Search:
         near = [c for c in evaluate(self.structure, self.records, aliases) if c.cost <= limit]
         self.optima += [self.optimum(c) for c in near]
         chosen = self.best()
-        if self.believed is None and chosen is not None and (chosen.past_shannon or rivals(chosen, self.optima)):
+        if chosen is not None and (chosen.past_shannon or rivals(chosen, self.optima)):
             self.refine_grid()
 
     def optimum(self, candidate: Candidate) -> Optimum:

@@ -30,7 +30,7 @@ SAME_LIKELIHOOD_WITH_PREFERENCE = 6.0
 RIVAL_MARGIN = 16.0
 # An alias whose output error before refinement is more times that of the optimum is no rival after it.
 PLAUSIBLE_RATIO = 3.0
-# Poles whose moduli agree within this share belong to one model.
+# Poles that agree within this share of their moduli belong to one model.
 SAME_MODEL = 0.02
 # A believed mode this far past π/T says that the rig's mode is meant to be there.
 CLEARLY_PAST_SHANNON = 1.1
@@ -55,6 +55,11 @@ class Optimum:
         return polynomial_roots(self.denominator)
 
     @cached_property
+    def poles_by_radius(self) -> NDArray[np.complex128]:
+        """The poles, smallest modulus first, of a pair the one with the positive imaginary part first."""
+        return self.poles[np.lexsort((-self.poles.imag, np.round(np.abs(self.poles), 9 - _digits(self.poles))))]
+
+    @cached_property
     def radii(self) -> Array:
         """Moduli of the poles in rad/s, ascending."""
         return np.sort(np.abs(self.poles))
@@ -70,6 +75,11 @@ class Optimum:
         return fastest(self.poles) > np.pi / self.predictor.experiments[0].acquisition.period
 
 
+def _digits(poles: NDArray[np.complex128]) -> int:
+    """Digits before the point of the largest modulus, so that two moduli of a pair round to one number."""
+    return int(np.ceil(np.log10(max(float(np.max(np.abs(poles), initial=0.0)), 1e-30))))
+
+
 def fastest(poles: NDArray[np.complex128]) -> float:
     """Largest angular frequency of a mode in rad/s."""
     return float(np.max(np.abs(poles.imag), initial=0.0))
@@ -83,11 +93,14 @@ class Rival:
     ----------
     natural_frequencies : tuple of float
         Moduli of its poles in rad/s, ascending.
+    damping_ratios : tuple of float
+        Of the same poles; one for a real pole.
     weight : float
         Its likelihood among the chosen model and all rivals, which sum to one.
     """
 
     natural_frequencies: tuple[float, ...]
+    damping_ratios: tuple[float, ...]
     weight: float
 
 
@@ -129,18 +142,31 @@ def _deviances(optima: list[Optimum]) -> Array:
 
 
 def rivals(chosen: Optimum, optima: list[Optimum]) -> list[Rival]:
-    """Models of other frequencies that fit nearly as well as the chosen one, or better."""
+    """Models of other poles that fit nearly as well as the chosen one, or better."""
     usable = [o for o in optima if o.usable and o is not chosen]
     if not usable:
         return []
     excess = _deviances(usable) - _deviances([chosen])[0]
-    different: list[tuple[Array, float]] = []
+    different: list[tuple[Optimum, float]] = []
     for optimum, difference in sorted(zip(usable, excess, strict=True), key=lambda pair: pair[1]):
-        known = [chosen.radii, *(r for r, _ in different)]
-        if difference <= RIVAL_MARGIN and not any(np.all(np.abs(optimum.radii - r) <= SAME_MODEL * r) for r in known):
-            different.append((optimum.radii, float(np.exp(np.clip(-0.5 * difference, -50.0, 50.0)))))
+        known = [chosen, *(o for o, _ in different)]
+        if difference <= RIVAL_MARGIN and not any(_same_model(optimum, o) for o in known):
+            different.append((optimum, float(np.exp(np.clip(-0.5 * difference, -50.0, 50.0)))))
     total = 1.0 + sum(w for _, w in different)
-    return [Rival(tuple(float(v) for v in r), w / total) for r, w in different]
+    return [_rival(o, w / total) for o, w in different]
+
+
+def _same_model(one: Optimum, other: Optimum) -> bool:
+    poles = other.poles_by_radius
+    return bool(np.all(np.abs(one.poles_by_radius - poles) <= SAME_MODEL * np.abs(poles)))
+
+
+def _rival(optimum: Optimum, weight: float) -> Rival:
+    poles = optimum.poles_by_radius
+    radii = np.abs(poles)
+    with np.errstate(invalid="ignore"):
+        dampings = np.where(radii > 0.0, -poles.real / radii, 0.0)
+    return Rival(tuple(map(float, radii)), tuple(map(float, dampings)), weight)
 
 
 def select(optima: list[Optimum], believed: NDArray[np.complex128] | None, unpredictable: float) -> Optimum | None:

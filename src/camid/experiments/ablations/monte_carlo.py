@@ -131,7 +131,7 @@ def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
         pooled = float(np.sqrt(group["sum_of_squares"].sum() / group["fits"].sum()))
         found[f"ratio_{parameter}"] = (pooled, "of the bound")
         found[f"coverage_{parameter}"] = (100.0 * float(group["covered"].sum() / group["fits"].sum()), "%")
-    worst = ratios.loc[ratios["ratio"].idxmax()]
+    worst = ratios.iloc[int(ratios["ratio"].to_numpy().argmax())]
     found["largest_ratio"] = (float(worst["ratio"]), "of the bound")
     found["largest_ratio_period"] = (float(worst["period"]), "s")
     # A root mean square over S fits scatters by 1/√(2S) of itself.

@@ -42,7 +42,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        ``kind`` is ``bound`` (``product`` = Tω0, ``value`` = standard deviation of ω0 in %), ``likelihood``
+        ``kind`` is ``bound`` or ``curve`` (``product`` = Tω0, ``value`` = standard deviation of ω0 in %), ``likelihood``
         (``frequency`` over the true one, ``value`` = deviance above the best) or ``fit``: ``product``, ``nominal``
         (whether a model was given), ``seed``, ``error_<p>`` and ``deviation_<p>`` (stated standard deviation, infinite
         where undetermined) in units of the bound, ``frequency``, ``rivals``, ``true_listed``, ``confidently_wrong``.
@@ -55,6 +55,11 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     rows = [
         {"kind": "bound", "product": product, "value": _frequency_bound(plant, signal, product, ratio)}
         for product in settings["bounds"]
+    ]
+    curve = settings["curve"]
+    rows += [
+        {"kind": "curve", "product": product, "value": _frequency_bound(plant, signal, float(product), ratio)}
+        for product in np.linspace(curve["start"], curve["stop"], curve["points"])
     ]
     rows += _likelihood(plant, signal, settings, shared)
     for number, product in enumerate(settings["products"]):
@@ -166,8 +171,8 @@ def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
     found["likelihood_product"] = (product, "")
     found["deviance_of_alias"] = (float(near["value"].min()), "")
     fits = table[table["kind"] == "fit"]
-    for (product, nominal), group in fits.groupby(["product", "nominal"]):
-        name = f"{'nominal' if nominal else 'nothing'}_at_{product:g}"
+    for (at, nominal), group in fits.groupby(["product", "nominal"]):
+        name = f"{'nominal' if nominal else 'nothing'}_at_{at:g}"
         errors = group[[f"error_{p}" for p in PARAMETERS]].abs().to_numpy()
         deviations = group[[f"deviation_{p}" for p in PARAMETERS]].to_numpy()
         # A fit whose coefficients are said to be undetermined states no number, hence no error.
@@ -176,9 +181,9 @@ def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
         found[f"{name}_ratio"] = (float(np.sqrt(np.mean(errors**2, axis=0)).max()), "of the bound")
         found[f"{name}_median"] = (float(np.median(errors, axis=0).max()) / NORMAL_MEDIAN, "of the bound's")
         found[f"{name}_undetermined"] = (100.0 * float(np.mean(~stated)), "%")
-        # Damping far from the truth (three bounds) with a stated deviation that does not admit it.
-        far = (errors[:, 1] > 3.0) & (errors[:, 1] > CONFIDENT * deviations[:, 1])
-        found[f"{name}_far_damping_with_small_deviation"] = (100.0 * float(np.mean(far)), "%")
+        # Damping far from the truth (three bounds), a stated deviation that does not admit it, and no rival named.
+        far = (errors[:, 1] > 3.0) & (errors[:, 1] > CONFIDENT * deviations[:, 1]) & (group["rivals"] == 0).to_numpy()
+        found[f"{name}_wrong_damping_not_flagged"] = (100.0 * float(np.mean(far)), "%")
         found[f"{name}_coverage"] = (100.0 * float(np.mean(errors <= NORMAL_95 * deviations, axis=0).min()), "%")
         wrong = (group["frequency"] - 1.0).abs() > WRONG
         found[f"{name}_wrong_frequency"] = (100.0 * float(wrong.mean()), "%")

@@ -20,11 +20,11 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     style.apply()
     import matplotlib.pyplot as plt
 
-    bounds, curve = table[table["kind"] == "bound"], table[table["kind"] == "likelihood"]
+    bounds, curve = table[table["kind"] == "curve"], table[table["kind"] == "likelihood"]
     fits = table[table["kind"] == "fit"]
     product = float(curve["product"].iloc[0])
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 2.9))
-    left.semilogy(bounds["product"], bounds["value"], "o-", color=style.BLUE, label="Cramér–Rao bound", markersize=3)
+    left.semilogy(bounds["product"], bounds["value"], "-", color=style.BLUE, label="Cramér–Rao bound")
     rows = []
     for nominal, colour, symbol, label in (
         (True, style.VERMILION, "s", "median error, nominal within 5 %"),
