@@ -108,13 +108,26 @@ def test_noise_of_two_grey_levels_costs_a_fiftieth_of_a_pixel():
     clean, generator = disk(marker=Marker(30.0, 200.0), frame=FrameFormat(background=20.0)), np.random.default_rng(8)
     region = RegionOfInterest.around(POSITION, 64)
     images = [quantise(clean, 8, 2.0, generator) for _ in range(200)]
-    plain = np.array([grey_level_centroid(image, region=region) for image in images]) - POSITION
+    plain = np.array([grey_level_centroid(image, threshold=0.0, region=region) for image in images]) - POSITION
     assert plain.std(axis=0).max() < 0.02
     assert np.abs(plain.mean(axis=0)).max() < 0.005
     # With a threshold the whole frame does as well, which it cannot without.
     clipped = np.array([grey_level_centroid(image, threshold=10.0) for image in images]) - POSITION
     assert clipped.std(axis=0).max() < 0.01
-    assert np.array([grey_level_centroid(image, 20.0) for image in images]).std(axis=0).max() > 0.2
+    assert np.array([grey_level_centroid(image, 20.0, 0.0) for image in images]).std(axis=0).max() > 0.2
+
+
+@pytest.mark.parametrize("background", [0.0, 2.5, 20.0])
+@pytest.mark.parametrize("side", [48, 64, None])
+def test_default_threshold_follows_the_noise(background, side):
+    """Noise clipped at black is no longer centred on the background, and would draw the centroid to the middle."""
+    frame = FrameFormat(background=background)
+    clean, generator = disk(marker=Marker(30.0, 200.0), frame=frame), np.random.default_rng(9)
+    region = None if side is None else RegionOfInterest.around((POSITION[0] + 4.0, POSITION[1] - 3.0), side)
+    images = [quantise(clean, 8, 2.0, generator) for _ in range(60)]
+    found = np.array([grey_level_centroid(image, region=region) for image in images]) - POSITION
+    assert np.sqrt(np.mean(found**2, axis=0)).max() < 0.02
+    assert grey_level_centroid(clean, region=region) == grey_level_centroid(clean, threshold=0.0, region=region)
 
 
 @pytest.mark.parametrize("frequency", [1.0, 5.0, 12.0, 24.0])
@@ -153,7 +166,7 @@ def test_background_is_the_median_of_all_four_borders():
     image[0], image[-1], image[1:-1, 0], image[1:-1, -1] = 10.0, 30.0, 30.0, 10.0
     image[0, 5] = image[-1, 5] = 20.0  # between as many darker as brighter border pixels
     weights = image - 20.0
-    assert grey_level_centroid(image) == pytest.approx(centre_of_mass(weights), abs=1e-9)
+    assert grey_level_centroid(image, threshold=0.0) == pytest.approx(centre_of_mass(weights), abs=1e-9)
 
 
 def test_images_are_left_as_they_are(noisy):

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Path = Callable[[Array], Array]
 
 # Bound on a pixel's error, as a share of the marker's intensity, that the number of instants is chosen for.
-QUADRATURE_ERROR = 4e-4
+QUADRATURE_ERROR = 1e-3
 # Fewest and most pieces of the exposure on which the path is looked at; a prime, as few vibrations alias with it.
 FIRST_PIECES, MOST_PIECES = 61, 61 * 2**10
 # Least density of instants relative to its mean, so that a turning point, where the speed is zero, stays resolved.

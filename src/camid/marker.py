@@ -17,7 +17,12 @@ Single = NDArray[np.float32]
 
 # A 3 × 3 Sobel filter answers with 8 to a ramp of one grey level per pixel.
 SOBEL_SUM = 8.0
+# Standard deviations of the noise that a pixel must stand out by, and the share of a normal variable's values that lie
+# below one standard deviation.
+CLEARANCE = 5.0
+NORMAL_DEVIATION_RANK = 0.8413
 # Types that every OpenCV function used here takes as they are; others are converted to float32.
+COMPONENTS = (None, 0, 1, 2)
 OPENCV_TYPES = frozenset(np.dtype(name) for name in ("uint8", "uint16", "int16", "float32", "float64"))
 
 
@@ -55,10 +60,10 @@ class RegionOfInterest:
 
     def clip(self, height: int, width: int) -> RegionOfInterest:
         """Part of the region inside a frame of ``height`` × ``width`` px; ValueError if that is below 3 × 3 px."""
+        if 0 <= self.top <= height - self.height and 0 <= self.left <= width - self.width:
+            return self
         top, left = max(self.top, 0), max(self.left, 0)
         bottom, right = min(self.top + self.height, height), min(self.left + self.width, width)
-        if (top, left, bottom - top, right - left) == (self.top, self.left, self.height, self.width):
-            return self
         if bottom - top < 3 or right - left < 3:
             raise ValueError(f"{self} has less than 3 × 3 px in common with the frame of {height} × {width} px")
         return RegionOfInterest(top, left, bottom - top, right - left)
@@ -68,9 +73,13 @@ class _Scratch(threading.local):
     """Buffers for one size of region and thread: fresh ones cost more in page faults than all of the filtering."""
 
     shape: tuple[int, ...] = ()
+    buffers: tuple[Single, Single]
 
-    def allocate(self, shape: tuple[int, ...]) -> None:
-        self.shape, (self.horizontal, self.vertical) = shape, np.empty((2, *shape), np.float32)
+    def for_shape(self, shape: tuple[int, ...]) -> tuple[Single, Single]:
+        if self.shape != shape:
+            horizontal, vertical = np.empty((2, *shape), np.float32)
+            self.shape, self.buffers = shape, (horizontal, vertical)
+        return self.buffers
 
 
 _scratch = _Scratch()
@@ -141,12 +150,11 @@ def gradient_centroid(
     if not (0.0 < threshold < 1.0 if relative else 0.0 <= threshold < np.inf):
         raise ValueError(f"a threshold of {threshold}; wanted between 0 and 1 if relative, 0 or more otherwise")
     view, left, top = _select(image, region, component)
-    if _scratch.shape != view.shape:
-        _scratch.allocate(view.shape)
-    gradient = _unscaled_gradient(view, _scratch.horizontal, _scratch.vertical)
+    horizontal, vertical = _scratch.for_shape(view.shape)
+    gradient = _unscaled_gradient(view, horizontal, vertical)
     limit = threshold * (cv2.norm(gradient, cv2.NORM_INF) if relative else SOBEL_SUM)
     # A mask of 0.0 and 1.0: its plain moments are those of binaryImage=True and take a sixth of the time.
-    _, mask = cv2.threshold(gradient, limit, 1.0, cv2.THRESH_BINARY, _scratch.vertical)
+    _, mask = cv2.threshold(gradient, limit, 1.0, cv2.THRESH_BINARY, vertical)
     moments = cv2.moments(mask)
     mass = moments["m00"]
     if mass == 0.0:
@@ -157,15 +165,15 @@ def gradient_centroid(
 def grey_level_centroid(
     image: Image,
     background: float | None = None,
-    threshold: float = 0.0,
+    threshold: float | None = None,
     region: RegionOfInterest | None = None,
     *,
     component: int | None = None,
 ) -> tuple[float, float]:
     """Centre of mass of the grey levels above the background.
 
-    Without a threshold it is the time mean of the position, paper equations (4) and (5), whatever the path and the
-    speed (no need of A1, A2 and A4), as long as the disk stays within the region and no pixel saturates.
+    With no threshold or no noise it is the time mean of the position, paper equations (4) and (5), whatever the path
+    and the speed (no need of A1, A2 and A4), as long as the disk stays within the region and no pixel saturates.
 
     Parameters
     ----------
@@ -174,10 +182,11 @@ def grey_level_centroid(
         white level minus the image).
     background : float, optional
         Grey level to remove; without it, the median of the region's border pixels.
-    threshold : float
+    threshold : float, optional
         Grey levels above the background. At 0 nothing is cut off and noise averages out. If positive, a pixel that is
-        not above it counts as zero, which keeps out the noise of a large region and noise clipped at black (take five
-        standard deviations of the noise) but also cuts off the faint parts of a motion blur.
+        not above it counts as zero, which keeps out the noise of a large region and noise clipped at black but also
+        cuts off the faint parts of a motion blur. Without it, five standard deviations of the noise of the region's
+        border pixels, hence 0 in an image without noise.
     region : RegionOfInterest, optional
         Where to look, clipped to the frame; without it the whole image.
 
@@ -194,12 +203,19 @@ def grey_level_centroid(
     """
     import cv2
 
-    if not 0.0 <= threshold < np.inf:
+    if threshold is not None and not 0.0 <= threshold < np.inf:
         raise ValueError(f"a threshold of {threshold} grey levels above the background; it must be finite, 0 or more")
     view, left, top = _select(image, region, component)
     height, width = view.shape
-    if background is None:
-        background = float(np.median(np.concatenate((view[0], view[-1], view[1:-1, 0], view[1:-1, -1]))))
+    if background is None or threshold is None:
+        border = np.sort(np.concatenate((view[0], view[-1], view[1:-1, 0], view[1:-1, -1])))
+        middle = 0.5 * (float(border[(border.size - 1) // 2]) + float(border[border.size // 2]))
+        if threshold is None:
+            # Noise clipped at black has no lower half, and a marker that touches the border is in the uppermost part.
+            noise = float(border[int(NORMAL_DEVIATION_RANK * border.size)]) - middle
+            # Whole grey levels hide up to half a level of the noise.
+            threshold = CLEARANCE * (noise + 0.5 if noise > 0.0 and view.dtype.kind in "iu" else noise)
+        background = middle if background is None else background
     # Moments are linear, so the background's are removed from them and the image need not be copied.
     count = float(height * width)
     count_x, count_y = 0.5 * (width - 1) * count, 0.5 * (height - 1) * count
@@ -218,12 +234,13 @@ def grey_level_centroid(
 
 def _select(image: Image, region: RegionOfInterest | None, component: int | None) -> tuple[Image, int, int]:
     """Grey image of the region in a type that OpenCV takes, copied only if it must be, and its left and top."""
-    components = {2: (None,), 3: (None, 0, 1, 2)}.get(image.ndim, ())
-    if component not in components or image.shape[2:] not in ((), (3,)) or min(image.shape[:2]) < 3:
-        raise ValueError(f"component {component} of an image of shape {image.shape}; (height, width[, 3]) is wanted")
+    shape = image.shape
+    usable = (component is None) if len(shape) == 2 else len(shape) == 3 and shape[2] == 3 and component in COMPONENTS
+    if not usable or shape[0] < 3 or shape[1] < 3:
+        raise ValueError(f"component {component} of an image of shape {shape}; (height, width[, 3]) is wanted")
     left, top = 0, 0
     if region is not None:
-        region = region.clip(*image.shape[:2])
+        region = region.clip(shape[0], shape[1])
         left, top = region.left, region.top
         image = image[top : top + region.height, left : left + region.width]
     if component is not None:

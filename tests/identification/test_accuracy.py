@@ -96,3 +96,25 @@ def test_discrete_time_model_of_section_3_1(period, excitation):
     assert np.allclose(model.denominator, [1.0, -written.alpha[0], written.alpha[1]], atol=1e-12)
     with pytest.raises(ValueError, match="too few"):
         least_squares(excitation[:4], output[:4], poles=2, zeros=2, delay=1)
+
+
+@pytest.mark.parametrize("driven", [True, False])
+def test_unpredictable_part_is_that_of_a_long_regression(driven):
+    """The lagged products by recursion against a table of lagged columns; a masked row takes the other way."""
+    generator = np.random.default_rng(3)
+    count, length = 400, 30
+    signal = generator.standard_normal(count) if driven else np.zeros(count)
+    output = np.convolve(generator.standard_normal(count) + signal, [1.0, 0.7, 0.3], "same")
+    rows = np.arange(length, count)
+    columns = [output[rows - i] for i in range(1, length + 1)]
+    columns += [signal[rows - i] for i in range(length + 1)] if driven else []
+    table = np.column_stack(columns)
+    residual = output[rows] - table @ np.linalg.lstsq(table, output[rows], rcond=None)[0]
+    expected = residual @ residual / (len(rows) - table.shape[1])
+    used = np.ones(count, bool)
+    whole = Experiment(signal, output, Acquisition(0.1), used)
+    assert innovation_variance(whole) == pytest.approx(expected, rel=1e-9)
+    gap = used.copy()
+    gap[length] = False
+    masked = Experiment(signal, output, Acquisition(0.1), gap)
+    assert innovation_variance(masked) == pytest.approx(expected, rel=0.05)

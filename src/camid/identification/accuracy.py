@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
@@ -130,32 +131,60 @@ def innovation_variance(experiment: Experiment) -> float:
     if length < 2:
         return 0.0
     rows = experiment.used[length:]
-    past = sliding_window_view(output, length + 1)
-    columns = [past[:, :-1], sliding_window_view(signal, length + 1)] if np.any(signal) else [past[:, :-1]]
-    table, target = np.hstack(columns), past[:, -1]
-    if not rows.all():
-        table, target = table[rows], target[rows]
-    freedom = len(target) - table.shape[1]
+    driven = bool(np.any(signal))
+    freedom = int(rows.sum()) - (2 * length + 1 if driven else length)
     if freedom < length:
         return 0.0
-    return _residual_power(table, target) / freedom
-
-
-def _residual_power(table: Array, target: Array) -> float:
-    """Sum of squares that a regression leaves: by normal equations, a quarter of the price, where they are sound."""
-    whole = np.column_stack([table, target])
-    product = whole.T @ whole
-    scale = np.sqrt(np.diag(product))
-    if np.all(scale > 0.0):
-        try:
-            pivots = np.diag(np.linalg.cholesky(product / np.outer(scale, scale)))
-        except np.linalg.LinAlgError:
-            pivots = np.zeros(1)
-        # The last pivot is the distance of the target from the span of the columns before it.
-        if pivots[:-1].min(initial=1.0) > SOUND_PIVOT and pivots[-1] ** 2 > SOUND_REMAINDER:
-            return float((pivots[-1] * scale[-1]) ** 2)
+    if rows.all():
+        power = _power_left(_lagged_products(output, signal if driven else output[:0], length))
+        if power is not None:
+            return power / freedom
+    past = sliding_window_view(output, length + 1)
+    columns = [past[:, :-1], sliding_window_view(signal, length + 1)] if driven else [past[:, :-1]]
+    table, target = np.hstack(columns)[rows], past[rows, -1]
     residual = target - table @ np.linalg.lstsq(table, target, rcond=None)[0]
-    return float(residual @ residual)
+    return float(residual @ residual) / freedom
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
+def _lagged_products(output: Array, signal: Array, length: int) -> Array:
+    """Products of the columns [u_{k-L} … u_k, y_{k-L} … y_k] of a long ARX model, without a signal those of y alone.
+
+    The sum for two lags differs from that for the next two by one product at each end.
+    """
+    count, inputs = len(output), length + 1 if len(signal) else 0
+    size = inputs + length + 1
+    products = np.zeros((size, size))
+    for a in range(size):
+        first, lag_a = (signal, length - a) if a < inputs else (output, length - (a - inputs))
+        for b in range(a + 1):
+            second, lag_b = (signal, length - b) if b < inputs else (output, length - (b - inputs))
+            if lag_a < length and lag_b < length:
+                total = products[a - 1, b - 1]
+                total += first[count - 1 - lag_a] * second[count - 1 - lag_b]
+                total -= first[length - 1 - lag_a] * second[length - 1 - lag_b]
+            else:
+                total = 0.0
+                for k in range(length, count):
+                    total += first[k - lag_a] * second[k - lag_b]
+            products[a, b] = total
+            products[b, a] = total
+    return products
+
+
+def _power_left(products: Array) -> float | None:
+    """Sum of squares that a regression of the last column on the others leaves, where normal equations are sound."""
+    scale = np.sqrt(np.diag(products))
+    if not np.all(scale > 0.0):
+        return None
+    try:
+        pivots = np.diag(np.linalg.cholesky(products / np.outer(scale, scale)))
+    except np.linalg.LinAlgError:
+        return None
+    # The last pivot is the distance of the target from the span of the columns before it.
+    if np.min(pivots[:-1]) <= SOUND_PIVOT or pivots[-1] ** 2 <= SOUND_REMAINDER:
+        return None
+    return float((pivots[-1] * scale[-1]) ** 2)
 
 
 def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str, float | str]]:

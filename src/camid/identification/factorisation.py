@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 # Rows that are folded into the triangle at once: long enough for the loops, short enough for the nearest cache.
 BLOCK = 64
+# A column of which less than this share is left beside the others depends on them.
+DEPENDENT = 1e-13
 
 
 class Records(NamedTuple):
@@ -282,6 +284,7 @@ def output_error_costs(
     residual = np.empty(len(records.signal))
     initial = np.zeros(initial_count)
     linear = np.concatenate((free_numerator, np.zeros(order, np.bool_), np.ones(initial_count, np.bool_)))
+    chosen = np.flatnonzero(linear)
     for k in range(len(denominators)):
         radius = 0.0
         for i in range(1, order + 1):
@@ -290,25 +293,43 @@ def output_error_costs(
         scaled = denominators[k] * unit ** np.arange(order + 1)
         fixed = np.where(free_numerator, 0.0, numerator * unit ** (order - split + 1.0 + np.arange(split)))
         triangle, _ = factorise(fixed, scaled, initial, records, unit, False, residual)
-        costs[k] = _least_cost(triangle, linear)
+        costs[k] = solve(triangle, chosen)[1]
     return costs
 
 
 @njit(cache=True)
-def _least_cost(triangle: Array, linear: NDArray[np.bool_]) -> float:
-    """Squared distance of the last column from the span of the chosen ones, by modified Gram–Schmidt."""
-    size = triangle.shape[0]
+def solve(triangle: Array, chosen: NDArray[np.int64]) -> tuple[Array, float]:
+    """Least squares of the last column on the chosen ones, by modified Gram–Schmidt.
+
+    A column that depends on those before it gets the coefficient zero.
+
+    Returns
+    -------
+    solution : ndarray, shape (len(chosen),)
+    cost : float
+        Sum of squares that is left; infinite where it overflows.
+    """
+    size, count = triangle.shape[0], len(chosen)
+    table = np.empty((count, size))
+    for j in range(count):
+        table[j] = triangle[:, chosen[j]]
     target = triangle[:, size - 1].copy()
-    table = triangle.copy()
-    chosen = np.flatnonzero(linear)
-    for position in range(len(chosen)):
-        column = table[:, chosen[position]]
-        length = np.sqrt(np.sum(column**2))
-        if not length > 1e-13 * np.sqrt(np.sum(triangle[:, chosen[position]] ** 2)):
+    upper = np.zeros((count, count))
+    projected = np.zeros(count)
+    for j in range(count):
+        length = np.sqrt(np.sum(table[j] ** 2))
+        if not length > DEPENDENT * np.sqrt(np.sum(triangle[:, chosen[j]] ** 2)):
             continue
-        column /= length
-        target -= np.sum(column * target) * column
-        for later in chosen[position + 1 :]:
-            table[:, later] -= np.sum(column * table[:, later]) * column
+        upper[j, j] = length
+        table[j] /= length
+        projected[j] = np.sum(table[j] * target)
+        target -= projected[j] * table[j]
+        for later in range(j + 1, count):
+            upper[j, later] = np.sum(table[j] * table[later])
+            table[later] -= upper[j, later] * table[j]
+    solution = np.zeros(count)
+    for j in range(count - 1, -1, -1):
+        if upper[j, j] > 0.0:
+            solution[j] = (projected[j] - np.sum(upper[j, j + 1 :] * solution[j + 1 :])) / upper[j, j]
     cost = np.sum(target**2)
-    return cost if np.isfinite(cost) else np.inf
+    return solution, cost if np.isfinite(cost) else np.inf

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, respond, time_scale
-from camid.identification.factorisation import Records, factorise
+from camid.identification.factorisation import Records, factorise, solve
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
@@ -328,11 +328,6 @@ class Predictor:
         triangle, _, _ = self.factorise(parameters, sensitive=False)
         if not np.all(np.isfinite(triangle)):
             return parameters, np.inf
-        table, target = triangle[:, :-1][:, linear], triangle[:, -1]
-        # Columns of one length, so that a small one is not taken for one that the data do not determine.
-        lengths = np.linalg.norm(table, axis=0)
-        lengths[lengths == 0.0] = 1.0
-        solution = np.linalg.lstsq(table / lengths, target, rcond=None)[0]
-        parameters[linear] = solution / lengths
-        left = target - table @ parameters[linear]
-        return parameters, float(left @ left)
+        solution, cost = solve(triangle, np.flatnonzero(linear))
+        parameters[linear] = solution
+        return parameters, float(cost)

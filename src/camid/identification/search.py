@@ -141,8 +141,8 @@ class Search:
     def hear_aliases(self) -> None:
         """Iterate from the modes with the same sampled poles that come near enough to be rivals.
 
-        Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too: modes of one frequency
-        with little and much damping may then do alike.
+        Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too: modes of one
+        frequency with little and much damping may then do alike.
         """
         best = self.best()
         if best is None or not any(np.any(w.signal) for w in self.windows):
