@@ -8,10 +8,13 @@ SNAKEMAKE := $(BIN)/snakemake -c$(CORES)
 # Datasets go into and come out of a shared cache only where the reader names one. The option comes last, because it would
 # take a target behind it for the name of a rule.
 CACHE := $(if $(SNAKEMAKE_OUTPUT_CACHE),--cache)
+# The peers of the benchmarks pin old packages, so they live apart from the environment that draws the figures.
+BENCHMARK_ENVIRONMENT := .venv-benchmark
+BENCHMARK_BIN := $(BENCHMARK_ENVIRONMENT)/bin
 FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
 .DEFAULT_GOAL := all
-.PHONY: all env test lint format check readme lock clean help
+.PHONY: all env test lint format check readme bench lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	$(SNAKEMAKE) all $(CACHE)
@@ -45,12 +48,24 @@ check: env ## draw every figure from nothing, then compare with config/tolerance
 	$(SNAKEMAKE) --forceall check
 
 readme: env ## put the tables that the workflow made into README.md
-	$(SNAKEMAKE) claims $(CACHE)
+	$(SNAKEMAKE) claims ablations $(CACHE)
 	$(BIN)/python workflow/scripts/update_readme.py
 
-lock: ## renew requirements.lock (needs uv)
-	uv pip compile --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-annotate \
-	  --custom-compile-command "make lock" --extra workflow --extra development pyproject.toml --output-file requirements.lock
+bench: $(BENCHMARK_ENVIRONMENT)/.installed ## compare speed and error with other tools, side by side; writes docs/benchmarks.md
+	$(BENCHMARK_BIN)/python -m benchmarks
+
+$(BENCHMARK_ENVIRONMENT)/.installed: requirements-benchmark.lock pyproject.toml
+	test -x $(BENCHMARK_BIN)/python || $(PYTHON) -m venv $(BENCHMARK_ENVIRONMENT)
+	$(BENCHMARK_BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-benchmark.lock
+	$(BENCHMARK_BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+COMPILE := uv pip compile --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-annotate \
+  --custom-compile-command "make lock"
+
+lock: ## renew requirements.lock and requirements-benchmark.lock (needs uv)
+	$(COMPILE) --extra workflow --extra development pyproject.toml --output-file requirements.lock
+	$(COMPILE) --extra benchmark pyproject.toml --output-file requirements-benchmark.lock
 
 clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake

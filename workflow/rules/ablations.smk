@@ -59,6 +59,14 @@ ABLATIONS = {
         "Price and gain of a second amplitude in the excitation",
         ["plant", "seed"],
     ),
+    "methods": (
+        "Error over the Cramér–Rao bound and failures of every method",
+        ["plant", "excitation", "seed"],
+    ),
+    "model_order": (
+        "Choice and consequences of the number of poles",
+        ["plant", "excitation", "seed"],
+    ),
 }
 
 
@@ -82,6 +90,7 @@ for name, (title, shared) in ABLATIONS.items():
             f"results/ablations/{name}.parquet",
         log:
             f"results/logs/{name}_runs.log",
+        cache: True
         params:
             ablation=name,
             settings=config["ablations"][name],

@@ -24,11 +24,17 @@ rule monte_carlo_shard:
         seeds=r"\d+",
         shard=r"\d+",
         shards=r"\d+",
+    cache: True
     params:
         settings={"signal_to_noise_ratio": MONTE_CARLO["signal_to_noise_ratio"]},
         shared={
-            section: config[section]
-            for section in ["plant", "excitation", "sampling_period_sweep", "seed"]
+            **{
+                section: config[section] for section in ["plant", "excitation", "seed"]
+            },
+            "sampling_period_sweep": {
+                key: config["sampling_period_sweep"][key]
+                for key in ["start", "stop", "step"]
+            },
         },
     message:
         "Fitting shard {wildcards.shard} of {wildcards.shards} with {wildcards.seeds} noise seeds a period."

@@ -1,4 +1,4 @@
-"""Collect the conclusions of all ablations in one table."""
+"""Collect the conclusions of all ablations in one list."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,20 +13,18 @@ if TYPE_CHECKING:
 
 
 def main() -> None:
-    """Collect the conclusions of all ablations in one table."""
+    """Collect the conclusions of all ablations in one list."""
     names = snakemake.params.names
     sentences = [Path(file).read_text(encoding="utf-8").strip() for file in snakemake.input.conclusions]
-    table = pd.DataFrame(
-        {
-            "ablation": [f"[{name.replace('_', ' ')}](paper_figs/ablation_{name}.png)" for name in names],
-            "conclusion": sentences,
-            "target": [f"ablation_{name}" for name in names],
-        }
-    )
+    targets = [f"ablation_{name}" for name in names]
+    table = pd.DataFrame({"target": targets, "conclusion": sentences})
     write_whole(snakemake.output.csv, lambda p: table.to_csv(p, index=False, lineterminator="\n"))
-    write_whole(
-        snakemake.output.markdown, lambda p: p.write_text(table.to_markdown(index=False) + "\n", encoding="utf-8")
-    )
+    # The links are those of README.md, which takes the list over.
+    items = [
+        f"- [**{name.replace('_', ' ')}**](paper_figs/{target}.png) (`{target}`): {sentence}\n"
+        for name, target, sentence in zip(names, targets, sentences, strict=True)
+    ]
+    write_whole(snakemake.output.markdown, lambda p: p.write_text("".join(items), encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLES = {"claims": ROOT / "paper_figs/claims.md"}
+TABLES = {"claims": ROOT / "paper_figs/claims.md", "ablations": ROOT / "paper_figs/ablations.md"}
 
 
 def updated(text: str, name: str, table: str) -> str:

@@ -30,6 +30,8 @@ SAME_LIKELIHOOD_WITH_PREFERENCE = 6.0
 RIVAL_MARGIN = 16.0
 # An alias whose output error before refinement is more times that of the optimum is no rival after it.
 PLAUSIBLE_RATIO = 3.0
+# A pole this many times beyond π/T that still moves is on its way to infinity.
+RUNAWAY = 10.0
 # Poles that agree within this share of their moduli belong to one model.
 SAME_MODEL = 0.02
 # A believed mode this far past π/T says that the rig's mode is meant to be there.
@@ -188,12 +190,12 @@ def select(optima: list[Optimum], believed: NDArray[np.complex128] | None, unpre
     if len(usable) <= 1:
         return usable[0] if usable else None
     deviance = _deviances(usable)
-    # An iteration that runs to infinity along a valley fits as well as a model with fewer poles: no optimum at all.
-    ended = np.array([o.fit.converged for o in usable])
-    if ended.any() and not ended.all() and deviance[ended].min() <= deviance.min() + RIVAL_MARGIN:
-        usable, deviance = [o for o in usable if o.fit.converged], deviance[ended]
-    excess = deviance - deviance.min()
     shannon = np.pi / usable[0].predictor.experiments[0].acquisition.period
+    # An iteration that runs to infinity along a valley fits as well as a model with fewer poles: no optimum at all.
+    ended = np.array([o.fit.converged or o.radii[-1] <= RUNAWAY * shannon for o in usable])
+    if ended.any() and not ended.all() and deviance[ended].min() <= deviance.min() + RIVAL_MARGIN:
+        usable, deviance = [o for o, e in zip(usable, ended, strict=True) if e], deviance[ended]
+    excess = deviance - deviance.min()
 
     def distance(optimum: Optimum) -> float:
         if believed is None:

@@ -54,9 +54,9 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     -------
     DataFrame
         A row a fit: ``kind`` (order | periods), ``order``, ``periods``, ``length`` (samples), ``period`` (s),
-        ``sample``, ``converged``, ``error_<p>`` in percent; the same in all rows of a length: ``bound_<p>`` in percent (at rest
-        before the first sample), ``bound_unknown_start_<p>``, and ``moving_start_<p>``: bias in percent of a record
-        without noise that begins in motion and is declared at rest.
+        ``sample``, ``converged``, ``error_<p>`` in percent; the same in all rows of a length: ``bound_<p>`` in percent
+        (at rest before the first sample), ``bound_unknown_start_<p>``, and ``moving_start_<p>``: bias in percent of a
+        record without noise that begins in motion and is declared at rest.
     """
     plant = believed_plant(shared["plant"])
     amplitude = float(shared["excitation"]["amplitude"])
@@ -173,8 +173,8 @@ def conclusion(value: Mapping[str, float]) -> str:
     moving = max(value[f"moving_start_{p}_in_bounds"] for p in PARAMETERS)
     return (
         f"The errors lie {on_bound} the Cramér–Rao bound at every length, and the bound of long records falls as {law} "
-        f"(from the shortest record on as N to the power {exponents} for b0, a1, a0, because the first "
-        f"{value['lost_at_start']:.2g} s from rest count for nothing); at equal length {same}. Estimating an unknown "
-        f"initial state costs at most {value['unknown_start_costs']:.2g} % of the bound; declaring a moving rig at rest "
-        f"biases by up to {moving:.2g} bounds."
+        f"(from the shortest record on as N to the power {exponents} for b0, a1, a0, as if the first "
+        f"{value['lost_at_start']:.2g} s from rest counted for nothing); at equal length {same}. Estimating an unknown "
+        f"initial state costs at most {value['unknown_start_costs']:.2g} % of the bound; declaring a moving rig at "
+        f"rest biases by up to {moving:.2g} bounds."
     )

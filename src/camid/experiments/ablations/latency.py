@@ -57,7 +57,7 @@ def first_order_bias(plant: TransferFunction, signal: Array, acquisition: Acquis
     )
     coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
     sensitivities = predictor.linearise(predictor.from_physical(coefficients))[1]
-    change = np.linalg.lstsq(sensitivities, -velocity, rcond=None)[0]
+    change: Array = np.asarray(np.linalg.lstsq(sensitivities, -velocity, rcond=None)[0], dtype=np.float64)
     return predictor.to_physical(change) / coefficients
 
 

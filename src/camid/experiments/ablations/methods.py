@@ -231,7 +231,9 @@ def conclusion(value: Mapping[str, float]) -> str:
         shares = {p: value[f"gross_{method}_at_{p:g}"] for p in periods}
         failing = [p for p, share in shares.items() if share > 0.0]
         at = ", ".join(f"{1e3 * p:g}" for p in failing)
-        failure = f"fails in up to {max(shares.values()):.0f} % of the runs at T = {at} ms" if failing else "never fails"
+        failure = (
+            f"fails in up to {max(shares.values()):.0f} % of the runs at T = {at} ms" if failing else "never fails"
+        )
         known = [r for p in periods if np.isfinite(r := value[f"ratio_{method}_at_{p:g}"])]
         if not known:
             return f"{name} {failure}"

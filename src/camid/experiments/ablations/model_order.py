@@ -1,7 +1,8 @@
-"""How many poles: what a criterion chooses, and what too few and too many poles cost.
+"""How many poles: what the selections choose, and what too few and too many poles cost.
 
-The models have n poles and no zeros, the family of the paper's (15) and (25). The criteria are those of Akaike (1974)
-and Schwarz (1978), N ln σ² + 2k and N ln σ² + k ln N, with σ² the mean squared residual and k = n + 1 coefficients.
+The models have n poles and no zeros, the family of the paper's (15) and (25). The bare criteria are those of Akaike
+(1974) and Schwarz (1978), N ln σ² + 2k and N ln σ² + k ln N, with σ² the mean squared residual and k = n + 1
+coefficients. :func:`camid.identification.order_selection.select_order` chooses zeros, too, and tests the residual.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from camid.experiments.ablations._identification import excitation_signal, unit_
 from camid.experiments.datasets import believed_plant
 from camid.experiments.sampling_period import noise_level
 from camid.identification.estimate import Estimate, estimate
+from camid.identification.order_selection import select_order
 from camid.identification.predictor import Structure
 from camid.plant import TransferFunction, second_order
 
@@ -37,7 +39,8 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     ----------
     settings : mapping
         ``period`` in s, ``natural_frequency`` (rad/s) and ``damping`` of the second mode, ``orders`` (poles),
-        ``signal_to_noise_ratio`` (of powers), ``noise_samples`` for every plant and order.
+        ``signal_to_noise_ratio`` (of powers), ``noise_samples`` for every plant and order, ``selected_samples`` (how
+        many of them ``select_order`` is given) and ``largest_selected`` (its largest number of poles).
     shared : mapping
         Sections ``plant``, ``excitation`` and ``seed``.
 
@@ -47,7 +50,8 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
         A row a fit: ``plant`` (one mode | two modes), ``poles``, ``sample``, ``converged``, ``akaike``, ``bayes``,
         ``nrmse_fresh`` (simulated against a second noise sample) and ``nrmse_true`` (against the output without noise),
         both over the std of the data, ``largest_relative_deviation`` (standard deviation over coefficient, at most 10),
-        ``frequency_error`` and ``damping_error`` of the first mode in percent.
+        ``frequency_error`` and ``damping_error`` of the first mode in percent; the same in all rows of a record:
+        ``selected_poles`` and ``selected_zeros`` by ``select_order``, NaN where it was not called.
     """
     first = believed_plant(shared["plant"])
     mode = second_order(1.0, settings["natural_frequency"], settings["damping"])
@@ -61,8 +65,13 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
             record, fresh = (
                 clean + deviation * unit_noise(len(clean), shared["seed"], STREAM, number, s, part) for part in (0, 1)
             )
+            experiment = whole_experiment(signal, record, acquisition)
+            selected = {"selected_poles": float("nan"), "selected_zeros": float("nan")}
+            if s < settings["selected_samples"]:
+                selection = select_order([experiment], settings["largest_selected"])
+                selected = {"selected_poles": float(selection.poles), "selected_zeros": float(selection.zeros)}
             for poles in settings["orders"]:
-                found = estimate(Structure.of_order(poles, 0), [whole_experiment(signal, record, acquisition)])
+                found = estimate(Structure.of_order(poles, 0), [experiment])
                 simulated = sample(found.plant, signal, acquisition)
                 rows.append(
                     {
@@ -75,6 +84,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
                         "nrmse_true": float(np.sqrt(np.mean((clean - simulated) ** 2)) / np.std(clean)),
                         "largest_relative_deviation": _largest_relative_deviation(found),
                         **_first_mode(found.plant, first),
+                        **selected,
                     }
                 )
     return pd.DataFrame(rows)
@@ -135,15 +145,22 @@ def by_order(table: pd.DataFrame) -> pd.DataFrame:
 def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
     """How often the true order is chosen, and what the lowest, the true and the highest order cost.
 
+    ``selected_2``: % of the ``selected_of_2`` records in which ``select_order`` finds the true poles and no zero.
     Names end with the number of the plant's true poles: ``chosen_bayes_4`` (% of the records in which the criterion
     chooses the true order), ``nrmse_fresh_lowest_4``, ``nrmse_true_highest_4``, ``unknown_true_4`` (% of the records
-    without convergence or with a coefficient below its standard deviation), ``frequency_error_lowest_4`` (rms, %), and the like.
+    without convergence or with a coefficient below its standard deviation), ``frequency_error_lowest_4`` (rms, %),
+    and the like.
     """
     orders = by_order(table)
     found: dict[str, tuple[float, str]] = {}
     for plant, rows in orders.groupby("plant"):
         true = TRUE_POLES[str(plant)]
         at = rows.set_index("poles")
+        records = table[(table["plant"] == plant) & table["selected_poles"].notna()]
+        right = (records["selected_poles"] == true) & (records["selected_zeros"] == 0)
+        found[f"selected_{true}"] = (100.0 * float(right.mean()), "%")
+        found[f"selected_of_{true}"] = (float(records["sample"].nunique()), "records")
+        found[f"records_{true}"] = (float(rows["runs"].max()), "records")
         for criterion in CRITERIA:
             found[f"chosen_{criterion}_{true}"] = (100.0 * float(at[f"chosen_{criterion}"][true]), "%")
             below = at[f"chosen_{criterion}"][at.index < true].sum()
@@ -165,19 +182,17 @@ def conclusion(value: Mapping[str, float]) -> str:
     def chosen(criterion: str) -> str:
         return f"{value[f'chosen_{criterion}_{few}']:.0f} and {value[f'chosen_{criterion}_{many}']:.0f} %"
 
-    better = (
-        "Bayes's criterion finds the true order more often"
-        if min(value[f"chosen_bayes_{t}"] for t in (few, many)) > min(value[f"chosen_akaike_{t}"] for t in (few, many))
-        else "Bayes's criterion does not find the true order more often"
-    )
+    bayes, akaike = (min(value[f"chosen_{c}_{t}"] for t in (few, many)) for c in ("bayes", "akaike"))
+    better = "more" if bayes > akaike else "no more"
     low, right, high = (100.0 * value[f"nrmse_true_{name}_{many}"] for name in ("lowest", "true", "highest"))
     over, exact = 100.0 * value[f"nrmse_true_highest_{few}"], 100.0 * value[f"nrmse_true_true_{few}"]
     dearer = "Too few poles cost more than too many" if low > high else "Too many poles cost more than too few"
     return (
-        f"{better} ({chosen('bayes')} of the records of one and two modes) than Akaike's ({chosen('akaike')}). "
-        f"{dearer}: the simulated output of two modes is off by {low:.2g} % with "
-        f"{value[f'poles_lowest_{many}']:.0f} poles, {right:.2g} % with {many} and {high:.2g} % with "
-        f"{value[f'poles_highest_{many}']:.0f}; that of one mode by {exact:.2g} % with {few} and {over:.2g} % with "
-        f"{value[f'poles_highest_{few}']:.0f}, where {value[f'unknown_highest_{few}']:.0f} % of the records leave a "
-        f"coefficient undetermined."
+        f"camid's order selection finds the true order in {value[f'selected_{few}']:.0f} and "
+        f"{value[f'selected_{many}']:.0f} % of the records of one and two modes ({value[f'selected_of_{few}']:.0f} "
+        f"each); Bayes's criterion alone ({chosen('bayes')} of {value[f'records_{few}']:.0f}) is {better} reliable than Akaike's ({chosen('akaike')}). {dearer}: the simulated output "
+        f"of two modes is off by {low:.2g} % with {value[f'poles_lowest_{many}']:.0f} poles, {right:.2g} % with {many} "
+        f"and {high:.2g} % with {value[f'poles_highest_{many}']:.0f}; that of one mode by {exact:.2g} % with {few} and "
+        f"{over:.2g} % with {value[f'poles_highest_{few}']:.0f}, where {value[f'unknown_highest_{few}']:.0f} % of the "
+        "records leave a coefficient undetermined."
     )

@@ -1,10 +1,10 @@
 """What a wrong pairing of input and output samples costs, for both holds.
 
-Over the period that begins at t_k a camera averages a motion whose middle lies half a frame later. A first-order hold
-with an instant sensor puts w[k] at t_k + T/2 of the held input that it replaces, a zero-order hold at t_k. So with u[k]
-paired with w[k + shift], the declared model leads the data by ``1 - shift`` frames (first-order hold) or ``1/2 - shift``
-frames (zero-order hold): ``lag_left``. The bias is that of an undeclared latency of this size, which is negative where
-the model lags.
+A held input is half a frame late on average, and so is the mean over a full exposure: the camera's data lag their input
+samples by a frame. With an instant sensor declared, a first-order hold lags by nothing and a zero-order hold by half a
+frame. So with u[k] paired with w[k + shift], the data lag the model by ``1 - shift`` frames (first-order hold) or
+``1/2 - shift`` frames (zero-order hold): ``lag_left``. The bias is that of an undeclared latency of this size, be it
+positive or negative.
 """
 
 from __future__ import annotations
@@ -87,8 +87,9 @@ def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
     errors = [f"error_{p}" for p in PARAMETERS]
     default = table[table["method"] == "srivc"]
     found: dict[str, tuple[float, str]] = {}
-    for (hold, shift, period), row in default.set_index(["hold", "shift", "period"])[errors].abs().max(axis=1).items():
-        found[f"{hold}_{shift}_at_{period:g}"] = (float(row), "%")
+    largest = default[errors].abs().max(axis=1)
+    for row, error in zip(default.to_dict("records"), largest, strict=True):
+        found[f"{row['hold']}_{row['shift']}_at_{row['period']:g}"] = (float(error), "%")
     zero = default[(default["hold"] == "zoh") & (default["lag_left"].abs() == 0.5)]
     for period, pair in zero.sort_values("lag_left").groupby("period"):
         found[f"a0_per_frame_at_{period:g}"] = (float(pair["error_a0"].iloc[-1] - pair["error_a0"].iloc[0]), "%")

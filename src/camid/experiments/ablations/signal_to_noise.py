@@ -25,7 +25,7 @@ from camid.identification.predictor import Structure
 
 # The paper's "SNR of 10" as a ratio of powers, and of amplitudes.
 POWER_READING, AMPLITUDE_READING = 10.0, 20.0
-# An rms error this many times the bound has left it; with 100 seeds chance alone reaches 1.2 in one of 300 cases.
+# An rms error this many times the bound has left it; with 100 samples chance alone does that once in 400 times.
 LEFT_BOUND = 1.2
 # A run with an error this many times its bound found another optimum; its error has no useful mean square.
 GROSS = 10.0
@@ -152,6 +152,6 @@ def conclusion(value: Mapping[str, float]) -> str:
         return f"{readings}; the estimate keeps to the Cramér–Rao bound at every level down to {lowest:g} dB."
     return (
         f"{readings}; the estimate keeps to the Cramér–Rao bound (rms at most {value['largest_ratio_above']:.2f} times "
-        f"it) down to {lowest:g} dB and leaves it below: at {value['level_below']:g} dB, {value['gross_below']:.2g} % of "
-        f"the runs end in another optimum and the others err by {value['ratio_below']:.2g} times the bound."
+        f"it) down to {lowest:g} dB and leaves it below: at {value['level_below']:g} dB, {value['gross_below']:.2g} % "
+        f"of the runs end in another optimum and the others err by {value['ratio_below']:.2g} times the bound."
     )

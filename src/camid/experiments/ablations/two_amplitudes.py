@@ -2,8 +2,8 @@
 
 Signals of equal power: a plain pseudo-random binary sequence, the same with the second half higher, a multilevel
 sequence and a multisine. Plants: the paper's, and the same with a cubic stiffness or a dead zone at its input. Behind a
-dead zone of half-width d a sequence of levels ±A is one of ±(A − d): to a single-amplitude PRBS a dead zone is a smaller
-gain and nothing else.
+dead zone of half-width d a sequence of levels ±A is one of ±(A − d): to a single-amplitude PRBS a dead zone is a
+smaller gain and nothing else.
 """
 
 from __future__ import annotations
@@ -171,9 +171,7 @@ def _compare_halves(
     used = np.ones(len(signal) - middle, bool)
     used[: acquisition.window()[0]] = False  # exposed while the first half's input acted
     second = Experiment(signal[middle:], output[middle:], acquisition, used, estimate_initial_state=True)
-    halves: list[Estimate] = [
-        estimate(Structure.of_order(2, 0), [half], nominal=nominal) for half in (first, second)
-    ]
+    halves: list[Estimate] = [estimate(Structure.of_order(2, 0), [half], nominal=nominal) for half in (first, second)]
     vectors = [parameter_vector(h.plant.numerator, h.plant.denominator) for h in halves]
     difference = vectors[1] - vectors[0]
     covariance = halves[0].covariance + halves[1].covariance
@@ -201,10 +199,10 @@ def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
         found[f"bound_{signal}"] = (ratio, "")
         found[f"bound_{signal}_at_equal_peak"] = (ratio * peak / float(bounds["peak"]["prbs"]), "")
         found[f"peak_{signal}"] = (peak, "")
-    for (signal, plant), rows in clean.groupby(["signal", "plant"]):
-        found[f"distortion_{signal}_{plant}"] = (float(rows["distortion"].iloc[0]), "")
-    for (signal, plant), rows in noisy.groupby(["signal", "plant"]):
-        found[f"detected_{signal}_{plant}"] = (100.0 * float((rows["probability"] < SIGNIFICANT).mean()), "%")
+    for name, rows in clean.groupby(["signal", "plant"]):
+        found[f"distortion_{name[0]}_{name[1]}"] = (float(rows["distortion"].iloc[0]), "")
+    for name, rows in noisy.groupby(["signal", "plant"]):
+        found[f"detected_{name[0]}_{name[1]}"] = (100.0 * float((rows["probability"] < SIGNIFICANT).mean()), "%")
     dead = clean[(clean["signal"] == "prbs") & (clean["plant"] == "dead-zone")]
     found["gain_error_prbs_dead-zone"] = (float(dead["error_b0"].iloc[0]), "%")
     return found

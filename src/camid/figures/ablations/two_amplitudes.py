@@ -14,7 +14,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SIGNALS = {"prbs": "PRBS", "two-amplitudes": "two\namplitudes", "multilevel": "multi-\nlevel", "multisine": "multi-\nsine"}
+SIGNALS = {
+    "prbs": "PRBS",
+    "two-amplitudes": "two\namplitudes",
+    "multilevel": "multi-\nlevel",
+    "multisine": "multi-\nsine",
+}
 PLANTS = {"linear": "linear", "cubic-stiffness": "cubic\nstiffness", "dead-zone": "dead\nzone"}
 LOOKS = {"b0": (style.BLUE, "o", "//"), "a1": (style.ORANGE, "s", ""), "a0": (style.BLACK, "^", "..")}
 # A standardised difference beyond this has a probability below 0.001.
@@ -51,9 +56,7 @@ def _draw_bounds(axes: Axes, clean: pd.DataFrame) -> None:
     for i, (p, (colour, _, hatch)) in enumerate(LOOKS.items()):
         values = [bounds[f"bound_{p}"][s] / bounds[f"bound_{p}"]["prbs"] for s in SIGNALS]
         place = np.arange(len(SIGNALS)) + 0.25 * (i - 1)
-        axes.bar(
-            place, values, 0.23, color="white", edgecolor=colour, hatch=3 * hatch, linewidth=0.8, label=SYMBOLS[p]
-        )
+        axes.bar(place, values, 0.23, color="white", edgecolor=colour, hatch=3 * hatch, linewidth=0.8, label=SYMBOLS[p])
     axes.axhline(1.0, color=style.GREY, linewidth=0.8, linestyle="--")
     axes.set_xticks(range(len(SIGNALS)), [*SIGNALS.values()], fontsize=6.2)
     axes.set(ylabel="bound over that of the PRBS", title="price, at equal power", ylim=(0.0, 1.4))
