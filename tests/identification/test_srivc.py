@@ -237,3 +237,10 @@ def test_what_cannot_be_told_apart_is_named(excitation):
     assert np.abs(result.plant.poles()[0]) == pytest.approx(10.0, rel=0.05)
     assert any(abs(r.natural_frequencies[0] / alias - 1.0) < 0.05 for r in result.rivals)
     assert 0.3 < sum(r.weight for r in result.rivals) < 0.9
+
+
+def test_plain_srivc_starts_from_a_nominal_plant_whatever_the_structure_holds(excitation):
+    data = [experiment(excitation, Acquisition(0.05))]
+    result = estimate(Structure.of_order(2, 0), data, nominal=second_order(1.1, 9.5, 0.12), method="plain-srivc")
+    assert result.converged
+    np.testing.assert_allclose([*result.plant.numerator, *result.plant.denominator[1:]], TRUTH, rtol=1e-6)

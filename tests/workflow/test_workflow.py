@@ -33,7 +33,14 @@ def test_fresh_clone_with_committed_figures_computes_all_of_them(computed):
 def test_file_target_and_named_target_alone_compute_in_a_fresh_clone(fresh):
     assert {"fig8", "neglected_mode", "excitation"} <= fresh.planned("paper_figs/fig8.png")
     assert {"fig7", "sampling_period", "noise"} <= fresh.planned("fig7")
-    assert fresh.planned("all") >= FIGURES | DATASETS | {"claims"}
+    assert fresh.planned("all") >= FIGURES | DATASETS | {
+        "claims",
+        "ablations",
+        "ablation_exposure",
+        "monte_carlo_shard",
+    }
+    assert {"ablation_latency", "latency_runs"} == fresh.planned("paper_figs/ablation_latency.png")
+    assert "monte_carlo_all_runs" in fresh.planned("monte_carlo")
 
 
 def test_removed_results_are_computed_again(computed, tmp_path):
@@ -63,6 +70,12 @@ def test_deleted_figure_takes_one_job(computed):
     ("module", "rerun", "kept"),
     [
         ("src/camid/figures/neglected_mode.py", {"fig8"}, DATASETS | {"neglected_mode", "fig7"}),
+        ("src/camid/figures/ablations/latency.py", {"ablation_latency"}, {"latency_runs", "ablation_exposure", "fig7"}),
+        (
+            "src/camid/experiments/ablations/latency.py",
+            {"latency_runs"},
+            {"exposure_runs", "monte_carlo_shard", "fig7"},
+        ),
         ("src/camid/figures/style.py", FIGURES, DATASETS | {"neglected_mode", "sampling_period"}),
         ("src/camid/identification/srivc.py", {"sampling_period", "neglected_mode", "fig7"}, DATASETS | {"fig6"}),
         ("src/camid/chain.py", {"sampling_period_outputs", "neglected_mode_outputs"}, {"excitation", "marker_image"}),
@@ -109,11 +122,15 @@ def test_changed_number_reruns_only_what_uses_it(computed):
     assert not planned & {"excitation", "sampling_period", "fig7", "fig8"}
 
 
-def test_wrong_key_in_the_configuration_is_named(fresh):
-    path = fresh.folder / "config/config.yaml"
-    path.write_text(path.read_text(encoding="utf-8").replace("noise_samples:", "noise_sample:"), encoding="utf-8")
+@pytest.mark.parametrize(
+    ("file", "right", "wrong"),
+    [("config.yaml", "noise_samples:", "noise_sample:"), ("ablations.yaml", "nominal_error:", "nominal_eror:")],
+)
+def test_wrong_key_in_the_configuration_is_named(fresh, file, right, wrong):
+    path = fresh.folder / "config" / file
+    path.write_text(path.read_text(encoding="utf-8").replace(right, wrong), encoding="utf-8")
     printed = fresh.snakemake("-n", expect=1)
-    assert "noise_sample" in printed
+    assert wrong.rstrip(":") in printed
 
 
 def test_second_clone_takes_its_datasets_from_the_cache(computed, fresh):
@@ -129,9 +146,14 @@ def test_second_clone_takes_its_datasets_from_the_cache(computed, fresh):
 
 
 def test_one_core_gives_the_same_bytes_as_two(computed, fresh):
-    fresh.snakemake("all", cores=1)
+    """Two cold runs. The Monte Carlo, half of the work, is left out: tests of its own add up its shards."""
+    ablations = [f"ablation_{name}" for name in ("exposure", "methods", "past_shannon", "image_quality")]
+    fresh.snakemake(*sorted(FIGURES), "claims", *ablations, cores=1)
+    names = [*FIGURES, "claims", *ablations]
     ours, theirs = fresh.outputs(), computed.outputs()
-    assert {n for n in ours if ours[n] != theirs[n]} == set()
+    compared = [n for n in ours if n.split(".")[0] in names]
+    assert len(compared) == 3 * (len(FIGURES) + len(ablations)) + 2
+    assert {n for n in compared if ours[n] != theirs[n]} == set()
 
 
 def test_committed_results_are_those_of_the_workflow(computed):
@@ -189,6 +211,7 @@ def test_mutation_makes_check_fail(computed, fresh, mutation):
     text = path.read_text(encoding="utf-8")
     assert text.count(right) == 1
     path.write_text(text.replace(right, wrong), encoding="utf-8")
+    fresh.lighten()
     printed = fresh.snakemake("check", cache=computed.cache, expect=1)
     failed = re.findall(r"FAIL │ \S+ +│ (\S+)", printed)
     assert quantity in failed, printed

@@ -193,8 +193,7 @@ def _plain(
 ) -> tuple[Predictor, Fit]:
     """SRIVC as published: start from the nominal plant, else from LSSVF with the cut-off that fits best."""
     if believed is not None:
-        predictor = Predictor.around(structure, experiments, believed)
-        start = predictor.from_physical(structure.coefficients())
+        denominator = believed
     else:
         tell("state-variable filters")
         period = experiments[0].acquisition.period
@@ -207,9 +206,9 @@ def _plain(
             denominator = reflect(np.concatenate([[1.0], predictor.to_physical(start)[split:]]))
             trials += [(c.cost, c.denominator) for c in evaluate(structure, records, [denominator])]
         denominator = min(trials, key=lambda t: t[0])[1]
-        predictor = Predictor.around(structure, experiments, denominator)
-        scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
-        start = predictor.solve_numerator(scaled)[0]
+    predictor = Predictor.around(structure, experiments, denominator)
+    scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)
+    start = predictor.solve_numerator(scaled)[0]
     tell("plain SRIVC")
     return predictor, plain_srivc(predictor, start)
 

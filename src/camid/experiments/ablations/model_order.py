@@ -190,9 +190,10 @@ def conclusion(value: Mapping[str, float]) -> str:
     return (
         f"camid's order selection finds the true order in {value[f'selected_{few}']:.0f} and "
         f"{value[f'selected_{many}']:.0f} % of the records of one and two modes ({value[f'selected_of_{few}']:.0f} "
-        f"each); Bayes's criterion alone ({chosen('bayes')} of {value[f'records_{few}']:.0f}) is {better} reliable than Akaike's ({chosen('akaike')}). {dearer}: the simulated output "
-        f"of two modes is off by {low:.2g} % with {value[f'poles_lowest_{many}']:.0f} poles, {right:.2g} % with {many} "
-        f"and {high:.2g} % with {value[f'poles_highest_{many}']:.0f}; that of one mode by {exact:.2g} % with {few} and "
-        f"{over:.2g} % with {value[f'poles_highest_{few}']:.0f}, where {value[f'unknown_highest_{few}']:.0f} % of the "
-        "records leave a coefficient undetermined."
+        f"each); Bayes's criterion alone ({chosen('bayes')} of {value[f'records_{few}']:.0f}) is {better} reliable "
+        f"than Akaike's ({chosen('akaike')}). {dearer}: the simulated output of two modes is off by {low:.2g} % with "
+        f"{value[f'poles_lowest_{many}']:.0f} poles, {right:.2g} % with {many} and {high:.2g} % with "
+        f"{value[f'poles_highest_{many}']:.0f}; that of one mode by {exact:.2g} % with {few} and {over:.2g} % with "
+        f"{value[f'poles_highest_{few}']:.0f}, where {value[f'unknown_highest_{few}']:.0f} % of the records leave a "
+        "coefficient undetermined."
     )

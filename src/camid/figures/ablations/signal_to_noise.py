@@ -76,8 +76,8 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
             color=style.GREY,
             fontsize=6.5,
         )
-    right.set(xlabel="signal-to-noise ratio (dB)", ylabel="rms error of the rest over the bound", ylim=(0.7, 20.0))
-    right.set_yticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
+    right.set(xlabel="signal-to-noise ratio (dB)", ylabel="rms error of the rest over the bound", ylim=(0.7, 5.0))
+    right.set_yticks([0.7, 1, 1.5, 2, 3, 5], ["0.7", "1", "1.5", "2", "3", "5"])
     right.minorticks_off()
     left.legend(ncols=1, loc="lower left")
     right.legend(loc="upper right")
