@@ -14,7 +14,7 @@ BENCHMARK_BIN := $(BENCHMARK_ENVIRONMENT)/bin
 FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
 .DEFAULT_GOAL := all
-.PHONY: all env test lint format check readme bench lock clean help
+.PHONY: all env test lint format check readme bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	$(SNAKEMAKE) all $(CACHE)
@@ -60,12 +60,16 @@ $(BENCHMARK_ENVIRONMENT)/.installed: requirements-benchmark.lock pyproject.toml
 	$(BENCHMARK_BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@
 
+slurm: env ## let Snakemake send its jobs to Slurm (snakemake --profile workflow/profiles/slurm)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-slurm.lock
+
 COMPILE := uv pip compile --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-annotate \
   --custom-compile-command "make lock"
 
-lock: ## renew requirements.lock and requirements-benchmark.lock (needs uv)
+lock: ## renew the hashed locks (needs uv)
 	$(COMPILE) --extra workflow --extra development pyproject.toml --output-file requirements.lock
 	$(COMPILE) --extra benchmark pyproject.toml --output-file requirements-benchmark.lock
+	$(COMPILE) --extra slurm --constraint requirements.lock pyproject.toml --output-file requirements-slurm.lock
 
 clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake

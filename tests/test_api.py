@@ -228,3 +228,165 @@ def test_offset_in_the_recording_is_warned_of_and_noise_is_not():
     shifted = table.assign(y=table["y"] + 0.3)
     (sentence,) = camid.identify(shifted, believed()).warnings()
     assert "offset" in sentence
+
+
+def test_several_moving_recordings_with_a_known_delay_and_a_known_coefficient():
+    """All at once: each recording starts in motion of its own, the delay and the damping are known."""
+    tables = [rig.recording(300, seed=s, before=9 + s, latency=1.3, start=10.0 * s) for s in (1, 5, 9)]
+    content = believed(
+        (200.0,),
+        (2.0, 6.0, 260.0),
+        plant={"free": {"numerator": [True], "denominator": [False, False, True]}},
+        sensor=sensor(latency=1.3),
+        initial_state="estimate",
+    )
+    result = camid.identify(tables, content)
+    assert_recovered(result, free=(True, False, True))
+    assert result.simulation.plant.denominator[1] == pytest.approx(6.0, rel=1e-12)
+    assert result.rows_fitted == 3 * 300 - 3 * 3  # frames that saw what was before the recordings are left out
+    assert result.warnings() == []
+    assert result.nrmse == pytest.approx(0.1, rel=0.1)
+    alone = camid.identify(tables[:1], content).simulation.standard_deviations["denominator"][2]
+    assert result.simulation.standard_deviations["denominator"][2] < 0.8 * alone
+    # The delay counts: without it the plant is another one, and the residual says so.
+    assert camid.identify(tables, content | {"sensor": sensor()}).residual_analysis.contradicts
+
+
+def test_a_right_declaration_is_not_warned_of():
+    result = camid.identify(rig.recording(), believed())
+    assert result.alternatives == []
+    assert result.residual_analysis.whiteness_p > 1e-3
+    assert result.residual_analysis.independence_p > 1e-3
+    summary = result.to_mapping()["residual_analysis"]
+    assert summary["lags"] == 25
+    assert summary["alternatives"] == []
+    assert result.residual_analysis.summary().startswith("residual: white (p = ")
+
+
+@pytest.mark.parametrize(
+    ("truth", "changes", "said", "right"),
+    [
+        ({"hold": "foh"}, {}, "hold foh", {"hold": "foh"}),
+        ({"exposure": 0.4}, {}, "an exposure of ", {"exposure": 0.4 * rig.PERIOD}),
+        ({"exposure": 0.0}, {}, "an instant sensor", {"sensor": "instant"}),
+        ({}, {"sensor": sensor(0.0)}, "a camera with an exposure of 50 ms", {"sensor": "camera"}),
+        ({"latency": 0.6}, {}, "a latency of ", {"latency": 0.6 * rig.PERIOD}),
+        ({}, {"sensor": sensor(latency=0.6)}, "a latency of 0 ms", {"latency": 0.0}),
+        (
+            {"hold": "foh", "exposure": 0.0},
+            {},
+            "hold foh and an instant sensor",
+            {"hold": "foh", "sensor": "instant"},
+        ),
+    ],
+)
+def test_a_wrong_declaration_is_named(truth, changes, said, right):
+    result = camid.identify(rig.recording(600, noise=0.03, **truth), believed(**changes))
+    (sentence,) = result.warnings()
+    assert sentence.startswith("the residual depends on the input (p ")
+    assert said in sentence
+    assert "contradict" in sentence
+    mapping = result.to_mapping()["residual_analysis"]
+    assert mapping["independence_p"] < 1e-3
+    (named,) = [a for a in mapping["alternatives"] if a["changed"] == list(right)]
+    assert named["passes"]
+    for key, value in right.items():
+        assert named[key] == (value if isinstance(value, str) else pytest.approx(value, rel=0.05))
+
+
+def test_what_no_declaration_explains_is_said():
+    result = camid.identify(rig.recording(600, noise=0.03), believed(), structure=(1, 0))
+    (sentence,) = result.warnings()
+    assert "no hold, exposure or latency explains it" in sentence
+    assert "order too low" in sentence
+
+
+def systems():
+    import control
+
+    transfer_function = control.tf([200.0], [2.0, 9.0, 260.0])
+    return {"transfer function": transfer_function, "state space": control.ss(transfer_function)}
+
+
+@pytest.mark.parametrize("kind", ["transfer function", "state space"])
+@pytest.mark.parametrize("nested", [False, True])
+def test_python_control_goes_in_and_comes_out(kind, nested):
+    import control
+
+    system = systems()[kind]
+    content = rig.simulation(plant={"transfer_function": system} if nested else system)
+    table = rig.recording()
+    result = camid.identify(table, content)
+    expected = camid.identify(table, believed())
+    found, monic = result.simulation.plant.monic, expected.simulation.plant.monic
+    np.testing.assert_allclose(found.denominator, monic.denominator, rtol=1e-6)
+    np.testing.assert_allclose(found.numerator, monic.numerator, rtol=1e-6)
+    returned = result.to_control()
+    assert isinstance(returned, control.TransferFunction)
+    np.testing.assert_allclose(returned.den[0][0], result.simulation.plant.denominator)
+    simulated = camid.simulate(table, content)["simulated"]
+    np.testing.assert_allclose(simulated, camid.simulate(table, believed())["simulated"], rtol=1e-6, atol=1e-9)
+
+
+def test_python_control_systems_that_are_no_plant_are_refused():
+    import control
+
+    table = rig.recording()
+    refused = {
+        "discrete time": control.tf([1.0], [1.0, -0.5], rig.PERIOD),
+        "one pair": control.ss([[-1.0]], [[1.0, 2.0]], [[1.0]], [[0.0, 0.0]]),
+        "is no plant": control.frd([1.0, 2.0], [1.0, 2.0]),
+        "improper": control.tf([1.0, 0.0, 0.0], [1.0, 1.0]),
+        "unstable": control.tf([1.0], [1.0, -1.0]),
+    }
+    for said, system in refused.items():
+        for command in (camid.identify, camid.simulate):
+            assert said in refusal(table, rig.simulation(plant=system), command)
+        assert said in refusal(table, rig.simulation(plant={"transfer_function": system}))
+    assert "nothing of input and sensor" in refusal(table, control.tf([1.0], [1.0, 1.0]))
+    model = camid.Simulation("t", "u", "y", control.tf([3.0], [1.0, 2.0]))
+    assert model.plant.numerator == (3.0,)
+    with pytest.raises(InputError, match="discrete time"):
+        camid.Simulation("t", "u", "y", control.tf([1.0], [1.0, -0.5], rig.PERIOD))
+
+
+def test_state_space_leaves_no_coefficients_at_rounding_level():
+    import control
+
+    rotation = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))[0]
+    for numerator, denominator in (([2.0], [1.0, 3.0, 0.0, 0.0]), ([1.0, 0.0], [1.0, 2.0, 3.0, 4.0])):
+        plain = control.ss(control.tf(numerator, denominator))
+        turned = control.ss(rotation @ plain.A @ rotation.T, rotation @ plain.B, plain.C @ rotation.T, plain.D)
+        plant = camid.Simulation("t", "u", "y", turned).plant
+        np.testing.assert_allclose(plant.numerator, numerator, rtol=1e-9, atol=0.0)
+        np.testing.assert_allclose(plant.denominator, denominator, rtol=1e-9, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"input": {"column": ["u", "v"], "hold": "zoh"}},
+        {"input": [{"column": "u", "hold": "zoh"}, {"column": "v", "hold": "zoh"}]},
+        {"sensor": {"column": ["y", "z"], "kind": "camera"}},
+    ],
+)
+def test_several_inputs_or_outputs_are_refused(tmp_path, changes):
+    content = rig.simulation(**changes)
+    for source in (content, rig.write_yaml(content, tmp_path / "S.yaml")):
+        message = refusal(rig.recording(), source)
+        assert "camid identifies one input and one output" in message
+        assert "name one column" in message
+
+
+def test_select_order():
+    from camid.api import select_order
+
+    told = []
+    result = select_order(rig.recording(), believed(), largest=2, progress=told.append)
+    assert (result.poles, result.zeros) == (2, 0)
+    assert len(result.table) == 3
+    assert told[-1] == "order 2 1 (3 of 3)"
+    assert "at least one pole" in refusal(rig.recording(), believed(), select_order, largest=0)
+    free_decay = believed(numerator=rig.NUMERATOR, input=None, initial_state="estimate")
+    assert "nothing of the zeros" in refusal(decay(), free_decay, select_order)
+    assert "no order can be estimated" in refusal(rig.recording(3), believed(), select_order)

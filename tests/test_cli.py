@@ -203,6 +203,18 @@ def test_options_say_what_a_file_says(bench, capsys, options):
         ),
         (["identify", "recording.csv", "--order", "2", "0", "--method", "magic"], "'magic' is not one of"),
         ([*IDENTIFY, "--colour", "red"], "--colour"),
+        ([*IDENTIFY, "--residuals", "model.yaml"], "--output and --residuals are the same file"),
+        ([*IDENTIFY, "--residuals", "./model.yaml"], "--output and --residuals are the same file"),
+        ([*IDENTIFY, "--residuals", "recording.csv"], "recording.csv: --residuals would overwrite"),
+        ([*IDENTIFY, "--residuals", "none/residuals.csv"], "none: no such folder"),
+        (["identify", "recording.csv", "recording.csv", "--order", "2", "0"], "the same recording is named twice"),
+        (["order", "recording.csv", "--largest", "0"], "the largest order is 0"),
+        (["order", "recording.csv", "--largest", "x"], "'x' is not a valid integer"),
+        (["order", "none.csv"], "none.csv: no such file"),
+        (["order", "recording.csv", "--input-column", "v"], "say --time-column, --input-column, --output-column"),
+        (["order", "recording.csv", "--simulation", "S.yaml", "--hold", "foh"], "--hold and --simulation contradict"),
+        (["order", "recording.csv", "--output", "recording.csv"], "recording.csv: --output would overwrite"),
+        (["order", "recording.csv", "--output", "none/table.csv"], "none: no such folder"),
         (["simulate", "recording.csv", "--simulation", "S.yaml"], "Missing option '--output'"),
         (["simulate"], "Missing argument"),
         (["divine", "recording.csv"], "divine"),
@@ -234,6 +246,8 @@ def test_wrong_arguments_are_refused_in_one_line(bench, capsys, arguments, said)
         ({"plant": {"pendulum": {"natural_frequency": 3.0, "damping": 0.01}}}, "does not simulate a pendulum"),
         ({"controller": {"reference": "r", "position_gain": 1.0, "velocity_gain": 1.0}}, "not simulate a controller"),
         ({"plant": rig.plant([1.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
+        ({"input": {"column": ["u", "v"], "hold": "zoh"}}, "input: camid identifies one input and one output"),
+        ({"sensor": {"column": ["y", "z"], "kind": "camera"}}, "sensor: camid identifies one input and one output"),
     ],
 )
 @pytest.mark.parametrize("command", [IDENTIFY, SIMULATE])
@@ -310,7 +324,9 @@ def test_an_iteration_that_fails_says_so(bench, capsys):
     assert "NOT CONVERGED" in (bench / "m.yaml").read_text().splitlines()[0]
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["identify", "--help"], ["simulate", "-h"], ["--version"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["-h"], ["identify", "--help"], ["order", "-h"], ["simulate", "-h"], ["--version"]]
+)
 def test_help(capsys, arguments):
     assert main(arguments) == 0
     out, err = capsys.readouterr()
@@ -331,3 +347,98 @@ def test_the_module_runs_as_a_program(bench):
     failed = run(*replaced(SIMULATE, "recording.csv", "none.csv"))
     assert (failed.returncode, failed.stdout) == (2, "")
     assert failed.stderr == "camid: error: none.csv: no such file; check the path\n"
+
+
+def test_the_correlations_of_the_residual(bench, capsys):
+    assert main([*IDENTIFY, "--residuals", "residuals.csv"]) == 0
+    out = capsys.readouterr().out
+    assert "residual: white (p = " in out
+    assert "independent of the input (p = " in out
+    assert "written to residuals.csv" in out
+    table = pd.read_csv(bench / "residuals.csv")
+    assert list(table.columns) == [
+        "lag",
+        "seconds",
+        "autocorrelation",
+        "bound_autocorrelation",
+        "crosscorrelation",
+        "bound_crosscorrelation",
+    ]
+    assert table["lag"].tolist() == list(range(-25, 26))
+    np.testing.assert_allclose(table["seconds"], rig.PERIOD * table["lag"])
+    # Computed here again, from what the commands write: the residual of the identified model.
+    assert main(replaced(SIMULATE, "S.yaml", "model.yaml")) == 0
+    simulated = pd.read_csv(bench / "simulated.csv")
+    residual = (simulated["y"] - simulated["simulated"]).to_numpy(copy=True)
+    residual -= residual.mean()
+    for lag in (1, 7):
+        row = table[table["lag"] == lag].iloc[0]
+        plain = residual[lag:] @ residual[:-lag] / (residual @ residual)
+        assert row["autocorrelation"] == pytest.approx(plain, abs=0.02)
+        assert row["bound_autocorrelation"] == pytest.approx(2.576 / 20.0, rel=0.1)
+        assert abs(row["crosscorrelation"]) < row["bound_crosscorrelation"] < 2.7 / 20.0
+
+
+def test_nothing_is_written_if_there_is_no_residual(bench, capsys):
+    """The folder of one of two outputs is missing: neither is written."""
+    arguments = [*IDENTIFY, "--residuals", "none/residuals.csv"]
+    assert "none: no such folder" in refusal(capsys, arguments)
+    assert not (bench / "model.yaml").exists()
+
+
+def test_a_wrong_declaration_is_warned_of(bench, capsys):
+    assert main(["identify", "recording.csv", "--order", "2", "0", "--sensor", "instant", "--json"]) == 0
+    out, err = capsys.readouterr()
+    content = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert err.startswith("camid: warning: the residual depends on the input (p ")
+    assert err.count("\n") == 1
+    assert "a camera with an exposure of 50 ms" in err
+    assert content["warnings"] == [err.removeprefix("camid: warning: ").rstrip("\n")]
+    analysis = content["residual_analysis"]
+    assert analysis["independence_p"] < 1e-3
+    assert {"whiteness_p", "lags", "noise_order"} < set(analysis)
+    right = [a for a in analysis["alternatives"] if a["changed"] == ["sensor"]]
+    assert right[0]["sensor"] == "camera"
+    assert right[0]["exposure"] == pytest.approx(rig.PERIOD)
+    assert right[0]["passes"] is True
+
+
+def test_order_finds_the_order(bench, capsys):
+    assert main(["order", "recording.csv", "--largest", "2", "--output", "table.csv"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "chosen: --order 2 0" in out
+    table = pd.read_csv(bench / "table.csv")
+    assert table["chosen"].tolist() == [False, True, False]
+    assert main(["order", "recording.csv", "--simulation", "S.yaml", "--largest", "2", "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    content = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert (content["schema"], content["poles"], content["zeros"]) == (1, 2, 0)
+    assert content["explained"] is True
+    assert [c["delta_bic"] for c in content["candidates"]] == pytest.approx(table["delta_bic"].tolist())
+
+
+def test_what_is_known_can_be_said_on_the_command_line(bench, capsys):
+    """Two recordings of a rig in motion, a known delay, and a known coefficient, as --help has it."""
+    rig.recording(300, before=9, latency=1.3).to_csv("first.csv", index=False)
+    rig.recording(300, before=12, latency=1.3, seed=4).to_csv("second.csv", index=False)
+    common = ["first.csv", "second.csv", "--json"]
+    delay = ["--latency", str(1.3 * rig.PERIOD), "--initial-state", "estimate"]
+    assert main(["identify", "--order", "2", "0", *delay, *common]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["rows_fitted"] == 2 * 300 - 2 * 3
+    assert content["warnings"] == []
+    np.testing.assert_allclose(content["denominator"], [1.0, 3.0, 100.0], rtol=0.05)
+    known = rig.plant([300.0], [2.0, 6.0, 200.0], free={"numerator": [True], "denominator": [False, False, True]})
+    sensor = {"column": "y", "kind": "camera", "latency": 1.3 * rig.PERIOD}
+    rig.write_yaml(rig.simulation(plant=known, sensor=sensor, initial_state="estimate"), bench / "S.yaml")
+    assert main(["identify", "--simulation", "S.yaml", *common]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["denominator"][1] == 6.0
+    assert content["standard_deviations"]["denominator"][:2] == [0.0, 0.0]
+    assert content["standard_deviations"]["denominator"][2] > 0.0
+    assert main(["identify", "--help"]) == 0
+    said = capsys.readouterr().out
+    for word in ("--latency", "plant.free", "--initial-state estimate", "several recordings", "camid order"):
+        assert word in said

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from camid.api import identify, simulate
+    from camid.api import identify, select_order, simulate
     from camid.errors import InputError
     from camid.identification.result import Identification
     from camid.recording import Recording, read_recording
@@ -24,6 +24,7 @@ _HOMES = {
     "identify": "api",
     "load_simulation": "simulation",
     "read_recording": "recording",
+    "select_order": "api",
     "simulate": "api",
     "write_simulation": "simulation",
 }
@@ -37,6 +38,7 @@ __all__ = [
     "identify",
     "load_simulation",
     "read_recording",
+    "select_order",
     "simulate",
     "write_simulation",
 ]

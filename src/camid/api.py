@@ -1,4 +1,4 @@
-"""The Python API that the commands call: ``camid.identify`` and ``camid.simulate``."""
+"""The Python API that the commands call: ``identify``, ``select_order`` and ``simulate``."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from camid.chain import Acquisition
     from camid.identification.estimate import Estimate
+    from camid.identification.order_selection import OrderSelection
     from camid.identification.predictor import Experiment, Structure
     from camid.plant import TransferFunction
 
@@ -88,6 +89,39 @@ def _validation_rows(recording: Recording, simulation: Simulation) -> NDArray[np
     return rows
 
 
+def _experiments(
+    recording: RecordingSource | Sequence[RecordingSource],
+    believed: Simulation,
+    progress: Callable[[str], None] | None,
+) -> tuple[list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
+    """Recordings, what is fitted of them, and their validation rows."""
+    sources = recording if isinstance(recording, list | tuple) else [recording]
+    if not sources:
+        raise InputError("no recording is given", mend="name at least one")
+    files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
+    if len(set(files)) < len(files):
+        raise InputError(
+            "the same recording is named twice", where=str(sources[0]), mend="what it says would count double"
+        )
+    if progress:
+        progress("reading the recording")
+    recordings = [load_recording(source, believed, output_needed=True) for source in sources]
+    experiments, held_out = [], []
+    for one in recordings:
+        experiment = _experiment(one, believed)
+        rows = _validation_rows(one, believed)
+        held_out.append(rows & experiment.used)
+        experiments.append(replace(experiment, used=experiment.used & ~rows))
+        _refuse_constant(one, believed)
+    if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
+        raise InputError(
+            f"column '{believed.input_column}' is zero throughout",
+            where=recordings[0].source,
+            mend="for a free decay say input: null in the simulation",
+        )
+    return recordings, experiments, held_out
+
+
 def identify(
     recording: RecordingSource | Sequence[RecordingSource],
     simulation: SimulationSource,
@@ -101,8 +135,11 @@ def identify(
     Parameters
     ----------
     recording : path, DataFrame, or list of them
+        Each has an initial state of its own, if it is estimated.
     simulation : path, mapping or Simulation
-        Its transfer function gives the orders and one starting value.
+        Its transfer function gives the orders and one starting value; a mapping may hold a continuous-time
+        python-control system with one input and one output as ``plant``. A known delay is the sensor's latency;
+        coefficients with ``free: false`` keep their value.
     structure : (int, int), optional
         Numbers of poles and zeros; the transfer function of the simulation then counts for nothing. Needs an input.
     method : {"srivc", "output-error", "plain-srivc"}
@@ -120,31 +157,8 @@ def identify(
     believed = load_simulation(simulation)
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known", mend=f"it must be one of {', '.join(METHODS)}")
-    sources = recording if isinstance(recording, list | tuple) else [recording]
-    if not sources:
-        raise InputError("no recording is given", mend="name at least one")
-    files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
-    if len(set(files)) < len(files):
-        raise InputError(
-            "the same recording is named twice", where=str(sources[0]), mend="what it says would count double"
-        )
-    if progress:
-        progress("reading the recording")
-    recordings = [load_recording(source, believed, output_needed=True) for source in sources]
     wanted, nominal = _wanted(believed, structure)
-    experiments, held_out = [], []
-    for one in recordings:
-        experiment = _experiment(one, believed)
-        rows = _validation_rows(one, believed)
-        held_out.append(rows & experiment.used)
-        experiments.append(replace(experiment, used=experiment.used & ~rows))
-        _refuse_constant(one, believed)
-    if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
-        raise InputError(
-            f"column '{believed.input_column}' is zero throughout",
-            where=recordings[0].source,
-            mend="for a free decay say input: null in the simulation",
-        )
+    recordings, experiments, held_out = _experiments(recording, believed, progress)
     unknowns = int(wanted.free.sum()) + wanted.order * sum(e.estimate_initial_state for e in experiments)
     available = int(sum(e.used.sum() for e in experiments))
     if available <= unknowns:
@@ -157,7 +171,8 @@ def identify(
         raise InputError("no coefficient is free", where=believed.source, mend="free one under plant.free")
     try:
         result = estimate(wanted, experiments, nominal=nominal, method=method, progress=progress)
-        return _identification(believed, result, recordings, experiments, held_out)
+        identification = _identification(believed, result, recordings, experiments, held_out)
+        return _analysed(identification, wanted, experiments, progress)
     except (ValueError, ArithmeticError) as error:
         raise InputError(
             f"no estimate: {error}", where=recordings[0].source, mend="try another order, or check the units"
@@ -265,7 +280,72 @@ def _identification(
         rows_fitted=int(sum(k.sum() for k in fitted)),
         nrmse=nrmse(fitted),
         nrmse_validation=nrmse(held_out) if any(k.any() for k in held_out) else None,
+        acquisition=experiments[0].acquisition,
     )
+
+
+def _analysed(
+    identification: Identification,
+    wanted: Structure,
+    experiments: list[Experiment],
+    progress: Callable[[str], None] | None,
+) -> Identification:
+    """The identification with the tests of its residual and, where they contradict the declaration, with others."""
+    from camid.identification.declarations import alternative_declarations
+    from camid.identification.residual_analysis import analyse_residual
+
+    plant = identification.estimate.plant
+    try:
+        analysis = analyse_residual(wanted, plant, experiments)
+    except (ValueError, ArithmeticError):  # a method without safeguard ran away
+        return identification
+    alternatives = []
+    if identification.converged and analysis is not None and analysis.contradicts:
+        alternatives = alternative_declarations(wanted, plant, experiments, progress)
+    return replace(identification, residual_analysis=analysis, alternatives=alternatives)
+
+
+def select_order(
+    recording: RecordingSource | Sequence[RecordingSource],
+    simulation: SimulationSource,
+    *,
+    largest: int = 4,
+    progress: Callable[[str], None] | None = None,
+) -> OrderSelection:
+    """Estimate plants of every order and choose the lowest that explains one or several recordings of a rig.
+
+    Parameters
+    ----------
+    recording : path, DataFrame, or list of them
+    simulation : path, mapping or Simulation
+        What is believed of input, sensor and initial state; its plant counts for nothing.
+    largest : int
+        Largest number of poles.
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Returns
+    -------
+    OrderSelection
+        ``table`` of all candidates, and ``poles`` and ``zeros`` of the chosen one.
+
+    Raises
+    ------
+    InputError
+        If recording and simulation do not fit together, there is no input, or the data are too few.
+    """
+    from camid.identification.order_selection import select_order as run
+
+    believed = load_simulation(simulation)
+    if believed.input_column is None:
+        raise InputError("a free decay says nothing of the zeros", where=believed.source, mend="record an input, too")
+    if largest < 1:
+        raise InputError(f"the largest order is {largest}", mend="it takes at least one pole")
+    recordings, experiments, _ = _experiments(recording, believed, progress)
+    try:
+        return run(experiments, largest, progress=progress)
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(str(error), where=recordings[0].source, mend="record longer, or check the units") from None
 
 
 def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""The command line: ``camid identify`` and ``camid simulate``.
+"""The command line: ``camid identify``, ``camid order`` and ``camid simulate``.
 
 Exit code 0: done. 2: the input is wrong, and one line says what, where and how to mend it.
 """
@@ -20,6 +20,7 @@ from camid import __version__
 from camid.errors import InputError
 
 if TYPE_CHECKING:
+    from camid.identification.order_selection import OrderSelection
     from camid.identification.result import Identification
     from camid.simulation import Simulation
 
@@ -48,19 +49,48 @@ def cli() -> None:
     """Identify the dynamics of machines from what a camera sees of them."""
 
 
-@cli.command()
+# What the options below declare where there is no --simulation.
+DECLARATIONS = (
+    click.option("--hold", type=click.Choice(["zoh", "foh"]), help="Without --simulation: hold of the input [zoh]."),
+    click.option("--sensor", type=click.Choice(["camera", "instant"]), help="Without --simulation: sensor [camera]."),
+    click.option("--exposure", type=float, help="Without --simulation: exposure of the camera in s [the period]."),
+    click.option("--latency", type=float, help="Without --simulation: latency, or a known delay of the rig, in s [0]."),
+    click.option(
+        "--initial-state",
+        type=click.Choice(["zero", "estimate"]),
+        help="Without --simulation: estimate it if the rig moves when a recording begins [zero].",
+    ),
+    click.option("--time-column", help="Without --simulation: name of the time column [t]."),
+    click.option("--input-column", help="Without --simulation: name of the input column [u]."),
+    click.option("--output-column", help="Without --simulation: name of the output column [y]."),
+)
+
+
+HINTS = """\b
+What is known, and how to say it:
+  a delay                 --latency, or latency under sensor in the file
+  a coefficient           false under plant.free in the file keeps its value:
+                          free: {numerator: [true], denominator: [false, true, false]}
+  motion at the start     --initial-state estimate, or initial_state: estimate
+  several recordings      name them one after the other; each has an initial
+                          state of its own
+  not even the order      camid order RECORDING
+"""
+
+
+def _declarations(command: Callable[..., Any]) -> Callable[..., Any]:
+    for option in reversed(DECLARATIONS):
+        command = option(command)
+    return command
+
+
+@cli.command(epilog=HINTS)
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--simulation", type=click.Path(path_type=Path), help="What you believe of the rig (YAML).")
 @click.option("--output", type=click.Path(path_type=Path), help="Where the identified model goes (YAML).")
+@click.option("--residuals", type=click.Path(path_type=Path), help="Where the residual's correlations go (CSV).")
 @click.option("--order", nargs=2, type=int, metavar="POLES ZEROS", help="Without --simulation: order of the plant.")
-@click.option("--hold", type=click.Choice(["zoh", "foh"]), help="Without --simulation: hold of the input [zoh].")
-@click.option("--sensor", type=click.Choice(["camera", "instant"]), help="Without --simulation: sensor [camera].")
-@click.option("--exposure", type=float, help="Without --simulation: exposure of the camera in seconds [the period].")
-@click.option("--latency", type=float, help="Without --simulation: latency of the sensor in seconds [0].")
-@click.option("--initial-state", type=click.Choice(["zero", "estimate"]), help="Without --simulation [zero].")
-@click.option("--time-column", help="Without --simulation: name of the time column [t].")
-@click.option("--input-column", help="Without --simulation: name of the input column [u].")
-@click.option("--output-column", help="Without --simulation: name of the output column [y].")
+@_declarations
 @click.option(
     "--method",
     type=click.Choice(["srivc", "output-error", "plain-srivc"]),
@@ -74,6 +104,7 @@ def identify(
     recording: tuple[Path, ...],
     simulation: Path | None,
     output: Path | None,
+    residuals: Path | None,
     order: tuple[int, int] | None,
     method: str,
     as_json: bool,
@@ -81,18 +112,28 @@ def identify(
 ) -> None:
     """Re-estimate the plant from one or several RECORDINGs of a rig."""
     from camid.api import identify as run
+    from camid.recording import write_table
     from camid.simulation import write_simulation
 
-    believed = _declared_simulation(simulation, order, declared)
-    _check_output(output, [*recording, *([simulation] if simulation else [])])
-    with _progress(as_json) as progress:
-        try:
-            result = run(list(recording), believed, structure=order, method=method, progress=progress)
-        except InputError as error:
-            if simulation is None and error.problem.startswith("no column"):
-                options = "say --time-column, --input-column, --output-column"
-                raise InputError(error.problem, where=error.where, mend=f"{error.mend}; {options}") from None
-            raise
+    if simulation is not None and order is not None:
+        raise _contradiction("order", simulation)
+    if simulation is None and order is None:
+        raise InputError(
+            "neither --simulation nor --order is given",
+            mend="say what to look for, e.g. --order 2 0 (camid order tries them all)",
+        )
+    believed = _declared_simulation(simulation, declared)
+    inputs = [*recording, *([simulation] if simulation else [])]
+    _check_output(output, inputs)
+    _check_output(residuals, inputs, "--residuals")
+    if output is not None and residuals is not None and output.resolve() == residuals.resolve():
+        raise InputError("--output and --residuals are the same file", where=str(output), mend="name two files")
+    with _progress(as_json) as progress, _column_options(simulation):
+        result = run(list(recording), believed, structure=order, method=method, progress=progress)
+    if residuals is not None:
+        if result.residual_analysis is None:
+            raise InputError("the estimate ran away and left no residual", mend="leave out --residuals")
+        write_table(result.residual_analysis.correlations(result.period), residuals)
     if output is not None:
         names = ", ".join(p.name for p in recording)
         state = "converged" if result.converged else "NOT CONVERGED: do not use the numbers"
@@ -104,28 +145,39 @@ def identify(
     if as_json:
         click.echo(json.dumps(result.to_mapping(), indent=2))
     else:
-        _print_identification(result, output)
+        _print_identification(result, [p for p in (output, residuals) if p is not None])
     for sentence in result.warnings():
         _warn(sentence)
 
 
-def _declared_simulation(
-    simulation: Path | None, order: tuple[int, int] | None, declared: dict[str, Any]
-) -> Simulation:
+@contextmanager
+def _column_options(simulation: Path | None) -> Iterator[None]:
+    """Name the options for columns where a column is missing and no file says what the columns are called."""
+    try:
+        yield
+    except InputError as error:
+        if simulation is None and error.problem.startswith("no column"):
+            options = "say --time-column, --input-column, --output-column"
+            raise InputError(error.problem, where=error.where, mend=f"{error.mend}; {options}") from None
+        raise
+
+
+def _contradiction(option: str, simulation: Path) -> InputError:
+    return InputError(
+        f"--{option} and --simulation contradict each other", mend=f"write it into {simulation} or leave it out"
+    )
+
+
+def _declared_simulation(simulation: Path | None, declared: dict[str, Any]) -> Simulation:
     """The simulation file, or what the options declare in its place."""
     from camid.plant import TransferFunction
     from camid.simulation import Simulation, load_simulation
 
     given = {k: v for k, v in declared.items() if v is not None}
     if simulation is not None:
-        if order is not None or given:
-            option = "order" if order is not None else next(iter(given)).replace("_", "-")
-            raise InputError(
-                f"--{option} and --simulation contradict each other", mend=f"write it into {simulation} or leave it out"
-            )
+        if given:
+            raise _contradiction(next(iter(given)).replace("_", "-"), simulation)
         return load_simulation(simulation)
-    if order is None:
-        raise InputError("neither --simulation nor --order is given", mend="say what to look for, e.g. --order 2 0")
     sensor = given.get("sensor", "camera")
     if sensor == "instant" and "exposure" in given:
         raise InputError("an instant sensor has no exposure", mend="leave out --exposure or say --sensor camera")
@@ -147,18 +199,20 @@ def _declared_simulation(
     )
 
 
-def _check_output(output: Path | None, inputs: list[Path]) -> None:
+def _check_output(output: Path | None, inputs: list[Path], option: str = "--output") -> None:
     """Refuse, before the work is done, an output that cannot be written or that is one of the inputs."""
     from camid.recording import check_writable
 
     for path in inputs:
         if output is not None and output.exists() and path.exists() and output.samefile(path):
-            raise InputError("--output would overwrite what it is made from", where=str(path), mend="name another file")
+            raise InputError(
+                f"{option} would overwrite what it is made from", where=str(path), mend="name another file"
+            )
     if output is not None:
         check_writable(output)
 
 
-def _print_identification(result: Identification, output: Path | None) -> None:
+def _print_identification(result: Identification, written: list[Path]) -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -198,8 +252,77 @@ def _print_identification(result: Identification, output: Path | None) -> None:
         f"({'converged' if result.converged else 'not converged'})",
         soft_wrap=True,
     )
+    if result.residual_analysis is not None:
+        console.print(result.residual_analysis.summary(), soft_wrap=True)
+    for path in written:
+        console.print(f"written to {path}", soft_wrap=True)
+
+
+@cli.command()
+@click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option(
+    "--simulation", type=click.Path(path_type=Path), help="What you believe of the rig; its plant is ignored."
+)
+@_declarations
+@click.option("--largest", type=int, default=4, show_default=True, help="Largest number of poles.")
+@click.option("--output", type=click.Path(path_type=Path), help="Where the table goes (CSV or Parquet).")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+def order(
+    *,
+    recording: tuple[Path, ...],
+    simulation: Path | None,
+    largest: int,
+    output: Path | None,
+    as_json: bool,
+    **declared: Any,
+) -> None:
+    """Find how many poles and zeros one or several RECORDINGs of a rig call for."""
+    from camid.api import select_order
+    from camid.identification.result import without_infinities
+    from camid.recording import write_table
+
+    believed = _declared_simulation(simulation, declared)
+    _check_output(output, [*recording, *([simulation] if simulation else [])])
+    with _progress(as_json) as progress, _column_options(simulation):
+        result = select_order(list(recording), believed, largest=largest, progress=progress)
     if output is not None:
-        console.print(f"written to {output}")
+        write_table(result.table, output)
+    if as_json:
+        click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
+    else:
+        _print_orders(result)
+        if output is not None:
+            click.echo(f"written to {output}")
+    for sentence in result.warnings():
+        _warn(sentence)
+
+
+def _print_orders(result: OrderSelection) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    table = Table(title="Orders", title_justify="left")
+    for heading in ("poles", "zeros", "residual", "ΔBIC", "weight", "independence p"):
+        table.add_column(heading, justify="right")
+    table.add_column("remarks")
+    for row in result.table.to_dict("records"):
+        remarks = [
+            *(["chosen"] if row["chosen"] else []),
+            *([] if row["converged"] else ["no convergence"]),
+            *([] if row["determined"] or not row["converged"] else ["a pole is not determined"]),
+            *(["a zero cancels a pole"] if row["cancels"] else []),
+        ]
+        numbers = (
+            f"{100.0 * row['nrmse']:.4g} %",
+            f"{row['delta_bic']:.1f}",
+            f"{row['weight']:.2g}",
+            f"{row['independence_p']:.2g}",
+        )
+        shown = ["–" if n.startswith("nan") else n for n in numbers]
+        table.add_row(str(row["poles"]), str(row["zeros"]), *shown, ", ".join(remarks))
+    console.print(table)
+    console.print(f"chosen: --order {result.poles} {result.zeros}")
 
 
 @cli.command()

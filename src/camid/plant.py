@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 # Relative size of a real part that counts as zero: an undamped mode is no unstable one, and a repeated root of the
 # denominator is only known to the square root of the rounding error.
 STABILITY_TOLERANCE = 1e-6
+# Relative size below which a root at zero, or a Markov parameter, of a state-space model is rounding.
+CONVERSION_ROUNDING = 1e-7
 
 
 def polynomial_roots(coefficients: Sequence[float] | NDArray[np.float64]) -> NDArray[np.complex128]:
@@ -110,6 +112,8 @@ class TransferFunction:
     def from_control(cls, system: control.TransferFunction | control.StateSpace) -> TransferFunction:
         """Take a continuous-time python-control system with one input and one output.
 
+        Coefficients that conversion from state space leaves at rounding level count as zero.
+
         Raises
         ------
         ValueError
@@ -119,19 +123,42 @@ class TransferFunction:
 
         if (system.ninputs, system.noutputs) != (1, 1):
             raise ValueError(
-                f"the system has {system.ninputs} inputs and {system.noutputs} outputs; camid identifies one of each: "
-                "take one input-output pair, e.g. system[0, 0]"
+                f"the system has {system.ninputs} inputs and {system.noutputs} outputs; camid identifies one input and "
+                "one output: take one pair, e.g. system[0, 0]"
             )
         if system.isdtime(strict=True):
-            raise ValueError("the system is in discrete time; camid works with the continuous-time plant")
+            raise ValueError(
+                "the system is in discrete time; camid works with the continuous-time plant: give that, or its order"
+            )
+        if isinstance(system, control.TransferFunction):
+            return cls(tuple(system.num[0][0]), tuple(system.den[0][0]))
         rational = control.tf(system)
-        return cls(tuple(rational.num[0][0]), tuple(rational.den[0][0]))
+        numerator, denominator = (np.trim_zeros(np.array(c[0][0], float), "f") for c in (rational.num, rational.den))
+        # The numerator has as many leading zeros as the impulse response has vanishing Markov parameters D, CB, CAB, …
+        numerator = numerator[max(len(numerator) + _vanishing_parameters(system) - len(denominator), 0) :]
+        for coefficients in (numerator, denominator):
+            sizes = np.abs(np.roots(coefficients))
+            at_zero = np.sum(sizes <= CONVERSION_ROUNDING * np.max(np.abs(system.poles()), initial=0.0))
+            coefficients[len(coefficients) - int(at_zero) :] = 0.0
+        return cls(tuple(numerator), tuple(denominator))
 
     def __mul__(self, other: TransferFunction) -> TransferFunction:
         """Two plants in series (paper equation (25))."""
         return TransferFunction(
             tuple(np.polymul(self.numerator, other.numerator)), tuple(np.polymul(self.denominator, other.denominator))
         )
+
+
+def _vanishing_parameters(system: control.StateSpace) -> int:
+    """How many of the first Markov parameters are zero but for rounding."""
+    if system.D[0, 0] != 0.0:
+        return 0
+    state, size = np.array(system.B), np.abs(system.B)
+    for i in range(1, system.nstates + 1):
+        if abs((system.C @ state)[0, 0]) > CONVERSION_ROUNDING * (np.abs(system.C) @ size)[0, 0]:
+            return i
+        state, size = system.A @ state, np.abs(system.A) @ size
+    return system.nstates
 
 
 def second_order(static_gain: float, natural_frequency: float, damping: float) -> TransferFunction:

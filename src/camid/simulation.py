@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,7 +32,7 @@ class Simulation:
         None for a free decay.
     hold : {"zoh", "foh"}
     plant : TransferFunction
-        As written, the leading denominator coefficient included.
+        As written, the leading denominator coefficient included; a python-control system is converted.
     free_numerator, free_denominator : ndarray of bool
         What may be re-estimated, in the shape of the coefficients.
     sensor : {"camera", "instant"}
@@ -67,6 +68,8 @@ class Simulation:
     source: str = "simulation"
 
     def __post_init__(self) -> None:
+        if not isinstance(self.plant, TransferFunction):
+            object.__setattr__(self, "plant", _continuous_plant(self.plant, "simulation, plant"))
         if self.free_numerator.size == 0 and self.free_denominator.size == 0:
             numerator, denominator = default_freedom(self.plant)
             object.__setattr__(self, "free_numerator", numerator)
@@ -152,7 +155,8 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     Parameters
     ----------
     source : path, mapping or Simulation
-        YAML 1.2 file, or its content.
+        YAML 1.2 file, or its content. In a mapping, ``plant`` or its ``transfer_function`` may be a continuous-time
+        python-control system with one input and one output.
 
     Raises
     ------
@@ -162,12 +166,19 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     """
     if isinstance(source, Simulation):
         return source
+    if _is_system(source):
+        raise InputError(
+            "a plant alone says nothing of input and sensor",
+            where="simulation",
+            mend='write {"schema": 1, "time": …, "input": …, "plant": system, "sensor": …}',
+        )
     if isinstance(source, Mapping):
-        content, name = source, "simulation"
+        content, name = _with_coefficients(source, "simulation"), "simulation"
     else:
         content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
         raise InputError("this is no mapping of keys to values", where=name, mend="see the example in README.md")
+    _refuse_several(content, name)
     refuse_schema_errors(content, "simulation.schema.json", name)
     for key, part in (("pendulum", content["plant"]), ("controller", content)):
         if key in part:
@@ -185,6 +196,69 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     if "transfer_function" not in content["plant"]:
         raise InputError("the key 'transfer_function' is missing", where=place(name, content, ["plant"]), mend="add it")
     return _build(content, name)
+
+
+def _is_system(value: Any) -> bool:
+    """Whether this is a system of python-control (which is not loaded here: who has such a system has loaded it)."""
+    library = sys.modules.get("control")
+    kinds = tuple(
+        getattr(library, name)
+        for name in ("InputOutputSystem", "FrequencyResponseData", "TransferFunction", "StateSpace")
+        if hasattr(library, name)
+    )
+    return isinstance(value, (TransferFunction, *kinds))
+
+
+def _continuous_plant(system: Any, where: str) -> TransferFunction:
+    """Plant of a python-control system.
+
+    Raises
+    ------
+    InputError
+        If it is in discrete time, has several inputs or outputs, is no transfer function or state-space model, or is
+        improper.
+    """
+    if isinstance(system, TransferFunction):
+        return system
+    kinds = tuple(
+        getattr(sys.modules.get("control"), name, TransferFunction) for name in ("TransferFunction", "StateSpace")
+    )
+    if not isinstance(system, kinds):
+        raise InputError(
+            f"a {type(system).__name__} is no plant",
+            where=where,
+            mend="give a continuous-time control.TransferFunction or control.StateSpace",
+        )
+    try:
+        return TransferFunction.from_control(system)
+    except ValueError as error:
+        raise InputError(str(error), where=where) from None
+
+
+def _with_coefficients(content: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The mapping with the coefficients of a python-control system in place of the system."""
+    part = content.get("plant")
+    if _is_system(part):
+        part = {"transfer_function": part}
+    if not isinstance(part, Mapping) or not _is_system(part.get("transfer_function")):
+        return content
+    plant = _continuous_plant(part["transfer_function"], f"{name}, plant.transfer_function")
+    written = {"numerator": list(plant.numerator), "denominator": list(plant.denominator)}
+    return {**content, "plant": {**part, "transfer_function": written}}
+
+
+def _refuse_several(content: Mapping[str, Any], name: str) -> None:
+    """One clear line for lists of inputs or outputs."""
+    for key, word in (("input", "input"), ("sensor", "output")):
+        part = content.get(key)
+        parts = part if isinstance(part, list | tuple) else [part]
+        columns = [p.get("column") for p in parts if isinstance(p, Mapping)]
+        if len(columns) > 1 or any(isinstance(c, list | tuple) for c in columns):
+            raise InputError(
+                f"camid identifies one input and one output, and here are several {word}s",
+                where=place(name, content, [key]),
+                mend=f"name one column, and identify one {word} at a time while the others rest",
+            )
 
 
 def _build(content: Mapping[str, Any], name: str) -> Simulation:

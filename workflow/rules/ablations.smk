@@ -67,6 +67,10 @@ ABLATIONS = {
         "Choice and consequences of the number of poles",
         ["plant", "excitation", "seed"],
     ),
+    "wrong_hold": (
+        "Bias under a wrong hold or sensor, and the warning of it",
+        ["plant", "excitation", "seed"],
+    ),
 }
 
 

@@ -8,7 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition
-from camid.identification.fit import LARGEST_CONDITION, leaves_coefficients_determined
+from camid.identification.fit import LARGEST_CONDITION, UNDETERMINED_SHARE
 from camid.identification.predictor import Experiment, Predictor, Structure
 from camid.plant import TransferFunction
 
@@ -37,15 +37,29 @@ def inverse_information(sensitivities: Array, coefficients: int | None = None) -
         With infinite variances where the data determine nothing.
     determined : bool
     """
-    lengths = np.linalg.norm(sensitivities, axis=0)
+    number = sensitivities.shape[1] if coefficients is None else coefficients
+    inverse, determined = _inverse(np.ascontiguousarray(sensitivities, dtype=np.float64), number)
+    return inverse, bool(determined)
+
+
+@njit(cache=True)
+def _inverse(sensitivities: Array, coefficients: int) -> tuple[Array, bool]:
+    """See :func:`inverse_information`."""
+    columns = sensitivities.shape[1]
+    lengths = np.sqrt(np.sum(sensitivities * sensitivities, axis=0))
     if np.any(lengths == 0.0) or not np.all(np.isfinite(lengths)):
         return np.diag(np.where(lengths > 0.0, 0.0, np.inf)), False
-    _, singular, right = np.linalg.svd(sensitivities / lengths, full_matrices=False)
-    dropped = right[singular <= singular[0] / LARGEST_CONDITION]
-    number = sensitivities.shape[1] if coefficients is None else coefficients
-    determined = leaves_coefficients_determined(dropped, np.arange(sensitivities.shape[1]) < number)
-    inverse = (right.T / np.maximum(singular, singular[0] / LARGEST_CONDITION) ** 2) @ right
-    return inverse / np.outer(lengths, lengths), determined
+    _, singular, right = np.linalg.svd(sensitivities / lengths, False)
+    limit = singular[0] / LARGEST_CONDITION
+    determined = True
+    inverse = np.zeros((columns, columns))
+    for i in range(len(singular)):
+        # A direction that the data do not determine may concern initial states alone.
+        if singular[i] <= limit and np.sum(right[i, :coefficients] ** 2) >= UNDETERMINED_SHARE**2:
+            determined = False
+        direction = right[i] / (lengths * max(singular[i], limit))
+        inverse += np.outer(direction, direction)
+    return inverse, determined
 
 
 def covariance_from(predictor: Predictor, triangle: Array, cost: float) -> tuple[Array, float, bool]:
@@ -137,7 +151,7 @@ def innovation_variance(experiment: Experiment) -> float:
         return 0.0
     if rows.all():
         power = _power_left(_lagged_products(output, signal if driven else output[:0], length))
-        if power is not None:
+        if np.isfinite(power):
             return power / freedom
     past = sliding_window_view(output, length + 1)
     columns = [past[:, :-1], sliding_window_view(signal, length + 1)] if driven else [past[:, :-1]]
@@ -172,19 +186,31 @@ def _lagged_products(output: Array, signal: Array, length: int) -> Array:
     return products
 
 
-def _power_left(products: Array) -> float | None:
-    """Sum of squares that a regression of the last column on the others leaves, where normal equations are sound."""
-    scale = np.sqrt(np.diag(products))
-    if not np.all(scale > 0.0):
-        return None
-    try:
-        pivots = np.diag(np.linalg.cholesky(products / np.outer(scale, scale)))
-    except np.linalg.LinAlgError:
-        return None
-    # The last pivot is the distance of the target from the span of the columns before it.
-    if np.min(pivots[:-1]) <= SOUND_PIVOT or pivots[-1] ** 2 <= SOUND_REMAINDER:
-        return None
-    return float((pivots[-1] * scale[-1]) ** 2)
+@njit(cache=True, fastmath={"reassoc", "contract"})
+def _power_left(products: Array) -> float:
+    """Sum of squares that a regression of the last column on the others leaves; NaN where normal equations are unsound.
+
+    Cholesky's last pivot is the distance of the last column from the span of those before it.
+    """
+    size = len(products)
+    factor = np.zeros((size, size))
+    scale = np.empty(size)
+    for i in range(size):
+        if not products[i, i] > 0.0:
+            return np.nan
+        scale[i] = 1.0 / np.sqrt(products[i, i])
+    for i in range(size):
+        for j in range(i + 1):
+            total = products[i, j] * scale[i] * scale[j]
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            if j < i:
+                factor[i, j] = total / factor[j, j]
+            elif i < size - 1:
+                if not total > SOUND_PIVOT**2:
+                    return np.nan
+                factor[i, i] = np.sqrt(total)
+    return total * products[size - 1, size - 1] if total > SOUND_REMAINDER else np.nan
 
 
 def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str, float | str]]:

@@ -219,11 +219,14 @@ def _summarise(predictor: Predictor, fit: Fit, others: list[Rival]) -> Estimate:
     triangle, cost, residual = predictor.factorise(fit.parameters)
     covariance, variance, determined = covariance_from(predictor, triangle, cost)
     count = len(structure.free)
+    if not fit.converged:
+        # Where an iteration stopped without an optimum, the curvature says nothing of the accuracy.
+        covariance = np.diag(np.where(predictor.free, np.inf, 0.0))
     found = intervals(predictor, fit, covariance)
     first_order = np.sqrt(np.diag(covariance)[:count])
     deviations = standard_deviations(coefficients, first_order, found)
     with np.errstate(divide="ignore", invalid="ignore"):
-        wider = np.where(first_order > 0.0, deviations / first_order, 1.0)
+        wider = np.where((first_order > 0.0) & np.isfinite(first_order), deviations / first_order, 1.0)
     plant = structure.plant(coefficients)
     return Estimate(
         plant=plant,

@@ -298,7 +298,9 @@ def output_error_costs(
 
 
 @njit(cache=True)
-def solve(triangle: Array, chosen: NDArray[np.int64]) -> tuple[Array, float]:
+def solve(  # noqa: PLR0912 - compiled as one
+    triangle: Array, chosen: NDArray[np.int64]
+) -> tuple[Array, float, float, float]:
     """Least squares of the last column on the chosen ones, by modified Gram–Schmidt.
 
     A column that depends on those before it gets the coefficient zero.
@@ -308,6 +310,10 @@ def solve(triangle: Array, chosen: NDArray[np.int64]) -> tuple[Array, float]:
     solution : ndarray, shape (len(chosen),)
     cost : float
         Sum of squares that is left; infinite where it overflows.
+    effect : float
+        Length of what the chosen columns explain.
+    independence : float
+        Smallest share of a column's length that those before it leave; one is orthogonal.
     """
     size, count = triangle.shape[0], len(chosen)
     table = np.empty((count, size))
@@ -316,20 +322,37 @@ def solve(triangle: Array, chosen: NDArray[np.int64]) -> tuple[Array, float]:
     target = triangle[:, size - 1].copy()
     upper = np.zeros((count, count))
     projected = np.zeros(count)
+    independence, effect = 1.0, 0.0
     for j in range(count):
-        length = np.sqrt(np.sum(table[j] ** 2))
-        if not length > DEPENDENT * np.sqrt(np.sum(triangle[:, chosen[j]] ** 2)):
+        whole, length = 0.0, 0.0
+        for i in range(size):
+            whole += triangle[i, chosen[j]] ** 2
+            length += table[j, i] ** 2
+        share = np.sqrt(length / whole) if whole > 0.0 else 0.0
+        if not share >= independence:
+            independence = share
+        if not share > DEPENDENT:
             continue
-        upper[j, j] = length
-        table[j] /= length
-        projected[j] = np.sum(table[j] * target)
-        target -= projected[j] * table[j]
+        upper[j, j] = np.sqrt(length)
+        for i in range(size):
+            table[j, i] /= upper[j, j]
+            projected[j] += table[j, i] * target[i]
+        effect += projected[j] ** 2
+        for i in range(size):
+            target[i] -= projected[j] * table[j, i]
         for later in range(j + 1, count):
-            upper[j, later] = np.sum(table[j] * table[later])
-            table[later] -= upper[j, later] * table[j]
+            for i in range(size):
+                upper[j, later] += table[j, i] * table[later, i]
+            for i in range(size):
+                table[later, i] -= upper[j, later] * table[j, i]
     solution = np.zeros(count)
     for j in range(count - 1, -1, -1):
         if upper[j, j] > 0.0:
-            solution[j] = (projected[j] - np.sum(upper[j, j + 1 :] * solution[j + 1 :])) / upper[j, j]
-    cost = np.sum(target**2)
-    return solution, cost if np.isfinite(cost) else np.inf
+            solution[j] = projected[j]
+            for later in range(j + 1, count):
+                solution[j] -= upper[j, later] * solution[later]
+            solution[j] /= upper[j, j]
+    cost = 0.0
+    for i in range(size):
+        cost += target[i] ** 2
+    return solution, cost if np.isfinite(cost) else np.inf, np.sqrt(effect), independence

@@ -42,19 +42,6 @@ def has_stable(poles: NDArray[np.complex128]) -> bool:
     return bool(np.all(np.isfinite(poles)) and np.all(poles.real <= STABILITY_TOLERANCE * np.abs(poles)))
 
 
-def leaves_coefficients_determined(dropped: Array, are_coefficients: NDArray[np.bool_]) -> bool:
-    """Whether directions that the data do not determine concern initial states alone.
-
-    Parameters
-    ----------
-    dropped : ndarray, shape (d, p)
-        Unit vectors in the space of the column-scaled parameters.
-    are_coefficients : ndarray of bool, shape (p,)
-        Which parameters are coefficients of the plant.
-    """
-    return bool(np.all(np.linalg.norm(dropped[:, are_coefficients], axis=1) < UNDETERMINED_SHARE))
-
-
 def sum_of_squares(residual: Array) -> float:
     """Infinite rather than a warning where an unstable trial overflows."""
     with np.errstate(over="ignore", invalid="ignore"):

@@ -328,6 +328,6 @@ class Predictor:
         triangle, _, _ = self.factorise(parameters, sensitive=False)
         if not np.all(np.isfinite(triangle)):
             return parameters, np.inf
-        solution, cost = solve(triangle, np.flatnonzero(linear))
+        solution, cost, _, _ = solve(triangle, np.flatnonzero(linear))
         parameters[linear] = solution
         return parameters, float(cost)

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from camid.chain import Acquisition
 from camid.identification.accuracy import characteristics
+from camid.identification.declarations import Alternative, contradiction
 from camid.identification.estimate import Estimate
+from camid.identification.residual_analysis import (
+    ResidualAnalysis,
+)
 from camid.simulation import Simulation
+
+if TYPE_CHECKING:
+    import control
+
+Array = NDArray[np.float64]
 
 # A mean of the residual is worth a warning if it is this many standard deviations off and this share of the power.
 OFFSET_SIGNIFICANCE = 5.0
 OFFSET_SHARE = 0.02
+# Rivals of a smaller weight are left to --json, and so are those beyond the first few.
+NAMED_WEIGHT, MOST_NAMED_RIVALS = 1e-3, 3
 
 
 @dataclass(frozen=True)
@@ -35,6 +48,12 @@ class Identification:
         Root mean square residual over the standard deviation of the recorded output, on the fitted rows.
     nrmse_validation : float or None
         The same on the validation rows, where the simulation declares some.
+    acquisition : Acquisition or None
+        Hold and sensor as they were declared for the first recording.
+    residual_analysis : ResidualAnalysis or None
+        Whether the residual is white and independent of the input; None if there is no residual worth the name.
+    alternatives : list of Alternative
+        Other declarations that were fitted because the residual contradicts this one, best first.
     """
 
     simulation: Simulation
@@ -44,6 +63,13 @@ class Identification:
     rows_fitted: int
     nrmse: float
     nrmse_validation: float | None
+    acquisition: Acquisition | None = None
+    residual_analysis: ResidualAnalysis | None = None
+    alternatives: list[Alternative] = field(default_factory=list)
+
+    def to_control(self) -> control.TransferFunction:
+        """The identified plant as a continuous-time python-control transfer function."""
+        return self.simulation.plant.to_control()
 
     def characteristics(self) -> list[dict[str, Any]]:
         """Static gain, natural frequencies, damping ratios and real poles with their standard deviations."""
@@ -53,6 +79,11 @@ class Identification:
         """Whether a free coefficient of the denominator ended at zero, where the data left to themselves go beyond."""
         plant, free = self.estimate.plant, self.estimate.free[len(self.estimate.plant.numerator) :]
         return bool(np.any((np.array(plant.denominator[1:]) == 0.0) & free))
+
+    def _name(self, coefficient: int) -> str:
+        """Of a coefficient in [b_0 … b_m, a_1 … a_n], as the table on the screen names it."""
+        zeros, poles = len(self.estimate.plant.numerator) - 1, self.estimate.plant.order
+        return f"b{zeros - coefficient}" if coefficient <= zeros else f"a{poles - (coefficient - zeros)}"
 
     def warnings(self) -> list[str]:
         """What changes the worth of the numbers, a sentence each."""
@@ -66,15 +97,24 @@ class Identification:
                 "a pole lies at the limit of stability: an integrator or an undamped mode? For an integrator, write a "
                 "zero at the end of the denominator"
             )
-        for rival in self.estimate.rivals:
+        analysis = self.residual_analysis
+        if self.converged and analysis is not None and analysis.contradicts and self.acquisition is not None:
+            sentences.append(contradiction(analysis, self.nrmse, self.acquisition, self.alternatives))
+        open_ended = [i for i in self.estimate.intervals if not np.isfinite(i.high - i.low)]
+        if open_ended:
+            names = ", ".join(self._name(i.coefficient) for i in open_ended)
+            sentences.append(f"the data do not limit {names}: no accuracy can be stated (longer record? less noise?)")
+        named = [r for r in self.estimate.rivals if r.weight >= NAMED_WEIGHT][:MOST_NAMED_RIVALS]
+        for rival in named:
             modes = ", ".join(f"{value:.5g}" for value in rival.natural_frequencies)
+            dampings = ", ".join(f"{value:.2g}" for value in rival.damping_ratios)
             sentences.append(
-                f"the data do not tell this plant from one with poles of {modes} rad/s (weight {rival.weight:.2g}): "
-                "another sampling period would"
+                f"the data do not tell this plant from one with poles of {modes} rad/s and damping {dampings} (weight "
+                f"{rival.weight:.2g}): another sampling period would"
             )
-        for residual in self.estimate.residuals:
-            if not np.max(np.abs(residual), initial=0.0) < 1e100:
-                continue  # a method without safeguard ran away, and its squares would overflow
+        if len(self.estimate.rivals) > len(named):
+            sentences.append(f"{len(self.estimate.rivals) - len(named)} less likely plants are listed by --json")
+        for residual in self.estimate.residuals if self.converged else ():
             mean, power = float(np.mean(residual)), float(np.mean(residual**2))
             centred = residual - mean
             spread = float(centred @ centred)
@@ -107,8 +147,23 @@ class Identification:
             "rows_fitted": self.rows_fitted,
             "period": self.period,
             "rivals": [
-                {"natural_frequencies": list(r.natural_frequencies), "weight": r.weight} for r in self.estimate.rivals
+                {
+                    "natural_frequencies": list(r.natural_frequencies),
+                    "damping_ratios": list(r.damping_ratios),
+                    "weight": r.weight,
+                }
+                for r in self.estimate.rivals
             ],
+            "intervals": [
+                {"coefficient": self._name(i.coefficient), "low": i.low, "high": i.high}
+                for i in self.estimate.intervals
+            ],
+            "residual_analysis": None
+            if self.residual_analysis is None
+            else {
+                **self.residual_analysis.to_mapping(),
+                "alternatives": [a.to_mapping() for a in self.alternatives],
+            },
             "warnings": self.warnings(),
         }
         return {key: without_infinities(value) for key, value in content.items()}

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from camid.identification.factorisation import Records, factorise
+from camid.identification.factorisation import Records, factorise, solve
 from camid.identification.fit import LARGEST_CONDITION, UNDETERMINED_SHARE, Fit
 from camid.identification.predictor import Predictor
 from camid.plant import STABILITY_TOLERANCE
@@ -22,6 +22,8 @@ ROUNDING = 1e-14
 LARGEST_DAMPING = 1e8
 # Shares of the promised gain below which a step was too long, and above which it may be longer.
 BROKEN_PROMISE, KEPT_PROMISE = 0.25, 0.75
+# Smallest share of a column's length beside the others for which Gram–Schmidt is as good as singular values.
+SOUND = 1e-4
 # Iterations between two reports of progress.
 REPORTED_ITERATIONS = 10
 
@@ -41,6 +43,35 @@ def _is_stable(denominator: Array) -> bool:
             matrix[i + 1, i] = 1.0
     roots = np.linalg.eigvals(matrix)
     return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
+
+
+@njit(cache=True)
+def _decomposed(triangle: Array, moving: NDArray[np.int64]) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
+    """Singular values and right vectors of the column-scaled instruments that move, the scale and the projections."""
+    size = triangle.shape[0]
+    # A column of zeros stands for no parameter at all where all are held, which no factorisation takes.
+    table = np.zeros((size, max(len(moving), 1)))
+    for k in range(len(moving)):
+        table[:, k] = triangle[:, moving[k]]
+    lengths = np.sqrt(np.sum(table * table, axis=0))
+    lengths[lengths == 0.0] = 1.0
+    left, singular, right = np.linalg.svd(table / lengths, False)
+    # What the data do not determine at all must not move.
+    kept = singular > np.max(singular) / LARGEST_CONDITION
+    return singular, right, lengths, np.where(kept, left.T @ np.ascontiguousarray(triangle[:, size - 1]), 0.0), kept
+
+
+@njit(cache=True)
+def _determined(right: Array, kept: NDArray[np.bool_], moving: NDArray[np.int64], coefficients: int) -> bool:
+    """Whether directions that the data do not determine concern initial states alone."""
+    for i in range(len(kept)):
+        share = 0.0
+        for k in range(len(moving)):
+            if moving[k] < coefficients:
+                share += right[i, k] ** 2
+        if not kept[i] and share >= UNDETERMINED_SHARE**2:
+            return False
+    return True
 
 
 @njit(cache=True)
@@ -87,25 +118,13 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
         if not np.all(np.isfinite(triangle)):
             return parameters, cost, damping, False, True, iteration
         target = np.ascontiguousarray(triangle[:, count])
-        # A column of zeros stands for no parameter at all where all are held, which no factorisation takes.
-        table = np.zeros((count + 1, max(len(moving), 1)))
-        for k in range(len(moving)):
-            table[:, k] = triangle[:, moving[k]]
-        lengths = np.sqrt(np.sum(table * table, axis=0))
-        lengths[lengths == 0.0] = 1.0
-        left, singular, right = np.linalg.svd(table / lengths, False)
-        # What the data do not determine at all must not move.
-        kept = singular > np.max(singular) / LARGEST_CONDITION
-        projected = np.where(kept, left.T @ target, 0.0)
+        direct, left_over, offset, independence = solve(triangle, moving)
+        sound = independence > SOUND and np.isfinite(left_over)
         determined = True
-        for i in range(len(singular)):
-            share = 0.0
-            for k in range(len(moving)):
-                if moving[k] < coefficients:
-                    share += right[i, k] ** 2
-            if not kept[i] and share >= UNDETERMINED_SHARE**2:
-                determined = False
-        offset = np.sqrt(np.sum(projected**2))  # effect of the undamped step on the simulated output
+        if not sound or damping > 0.0:
+            singular, right, lengths, projected, kept = _decomposed(triangle, moving)
+            offset = np.sqrt(np.sum(projected**2))  # effect of the undamped step on the simulated output
+            determined = _determined(right, kept, moving, coefficients)
         small = max(OFFSET_TOLERANCE * np.sqrt(cost), rounding)
         if offset <= small:
             # A larger coefficient would lower the output error: a held one is then let go.
@@ -120,7 +139,11 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
             return parameters, cost, damping, determined, True, iteration
         accepted = False
         while not accepted and damping < LARGEST_DAMPING:
-            step, promised = _damped_step(singular, right, lengths, projected, kept, damping)
+            if sound and damping == 0.0:
+                step, promised = direct, offset * offset
+            else:
+                singular, right, lengths, projected, kept = _decomposed(triangle, moving)
+                step, promised = _damped_step(singular, right, lengths, projected, kept, damping)
             trial = parameters.copy()
             trial[moving] += step[: len(moving)]
             clipped = bounded & (trial < 0.0)

@@ -100,7 +100,7 @@ class Search:
         """
         found = False
         if self.believed is not None:
-            found = self.refine(evaluate(self.structure, self.records, [self.believed]))
+            found = self.refine([Candidate(self.believed, np.nan)])
         if not found or self.structure.order > SINGLE_MODE:
             self.tell("starting values: discrete-time models")
             candidates = discrete_time_candidates(self.structure, self.windows, self.records)

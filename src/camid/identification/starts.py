@@ -50,7 +50,8 @@ def start_window(experiment: Experiment) -> Experiment:
     if count <= LONGEST_START_WINDOW:
         return experiment
     begins = np.arange(0, count - LONGEST_START_WINDOW + 1, LONGEST_START_WINDOW // 4)
-    activity = [np.var(experiment.output[b : b + LONGEST_START_WINDOW]) for b in begins]
+    # Rows that are not fitted may be as lively as they like.
+    activity = [_activity(experiment, slice(b, b + LONGEST_START_WINDOW)) for b in begins]
     begin = int(begins[int(np.argmax(activity))])
     part = slice(begin, begin + LONGEST_START_WINDOW)
     used = experiment.used[part].copy()
@@ -63,6 +64,12 @@ def start_window(experiment: Experiment) -> Experiment:
         used=used,
         estimate_initial_state=experiment.estimate_initial_state or begin > 0,
     )
+
+
+def _activity(experiment: Experiment, part: slice) -> float:
+    """Sum of squares about the mean of the fitted rows of a stretch."""
+    output = experiment.output[part][experiment.used[part]]
+    return float(len(output) * np.var(output)) if len(output) else 0.0
 
 
 def evaluate(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[Candidate]:

@@ -1,4 +1,4 @@
-"""Does identification reach the Cramér–Rao bound at every period of Fig. 7, from no starting value at all?
+"""Errors of identification over the Cramér–Rao bound at every period of Fig. 7, from no starting value at all.
 
 Many noise seeds a period at the paper's signal-to-noise ratio. A shard holds sums over its own seeds, so memory does
 not grow with their number, and any number of shards runs side by side.
@@ -108,9 +108,7 @@ def combine(shards: Sequence[pd.DataFrame]) -> pd.DataFrame:
 def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFrame:
     """All shards one after the other."""
     shards = settings["shards"]
-    return combine(
-        [compute_shard(settings, shared, shard_seeds(settings["seeds"], s, shards)) for s in range(shards)]
-    )
+    return combine([compute_shard(settings, shared, shard_seeds(settings["seeds"], s, shards)) for s in range(shards)])
 
 
 def with_ratios(table: pd.DataFrame) -> pd.DataFrame:

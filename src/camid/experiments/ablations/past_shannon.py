@@ -1,4 +1,4 @@
-"""Past the Shannon limit π/T, where the paper stops: what do the data still know, and is the alias told apart?
+"""What the data still know past the Shannon limit π/T, where the paper stops, and how the alias is told apart.
 
 A held input has corners that the alias answers otherwise than the true mode, the three coefficients of the plant leave
 no room to make up for it, and the camera's averaging weighs the two differently (docs/past_the_shannon_limit.md).
@@ -42,10 +42,11 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        ``kind`` is ``bound`` or ``curve`` (``product`` = Tω0, ``value`` = standard deviation of ω0 in %), ``likelihood``
-        (``frequency`` over the true one, ``value`` = deviance above the best) or ``fit``: ``product``, ``nominal``
-        (whether a model was given), ``seed``, ``error_<p>`` and ``deviation_<p>`` (stated standard deviation, infinite
-        where undetermined) in units of the bound, ``frequency``, ``rivals``, ``true_listed``, ``confidently_wrong``.
+        ``kind`` is ``bound`` or ``curve`` (``product`` = Tω0, ``value`` = standard deviation of ω0 in %),
+        ``likelihood`` (``frequency`` over the true one, ``value`` = deviance above the best) or ``fit``: ``product``,
+        ``nominal`` (whether a model was given), ``seed``, ``error_<p>`` and ``deviation_<p>`` (stated standard
+        deviation, infinite where undetermined) in units of the bound, ``frequency``, ``rivals``, ``true_listed``,
+        ``confidently_wrong``.
     """
     plant = believed_plant(shared["plant"])
     signal = with_closing_frame(
@@ -196,27 +197,30 @@ def conclusion(value: Mapping[str, float]) -> str:
     """In words."""
     products = sorted(float(k.removeprefix("nominal_at_").removesuffix("_ratio")) for k in value if _is_ratio(k))
     good = [p for p in products if value[f"nominal_at_{p:g}_ratio"] <= 1.1 + _scatter(value[f"nominal_at_{p:g}_seeds"])]
-    hard = [p for p in products if p not in good]
-    sentence = (
-        f"At Tω0 = {value['likelihood_product']:g} the alias lies {value['deviance_of_alias']:.0f} in deviance above the "
-        "true mode. "
-    )
+    parts = [
+        f"At Tω0 = {value['likelihood_product']:g} the alias lies {value['deviance_of_alias']:.0f} in deviance above "
+        "the true mode"
+    ]
     if good:
-        sentence += (
-            f"With a nominal model the errors stay on the Cramér–Rao bound at Tω0 = {', '.join(f'{p:g}' for p in good)} "
-            f"(ratio at most {max(value[f'nominal_at_{p:g}_ratio'] for p in good):.2f})"
+        largest = max(value[f"nominal_at_{p:g}_ratio"] for p in good)
+        parts.append(
+            "With a nominal model the errors stay on the Cramér–Rao bound at "
+            f"Tω0 = {', '.join(f'{p:g}' for p in good)} (ratio at most {largest:.2f})"
         )
-    for p in hard:
-        sentence += (
-            f"{'; at' if sentence[-1] == ')' else 'At'} {p:g} the median error is {value[f'nominal_at_{p:g}_median']:.2f} "
-            f"times its Gaussian value at the bound, and {value[f'nominal_at_{p:g}_undetermined']:.0f} % of the fits are "
-            "said to be undetermined"
-        )
+    for p in products:
+        if p not in good:
+            median, unknown = value[f"nominal_at_{p:g}_median"], value[f"nominal_at_{p:g}_undetermined"]
+            parts.append(
+                f"At {p:g} the median error is {median:.2f} times its Gaussian value at the bound, and {unknown:.0f} % "
+                "of the fits are said to be undetermined"
+            )
     worst = max(value[f"nothing_at_{p:g}_confidently_wrong"] for p in products)
-    return sentence + (
-        f". Without any model {'no' if worst == 0.0 else f'up to {worst:.1f} % of the'} fits state a wrong frequency with "
-        "a small standard deviation and leave the true one unnamed."
+    share = "no" if worst == 0.0 else f"up to {worst:.1f} % of the"
+    parts.append(
+        f"Without any model {share} fits state a wrong frequency with a small standard deviation and leave the true "
+        "one unnamed"
     )
+    return ". ".join(parts) + "."
 
 
 def _is_ratio(key: str) -> bool:
