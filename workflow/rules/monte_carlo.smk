@@ -4,20 +4,15 @@
 MONTE_CARLO = config["ablations"]["monte_carlo"]
 
 
-def monte_carlo_shards(seeds):
-    """Files of all shards for a number of seeds."""
-    shards = MONTE_CARLO["shards"]
-    return [
-        f"results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet"
-        for shard in range(shards)
-    ]
+SHARD = "results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet"
+SHARDS = {"shard": range(MONTE_CARLO["shards"]), "shards": MONTE_CARLO["shards"]}
 
 
 rule monte_carlo_shard:
     input:
         sources=sources("workflow/scripts/monte_carlo_shard.py"),
     output:
-        "results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet",
+        SHARD,
     log:
         "results/logs/monte_carlo_{seeds}_{shard}_of_{shards}.log",
     wildcard_constraints:
@@ -26,6 +21,10 @@ rule monte_carlo_shard:
         shards=r"\d+",
     cache: True
     params:
+        # The cache between workflows knows parameters but no wildcards: without these all shards would be one to it.
+        seeds=lambda wildcards: int(wildcards.seeds),
+        shard=lambda wildcards: int(wildcards.shard),
+        shards=lambda wildcards: int(wildcards.shards),
         settings={"signal_to_noise_ratio": MONTE_CARLO["signal_to_noise_ratio"]},
         shared={
             **{
@@ -44,7 +43,7 @@ rule monte_carlo_shard:
 
 rule monte_carlo_runs:
     input:
-        shards=monte_carlo_shards(MONTE_CARLO["seeds"]),
+        shards=expand(SHARD, seeds=MONTE_CARLO["seeds"], **SHARDS),
         sources=sources("workflow/scripts/monte_carlo_runs.py"),
     output:
         "results/ablations/monte_carlo.parquet",
@@ -58,7 +57,7 @@ rule monte_carlo_runs:
 
 use rule monte_carlo_runs as monte_carlo_all_runs with:
     input:
-        shards=monte_carlo_shards(MONTE_CARLO["all_seeds"]),
+        shards=expand(SHARD, seeds=MONTE_CARLO["all_seeds"], **SHARDS),
         sources=sources("workflow/scripts/monte_carlo_runs.py"),
     output:
         "results/monte_carlo/all.parquet",

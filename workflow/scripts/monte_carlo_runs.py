@@ -1,5 +1,6 @@
 """Add up the shards of the Monte Carlo."""
 
+import sys
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -14,8 +15,11 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Add up the shards of the Monte Carlo."""
-    configuration = {k: v for k, v in read_configuration(snakemake.input.shards[0]).items() if k != "seeds"}
-    write_dataset(combine([pd.read_parquet(f) for f in snakemake.input.shards]), snakemake.output[0], configuration)
+    configurations = [read_configuration(file) for file in snakemake.input.shards]
+    seeds = [configuration.pop("seeds") for configuration in configurations]
+    if len(set(map(str, seeds))) < len(seeds):
+        sys.exit("two shards hold the same noise seeds: remove results/monte_carlo and call the workflow again")
+    write_dataset(combine([pd.read_parquet(f) for f in snakemake.input.shards]), snakemake.output[0], configurations[0])
 
 
 if __name__ == "__main__":

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Fit the noise seeds of one shard of the Monte Carlo."""
-    settings, shared, wildcards = snakemake.params.settings, snakemake.params.shared, snakemake.wildcards
-    seeds = shard_seeds(int(wildcards.seeds), int(wildcards.shard), int(wildcards.shards))
+    settings, shared = snakemake.params.settings, snakemake.params.shared
+    seeds = shard_seeds(snakemake.params.seeds, snakemake.params.shard, snakemake.params.shards)
     table = compute_shard(settings, shared, seeds)
     write_dataset(table, snakemake.output[0], {**shared, "monte_carlo": settings, "seeds": [*map(str, [seeds])]})
 

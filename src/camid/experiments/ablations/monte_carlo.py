@@ -14,13 +14,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, sample
-from camid.excitation import pseudo_random_binary_sequence
+from camid.experiments.ablations._identification import excitation_signal, unit_noise, whole_experiment
 from camid.experiments.cases import PARAMETERS, parameter_vector
-from camid.experiments.datasets import believed_plant, sweep_periods, with_closing_frame
+from camid.experiments.datasets import believed_plant, sweep_periods
 from camid.experiments.sampling_period import noise_level
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.predictor import Structure
 
 Array = NDArray[np.float64]
 
@@ -60,9 +60,7 @@ def compute_shard(
     """
     plant = believed_plant(shared["plant"])
     truth = parameter_vector(plant.numerator, plant.denominator)
-    signal = with_closing_frame(
-        pseudo_random_binary_sequence(shared["excitation"]["order"], amplitude=shared["excitation"]["amplitude"])
-    )
+    signal = excitation_signal(shared["excitation"])
     rows: list[dict[str, Any]] = []
     for i, period in enumerate(sweep_periods(shared["sampling_period_sweep"]) if periods is None else periods):
         acquisition = Acquisition(float(period))
@@ -72,10 +70,8 @@ def compute_shard(
         totals = np.zeros((4, len(PARAMETERS)))
         not_converged = 0
         for s in seeds:
-            generator = np.random.default_rng(np.random.SeedSequence(shared["seed"], spawn_key=(STREAM, i, s)))
-            output = clean + level * generator.standard_normal(len(clean))
-            experiment = Experiment(signal, output, acquisition, np.ones(len(output), bool))
-            result = estimate(Structure.of_order(2, 0), [experiment])
+            output = clean + level * unit_noise(len(clean), shared["seed"], STREAM, i, s)
+            result = estimate(Structure.of_order(2, 0), [whole_experiment(signal, output, acquisition)])
             error = parameter_vector(result.plant.numerator, result.plant.denominator) - truth
             totals[0] += error / bound
             totals[1] += (error / bound) ** 2

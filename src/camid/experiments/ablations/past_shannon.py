@@ -14,14 +14,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, sample
-from camid.excitation import pseudo_random_binary_sequence
+from camid.experiments.ablations._identification import excitation_signal, unit_noise, whole_experiment
 from camid.experiments.cases import PARAMETERS, parameter_vector
-from camid.experiments.datasets import believed_plant, with_closing_frame
+from camid.experiments.datasets import believed_plant
 from camid.experiments.sampling_period import noise_level
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.factorisation import Records
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.predictor import Structure
 from camid.identification.starts import evaluate
 from camid.plant import TransferFunction, second_order
 
@@ -49,9 +49,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
         ``confidently_wrong``.
     """
     plant = believed_plant(shared["plant"])
-    signal = with_closing_frame(
-        pseudo_random_binary_sequence(shared["excitation"]["order"], amplitude=shared["excitation"]["amplitude"])
-    )
+    signal = excitation_signal(shared["excitation"])
     ratio = settings["signal_to_noise_ratio"]
     rows = [
         {"kind": "bound", "product": product, "value": _frequency_bound(plant, signal, product, ratio)}
@@ -85,10 +83,9 @@ def _likelihood(
     """Deviance against frequency, gain and damping fitted at each."""
     acquisition = _acquisition(plant, settings["likelihood_product"])
     clean = sample(plant, signal, acquisition)
-    generator = np.random.default_rng(np.random.SeedSequence(shared["seed"], spawn_key=(STREAM, 0)))
     level = noise_level(clean, settings["signal_to_noise_ratio"], "power")
-    output = clean + level * generator.standard_normal(len(clean))
-    records = Records.of([Experiment(signal, output, acquisition, np.ones(len(output), bool))])
+    output = clean + level * unit_noise(len(clean), shared["seed"], STREAM, 0)
+    records = Records.of([whole_experiment(signal, output, acquisition)])
     omega = float(np.sqrt(plant.denominator[-1]))
     costs = np.array(
         [
@@ -135,7 +132,7 @@ def _fits(
             model = second_order(
                 belief["static_gain"] * off[0], belief["natural_frequency"] * off[1], belief["damping"] * off[2]
             )
-            experiment = Experiment(signal, output, acquisition, np.ones(len(output), bool))
+            experiment = whole_experiment(signal, output, acquisition)
             result = estimate(Structure.of_order(2, 0), [experiment], nominal=model if nominal else None)
             yield {"kind": "fit", "product": product, "nominal": nominal, "seed": s, **_judged(result, plant, bound)}
 
