@@ -5,10 +5,12 @@ min_version("9.10")
 
 configfile: "config/config.yaml"
 configfile: "config/ablations.yaml"
+configfile: "config/concealed.yaml"
 
 
 validate(config, "workflow/schemas/config.schema.yaml")
 validate(config["ablations"], "workflow/schemas/ablations.schema.yaml")
+validate(config["concealed"], "workflow/schemas/concealed.schema.yaml")
 
 
 report: "workflow/report/workflow.rst"
@@ -21,6 +23,7 @@ include: "workflow/rules/identification.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/ablations.smk"
 include: "workflow/rules/monte_carlo.smk"
+include: "workflow/rules/concealed.smk"
 include: "workflow/rules/check.smk"
 include: "workflow/rules/recordings.smk"
 
@@ -36,6 +39,7 @@ rule all:
         "paper_figs/claims.csv",
         "paper_figs/claims.md",
         rules.ablations.output,
+        rules.concealed_sample.output,
     localrule: True
     message:
         "All figures and the table of claims are up to date."

@@ -55,9 +55,11 @@ rule check:
         ),
         rules.claims.output,
         rules.ablations.output,
+        rules.concealed_sample.output,
         quantities=[
             rules.quantities.output[0],
             *expand("results/ablations/{name}.csv", name=ABLATIONS),
+            rules.concealed_sample.output.quantities,
         ],
         tolerances="config/tolerances.yaml",
         schema="workflow/schemas/tolerances.schema.yaml",

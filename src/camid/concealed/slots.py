@@ -1,0 +1,52 @@
+"""Names of the places in the integrator's parameter vector and state vector.
+
+Every parameter is in physical units (kg, N, m, s, V) and is zero where the machine has no such part.
+"""
+
+from __future__ import annotations
+
+# The machine: m x'' + c x' + k x = F (a mass of zero makes it first order), and a second mode or lag in series.
+MASS, DAMPING, STIFFNESS, ACTUATOR_CONSTANT = 0, 1, 2, 3
+SERIES_FREQUENCY, SERIES_DAMPING, SERIES_LAG = 4, 5, 6
+SECOND_SERIES_FREQUENCY, SECOND_SERIES_DAMPING = 7, 8
+# Actuator: lags in s, slew in V/s with its softness in s.
+LAG, SECOND_LAG, SOFT_SLEW, SOFT_SLEW_TIME = 9, 10, 11, 12
+# Actuator constant that depends on position [1/m], on speed [m/s], on position periodically [1, m, rad].
+POSITION_GAIN, SPEED_LIMIT, RIPPLE, RIPPLE_PITCH, RIPPLE_PHASE = 13, 14, 15, 16, 17
+# Dry friction with true sticking: levels in N, Stribeck velocity in m/s.
+DRY_COULOMB, DRY_BREAKAWAY, DRY_VELOCITY = 18, 19, 20
+# Bristle friction (LuGre, Dahl): the same levels, bristle stiffness in N/m and bristle damping in N s/m.
+BRISTLE_COULOMB, BRISTLE_BREAKAWAY, BRISTLE_VELOCITY, BRISTLE_STIFFNESS, BRISTLE_DAMPING = 21, 22, 23, 24, 25
+# Drag in N (s/m)^exponent; damping that depends on position in N s/m³.
+DRAG, DRAG_EXPONENT, POSITION_DAMPING = 26, 27, 28
+# Springs in N/m², N/m³, N/m⁵; pendulum length in m, and whether its force acts horizontally; gap in m.
+QUADRATIC, CUBIC, QUINTIC, PENDULUM, HORIZONTAL_FORCE, GAP = 29, 30, 31, 32, 33, 34
+SIDE_STIFFNESS, SIDE_LENGTH = 35, 36
+# Stop: position in m and side (+1 or -1; 0 is none), stiffness in N/m^exponent, damping in N s/m.
+STOP_SIDE, STOP_POSITION, STOP_STIFFNESS, STOP_EXPONENT, STOP_DAMPING = 37, 38, 39, 40, 41
+# Bouc–Wen: force in N, shape in 1/m, exponent.
+LOOP_FORCE, LOOP_SHAPE, LOOP_EXPONENT = 42, 43, 44
+# Jenkins elements: largest stiffness in N/m and slip force in N of elements that share them evenly.
+JENKINS_STIFFNESS, JENKINS_FORCE = 45, 46
+# Detent: force in N, pitch in m, phase in rad.
+DETENT, DETENT_PITCH, DETENT_PHASE = 47, 48, 49
+# Hidden mass on its spring: kg, N/m, N s/m, N/m³.
+HIDDEN_MASS, HIDDEN_STIFFNESS, HIDDEN_DAMPING, HIDDEN_CUBIC = 50, 51, 52, 53
+# Three Maxwell elements: total stiffness in N/m, slowest relaxation time in s and the ratio of neighbours.
+MAXWELL_STIFFNESS, MAXWELL_TIME, MAXWELL_RATIO = 54, 55, 56
+# Drift of stiffness (1), damping (2) or actuator constant (3): relative rate in 1/s, time constant in s (0: linear).
+DRIFT_KIND, DRIFT_RATE, DRIFT_TIME = 57, 58, 59
+# Disturbing forces in V at the actuator: sine, its second harmonic, step, half-sine; times in s.
+SINE, SINE_FREQUENCY, SINE_PHASE, HARMONIC, HARMONIC_PHASE = 60, 61, 62, 63, 64
+STEP, STEP_TIME, PULSE, PULSE_TIME, PULSE_DURATION = 65, 66, 67, 68, 69
+PARAMETERS = 70
+
+# State: position, velocity, the series element's two, a second one's two, the hidden mass's two, bristle deflection or
+# Bouc–Wen variable, Maxwell forces, the actuator's two, and the time integral of the measured position.
+POSITION, VELOCITY, SERIES, SERIES_RATE, SECOND_SERIES, SECOND_SERIES_RATE = 0, 1, 2, 3, 4, 5
+HIDDEN, HIDDEN_RATE, BRISTLE, LOOP, MAXWELL, ACTUATOR, SECOND_ACTUATOR, INTEGRAL = 6, 7, 8, 9, 10, 13, 14, 15
+STATES = 16
+# Memory: forces of the Jenkins elements, the position they belong to, and whether the stop is touched.
+JENKINS_ELEMENTS = 6
+LAST_POSITION, TOUCHING = 6, 7
+MEMORY = 8

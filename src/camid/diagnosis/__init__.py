@@ -1,0 +1,1 @@
+"""Diagnosis: detect → locate → screen → fit → decide → report, a module a step."""

@@ -1,0 +1,264 @@
+"""Fit effects and the plant's coefficients together: output error through the whole chain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.problem import Model, Noise, Problem, companion_state
+from camid.engine import NotApplicable
+from camid.identification.estimate import estimate
+from camid.identification.predictor import Predictor
+
+Array = NDArray[np.float64]
+
+# Step of the differences that stand for derivatives, as a share of what a parameter is measured by.
+DIFFERENCE = 1e-5
+# Residual of a simulation that ran away, in standard deviations of the output.
+HOPELESS = 1e3
+TOLERANCE = 1e-7
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted model.
+
+    Attributes
+    ----------
+    model : Model
+    residual : ndarray, shape (M,)
+        Recorded minus simulated output on the fitted rows.
+    sensitivities : ndarray, shape (M, p)
+        Of the simulated output to the free coefficients, the effects' parameters and the initial states, in this order.
+    noise : Noise
+    packing : Packing
+    """
+
+    model: Model
+    residual: Array
+    sensitivities: Array
+    noise: Noise
+    packing: Packing
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def criterion(self) -> float:
+        """Bayes's information criterion, up to a constant of the recordings; initial states do not count."""
+        return self.noise.deviance + len(self.residual_parameters) * float(np.log(len(self.residual)))
+
+    @property
+    def residual_parameters(self) -> list[str]:
+        """Names of the free coefficients and parameters."""
+        return [name for name in self.packing.names if not name.startswith("initial")]
+
+    def covariance(self, problem: Problem) -> Array:
+        """Covariance of the packed parameters in their own units, shape (p, p); infinite where undetermined."""
+        table = problem.whitened(self.sensitivities, self.noise.whitening)
+        residual = problem.whitened(self.residual, self.noise.whitening)
+        lengths = np.linalg.norm(table, axis=0)
+        moving = lengths > 0.0
+        result = np.full((len(lengths), len(lengths)), np.inf)
+        if not moving.any():
+            return result
+        scaled = table[:, moving] / lengths[moving]
+        variance = float(residual @ residual) / max(len(residual) - len(lengths), 1)
+        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12) * variance
+        result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])
+        return result
+
+
+@dataclass(frozen=True)
+class Packing:
+    """How a model's free numbers lie in one vector, each divided by what it is measured by."""
+
+    template: Model
+    free: NDArray[np.bool_]
+    units: Array
+    lower: Array
+    upper: Array
+    names: list[str]
+
+    @classmethod
+    def of(cls, problem: Problem, model: Model) -> Packing:
+        """Packing of the free coefficients, the effects' parameters and the initial states."""
+        free = problem.structure.free
+        scale = np.array(
+            [problem.unit ** -(power) for power in _powers(problem)]
+        )  # a coefficient that is zero is measured by what would be of the order of one
+        coefficients = model.coefficients[free]
+        units = list(np.maximum(np.abs(coefficients), 1e-2 * scale[free] * _gain(problem, free)))
+        names = [f"coefficient {i}" for i in np.flatnonzero(free)]
+        lower, upper = [-np.inf] * len(units), [np.inf] * len(units)
+        for i, effect in enumerate(model.effects):
+            for parameter, value in zip(effect.numeric(), effect.vector, strict=True):
+                units.append(_measure(problem, parameter.scale, float(value)))
+                lower.append(parameter.lower)
+                upper.append(parameter.upper)
+                names.append(f"{i} {parameter.name}")
+        for i, state in enumerate(model.initial):
+            if state is not None:
+                size = float(np.linalg.norm(state)) or 1.0
+                units += [size] * len(state)
+                lower += [-np.inf] * len(state)
+                upper += [np.inf] * len(state)
+                names += [f"initial {i}"] * len(state)
+        measures = np.array(units)
+        return cls(model, free, measures, np.array(lower) / measures, np.array(upper) / measures, names)
+
+    def pack(self, model: Model) -> Array:
+        """Vector of a model."""
+        parts = [model.coefficients[self.free], *(e.vector for e in model.effects)]
+        parts += [s for s in model.initial if s is not None]
+        return np.concatenate(parts) / self.units
+
+    def unpack(self, vector: Array) -> Model:
+        """Model of a vector."""
+        values = vector * self.units
+        coefficients = self.template.coefficients.copy()
+        position = int(np.count_nonzero(self.free))
+        coefficients[self.free] = values[:position]
+        effects = []
+        for effect in self.template.effects:
+            size = len(effect.numeric())
+            effects.append(effect.with_vector(values[position : position + size]) if size else effect)
+            position += size
+        initial: list[Array | None] = []
+        for state in self.template.initial:
+            if state is None:
+                initial.append(None)
+            else:
+                initial.append(values[position : position + len(state)])
+                position += len(state)
+        return Model(coefficients, tuple(effects), tuple(initial))
+
+
+def _powers(problem: Problem) -> list[float]:
+    order, degree = problem.structure.order, problem.structure.degree
+    return [*(order - degree + np.arange(degree + 1.0)), *(1.0 + np.arange(order))]
+
+
+def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
+    """Output over input, for the numerator; one for the denominator."""
+    signal = max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
+    gain = np.ones(len(free))
+    gain[: problem.structure.degree + 1] = float(np.max(np.abs(problem.output), initial=0.0)) / signal
+    return gain[free]
+
+
+def _measure(problem: Problem, scale: str, value: float) -> float:
+    if scale == "period":
+        return float(problem.acquisition.period)
+    if scale == "resolution":
+        return 1.0 / problem.duration
+    return 1.0 if scale == "one" or value == 0.0 else abs(value)
+
+
+def refit(problem: Problem, nominal: Model) -> Fitted:
+    """The nominal structure with its coefficients re-estimated, without effects; the exact path of identification."""
+    structure = problem.structure
+    if not np.any(structure.free):
+        return evaluate(problem, nominal)
+    result = estimate(structure, problem.experiments, nominal=structure.plant(nominal.coefficients))
+    coefficients = np.array([*result.plant.numerator, *result.plant.denominator[1:]])
+    if len(coefficients) != len(structure.free):  # a leading coefficient of the numerator that came out as zero
+        coefficients = nominal.coefficients
+    return evaluate(problem, at_best_start(problem, Model(coefficients)))
+
+
+def at_best_start(problem: Problem, model: Model) -> Model:
+    """The model with the initial states that fit its linear part best."""
+    if not any(e.estimate_initial_state for e in problem.experiments):
+        return replace(model, initial=tuple(None for _ in problem.experiments))
+    structure = problem.structure
+    denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
+    predictor = Predictor.around(structure, problem.experiments, denominator)
+    polynomials = predictor.split(predictor.with_fitted_initial_states(model.coefficients))[2]
+    initial = tuple(
+        None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials
+    )
+    return replace(model, initial=initial)
+
+
+def evaluate(problem: Problem, model: Model) -> Fitted:
+    """Residual, sensitivities and noise of a model as it is."""
+    packing = Packing.of(problem, model)
+    vector = packing.pack(model)
+    simulated = problem.fitted(problem.simulate(model))
+    table = _sensitivities(problem, packing, vector, simulated)
+    residual = problem.output - simulated
+    sensitivities = table / packing.units
+    return Fitted(model, residual, sensitivities, problem.noise(residual, sensitivities), packing)
+
+
+def _sensitivities(problem: Problem, packing: Packing, vector: Array, simulated: Array) -> Array:
+    """Derivatives by the packed vector, shape (M, p), by one-sided differences into the allowed range."""
+    table = np.empty((len(simulated), len(vector)))
+    for i in range(len(vector)):
+        step = DIFFERENCE if vector[i] + DIFFERENCE <= packing.upper[i] else -DIFFERENCE
+        moved = vector.copy()
+        moved[i] += step
+        try:
+            table[:, i] = (problem.fitted(problem.simulate(packing.unpack(moved))) - simulated) / step
+        except (ValueError, ArithmeticError):
+            table[:, i] = 0.0
+    table[~np.isfinite(table)] = 0.0
+    return table
+
+
+def fit(problem: Problem, start: Model, *, steps: int = 25, whitening: Array | None = None) -> Fitted:
+    """Least squares from one start.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : Model
+    steps : int
+        Largest number of evaluations of the residual.
+    whitening : ndarray, optional
+        Filter of the noise, for generalised least squares.
+
+    Raises
+    ------
+    NotApplicable
+        If an effect has no meaning with this plant.
+    """
+    from scipy.optimize import least_squares
+
+    packing = Packing.of(problem, start)
+    whitening = np.ones(1) if whitening is None else whitening
+    worst = HOPELESS * (float(np.std(problem.output)) or 1.0)
+
+    def simulated(vector: Array) -> Array:
+        try:
+            rows = problem.fitted(problem.simulate(packing.unpack(vector)))
+        except NotApplicable:
+            raise
+        except (ValueError, ArithmeticError):
+            return np.full(len(problem.output), worst)
+        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
+
+    def residual(vector: Array) -> Array:
+        return problem.whitened(problem.output - simulated(vector), whitening)
+
+    def derivative(vector: Array) -> Array:
+        return -problem.whitened(_sensitivities(problem, packing, vector, simulated(vector)), whitening)
+
+    vector = np.clip(packing.pack(start), packing.lower, packing.upper)
+    found = least_squares(
+        residual,
+        vector,
+        jac=derivative,
+        bounds=(packing.lower, packing.upper),
+        x_scale="jac",
+        ftol=TOLERANCE,
+        xtol=1e-9,
+        gtol=None,
+        max_nfev=steps,
+    )
+    return evaluate(problem, packing.unpack(found.x))

@@ -1,0 +1,233 @@
+"""What is diagnosed: recordings of one rig, the structure of its nominal plant, and models of it with effects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain import companion, time_scale
+from camid.engine import Chain, move, run
+from camid.identification.predictor import Experiment, Structure
+from camid.identification.residual_statistics import Moments, Rows, noise_model, sums_of_products, whiteness
+from camid.physics.effect import Effect, Situation
+from camid.plant import TransferFunction
+
+Array = NDArray[np.float64]
+
+LARGEST_LAG = 25
+ROWS_A_LAG = 8
+
+
+@dataclass(frozen=True)
+class Model:
+    """A plant with effects.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (m + 1 + n,)
+        [b_0 … b_m, a_1 … a_n] of the monic plant in SI units.
+    effects : tuple of Effect
+    initial : tuple of (ndarray or None)
+        Companion state of the plant at the begin of each recording; None at rest.
+    """
+
+    coefficients: Array
+    effects: tuple[Effect, ...] = ()
+    initial: tuple[Array | None, ...] = ()
+
+    def without(self, index: int) -> Model:
+        """The same model without one of its effects."""
+        return replace(self, effects=self.effects[:index] + self.effects[index + 1 :])
+
+    def plus(self, effect: Effect) -> Model:
+        """The same model with one effect more."""
+        return replace(self, effects=(*self.effects, effect))
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What the residual says of the noise.
+
+    Attributes
+    ----------
+    whitening : ndarray, shape (p + 1,)
+        Filter 1 + a_1 z⁻¹ + … after which it is white.
+    deviance : float
+        -2 log likelihood, with a penalty for the filter's order.
+    whiteness_p : float
+        Probability of a residual at least as coloured if the noise is white.
+    """
+
+    whitening: Array
+    deviance: float
+    whiteness_p: float
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Recordings and structure.
+
+    Attributes
+    ----------
+    structure : Structure
+    experiments : list of Experiment
+        ``used`` marks the rows that are fitted.
+    times : list of ndarray, each of shape (N,)
+        Recorded times in seconds.
+    """
+
+    structure: Structure
+    experiments: list[Experiment]
+    times: list[Array]
+    unit: float = field(default=1.0)
+
+    @cached_property
+    def output(self) -> Array:
+        """Recorded outputs on the fitted rows, shape (M,)."""
+        return self.fitted([e.output for e in self.experiments])
+
+    @property
+    def acquisition(self):  # type: ignore[no-untyped-def]
+        """Declared acquisition of the first recording."""
+        return self.experiments[0].acquisition
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the longest recording."""
+        return max(float(t[-1] - t[0]) for t in self.times)
+
+    def fitted(self, rows: Sequence[Array]) -> Array:
+        """The fitted rows of all recordings, one behind the other."""
+        return np.concatenate([r[e.used] for r, e in zip(rows, self.experiments, strict=True)])
+
+    def with_used(self, used: Sequence[NDArray[np.bool_]]) -> Problem:
+        """The same with other rows fitted."""
+        experiments = [replace(e, used=u) for e, u in zip(self.experiments, used, strict=True)]
+        return Problem(self.structure, experiments, self.times, self.unit)
+
+    # -- models ----------------------------------------------------------------------------------------------------
+
+    def chain(self, model: Model, index: int) -> Chain:
+        """Chain of a model as recording ``index`` saw it."""
+        experiment = self.experiments[index]
+        return Chain(
+            self.structure.plant(model.coefficients),
+            experiment.acquisition,
+            model.effects,
+            model.initial[index] if model.initial else None,
+            experiment.free_motion_before_record,
+        )
+
+    def simulate(self, model: Model) -> list[Array]:
+        """Sensor output of every recording, all rows: shapes (N,)."""
+        return [
+            run(self.chain(model, i), e.signal, t)
+            for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True))
+        ]
+
+    def motion(self, model: Model) -> list[tuple[Array, Array]]:
+        """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) a recording."""
+        found = []
+        for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True)):
+            motion = move(self.chain(model, i), e.signal, t)
+            nodes = np.round((t - motion.begin) / motion.step).astype(int)
+            found.append((motion.position[nodes], motion.velocity[nodes]))
+        return found
+
+    def situation(self, model: Model) -> Situation:
+        """What first guesses need, of the longest recording."""
+        index = int(np.argmax([len(t) for t in self.times]))
+        experiment = self.experiments[index]
+        simulated = run(self.chain(model, index), experiment.signal, self.times[index])
+        residual = np.where(experiment.used, experiment.output - simulated, 0.0)
+        acquisition = experiment.acquisition
+        for effect in model.effects:
+            acquisition = effect.declare(acquisition)
+        return Situation(
+            self.times[index],
+            experiment.signal,
+            experiment.output,
+            simulated,
+            np.gradient(simulated, acquisition.period),
+            residual,
+            self.structure.plant(model.coefficients),
+            acquisition,
+            experiment.used,
+        )
+
+    # -- noise -----------------------------------------------------------------------------------------------------
+
+    def noise(self, residual: Array, sensitivities: Array) -> Noise:
+        """Noise that a residual on the fitted rows, shape (M,), consists of, with regard to what was fitted."""
+        longest = max(int(np.count_nonzero(e.used)) for e in self.experiments)
+        lags = max(min(LARGEST_LAG, longest // ROWS_A_LAG), 1)
+        size = float(np.max(np.abs(residual), initial=0.0)) or 1.0
+        rows = Rows.of(self.experiments, residual / size, sensitivities, np.zeros((len(residual), 0)), lags, 0)
+        moments = Moments.of(rows, lags)
+        sums = sums_of_products(rows.residual, lags)
+        if sums[0] <= 0.0:
+            return Noise(np.ones(1), -np.inf, 1.0)
+        whitening, variance = noise_model(sums, moments)
+        count = len(residual)
+        deviance = count * (np.log(variance) + 2.0 * np.log(size)) + (len(whitening) - 1) * np.log(count)
+        p_value = whiteness(sums, moments)
+        return Noise(whitening, float(deviance), 1.0 if p_value is None else p_value)
+
+    def whitened(self, values: Array, whitening: Array) -> Array:
+        """Rows, shape (M,) or (M, c), after a whitening filter; rows whose past is not fitted are set to zero."""
+        if len(whitening) == 1:
+            return values
+        result = whitening[0] * values
+        known = np.ones(len(values), bool)
+        position = 0
+        for experiment in self.experiments:
+            rows = np.flatnonzero(experiment.used)
+            part = slice(position, position + len(rows))
+            position += len(rows)
+            for lag in range(1, len(whitening)):
+                near = rows[lag:] - rows[:-lag] == lag
+                earlier = np.flatnonzero(near)
+                result[part][earlier + lag] += whitening[lag] * values[part][earlier]
+                known[part][:lag] = False
+                known[part][lag:][~near] = False
+        result[~known] = 0.0
+        return result
+
+
+def companion_state(structure: Structure, coefficients: Array, polynomial: Array) -> Array:
+    """Companion state of a plant whose free motion is C/A, as the engine takes it.
+
+    Parameters
+    ----------
+    structure : Structure
+    coefficients : ndarray, shape (m + 1 + n,)
+        SI units.
+    polynomial : ndarray, shape (n,)
+        C in units of the plant's time scale, highest power first, see :func:`camid.chain.sample`.
+    """
+    plant = structure.plant(coefficients)
+    unit = time_scale(plant.monic.denominator)
+    order, degree = structure.order, structure.degree
+    denominator = np.asarray(plant.monic.denominator) * unit ** np.arange(order + 1)
+    numerator = np.asarray(coefficients[: degree + 1]) * unit ** (order - degree + np.arange(degree + 1.0))
+    matrix = companion(denominator)
+    row = np.zeros(order)
+    row[max(order - degree - 1, 0) :] = numerator[-order:]
+    observed, wanted = np.zeros((order, order)), np.zeros(order)
+    free = np.asarray(polynomial, dtype=float)
+    state = np.eye(order)[0]
+    for k in range(order):
+        observed[k] = row
+        wanted[k] = free @ state
+        row = row @ matrix
+        state = matrix @ state
+    return np.linalg.lstsq(observed, wanted, rcond=None)[0]
+
+
+def plant_of(problem: Problem, model: Model) -> TransferFunction:
+    """Plant of a model."""
+    return problem.structure.plant(model.coefficients)

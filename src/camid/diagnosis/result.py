@@ -1,0 +1,261 @@
+"""What a diagnosis says: the verdict, the place, the effects, the fit, and what the recording could not have shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.simulation import Simulation
+
+Array = NDArray[np.float64]
+
+VERDICTS = ("adequate", "explained", "partly-explained", "unexplained")
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where in the chain, when, at which frequencies and in which region of a signal the mismatch sits.
+
+    Attributes
+    ----------
+    place : str or None
+        ``actuator``, ``plant``, ``disturbance``, ``sensor`` or ``noise``; None where nothing is left out.
+    places : dict of str to float
+        Share of the explainable mismatch that the best description at each place accounts for, 0 to 1.
+    time : tuple of float or None
+        Span in seconds, where the mismatch is not spread over the whole recording.
+    frequency : tuple of float or None
+        Band in hertz.
+    state : tuple of (str, float, float) or None
+        Variable (``input``, ``position`` or ``velocity``) and range in its units.
+    """
+
+    place: str | None = None
+    places: dict[str, float] = field(default_factory=dict)
+    time: tuple[float, float] | None = None
+    frequency: tuple[float, float] | None = None
+    state: tuple[str, float, float] | None = None
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        state = self.state and {"variable": self.state[0], "range": [self.state[1], self.state[2]]}
+        return {
+            "place": self.place,
+            "places": [
+                {"place": place, "share": share} for place, share in sorted(self.places.items(), key=lambda p: -p[1])
+            ],
+            "time": self.time and list(self.time),
+            "frequency": self.frequency and list(self.frequency),
+            "state": state or None,
+        }
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """A parameter of an effect: value, standard deviation and unit (in u, y and s)."""
+
+    value: float | str
+    standard_deviation: float | None
+    unit: str
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        return {"value": self.value, "std": self.standard_deviation, "unit": self.unit}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that the recording speaks for, and what cannot be told apart from it.
+
+    Attributes
+    ----------
+    identifier, place, title : str
+    equation : str
+        LaTeX, without dollar signs.
+    reference : str
+    parameters : dict of str to ParameterEstimate
+    evidence : dict
+        Numbers behind the claim: ``delta_bic`` (against leaving the effect out), ``share`` (of the refitted error's
+        sum of squares that it removes), ``validation_gain`` (the same on rows not fitted), …
+    weight : float
+        Posterior weight of this effect within its class; with those of the alternatives it sums to one.
+    alternatives : list of (str, float)
+        What this recording cannot tell apart from it, with weights; ``unlisted`` is physics outside the catalogue.
+    separating_experiment : str or None
+    """
+
+    identifier: str
+    place: str
+    title: str
+    equation: str
+    reference: str
+    parameters: dict[str, ParameterEstimate]
+    evidence: dict[str, Any]
+    weight: float = 1.0
+    alternatives: list[tuple[str, float]] = field(default_factory=list)
+    separating_experiment: str | None = None
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        return {
+            "id": self.identifier,
+            "place": self.place,
+            "parameters": {name: p.to_mapping() for name, p in self.parameters.items()},
+            "evidence": self.evidence,
+            "weight": self.weight,
+            "alternatives": [{"id": name, "weight": weight} for name, weight in self.alternatives],
+            "separating_experiment": self.separating_experiment,
+        }
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Normalised errors on rows that were not fitted.
+
+    Attributes
+    ----------
+    nominal, refitted, improved : float
+        RMSE over the standard deviation of the recorded output: the simulation as given, with its coefficients
+        re-estimated, and with the effects found.
+    noise_floor : float
+        What a perfect model would leave, from the noise of the improved model.
+    validation : tuple of float
+        Start and end in seconds of the rows not fitted.
+    chosen : bool
+        Whether the tool chose those rows itself.
+    """
+
+    nominal: float
+    refitted: float
+    improved: float
+    noise_floor: float
+    validation: tuple[float, float]
+    chosen: bool = True
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        return {
+            "nrmse_nominal": self.nominal,
+            "nrmse_refitted": self.refitted,
+            "nrmse_improved": self.improved,
+            "noise_floor": self.noise_floor,
+            "validation": {"start": self.validation[0], "end": self.validation[1]},
+        }
+
+
+@dataclass(frozen=True)
+class Undetectable:
+    """An effect that was not found, and the smallest size at which this recording would have shown it.
+
+    Attributes
+    ----------
+    identifier, reason : str
+    parameter, unit : str or None
+    value : float or None
+        Detected in about 95 % of recordings like this one; None where no size would have shown.
+    """
+
+    identifier: str
+    reason: str
+    parameter: str | None = None
+    value: float | None = None
+    unit: str | None = None
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        smallest = (
+            None
+            if self.value is None
+            else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
+        )
+        return {"id": self.identifier, "reason": self.reason, "smallest_detectable": smallest}
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient of the plant as believed, refitted alone, and fitted together with the effects."""
+
+    name: str
+    nominal: float
+    refitted: float
+    refitted_deviation: float
+    improved: float
+    improved_deviation: float
+
+
+@dataclass(frozen=True)
+class Signals:
+    """What the pictures of the report show, one entry a row of the (first) recording.
+
+    Attributes
+    ----------
+    time, signal, recorded : ndarray, shape (N,)
+        Seconds, input, output.
+    nominal, refitted, improved : ndarray, shape (N,)
+        Simulated outputs.
+    velocity : ndarray, shape (N,)
+        Of the refitted simulation, in units of y per second.
+    equivalent_input : ndarray, shape (N,)
+        The refitted residual as an input that would have caused it, in units of u, smoothed to what the data carry.
+    fitted : ndarray of bool, shape (N,)
+        Rows that were fitted; the others validate.
+    """
+
+    time: Array
+    signal: Array
+    recorded: Array
+    nominal: Array
+    refitted: Array
+    improved: Array
+    velocity: Array
+    equivalent_input: Array
+    fitted: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Test:
+    """One of the tests for structure: what it asks, and its p-value before and after the effects were modelled."""
+
+    name: str
+    question: str
+    before: float | None
+    after: float | None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that diagnosis.json, improved.yaml, residuals.csv and report.html say."""
+
+    verdict: str
+    explanation: str
+    location: Location
+    findings: list[Finding]
+    fit: Fit
+    undetectable: list[Undetectable]
+    coefficients: list[Coefficient]
+    tests: list[Test]
+    signals: Signals
+    improved: Simulation
+    recordings: list[str]
+    rows_fitted: int
+    period: float
+    seconds: float
+    warnings: list[str] = field(default_factory=list)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """diagnosis.json, version 1 of the design's contract."""
+        return {
+            "schema": 1,
+            "verdict": self.verdict,
+            "explanation": self.explanation,
+            "location": self.location.to_mapping(),
+            "effects": [f.to_mapping() for f in self.findings],
+            "fit": self.fit.to_mapping(),
+            "undetectable": [u.to_mapping() for u in self.undetectable],
+            "coefficients": [vars(c) for c in self.coefficients],
+            "tests": [vars(t) for t in self.tests],
+            "warnings": self.warnings,
+        }

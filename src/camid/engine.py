@@ -1,0 +1,304 @@
+"""The engine: the whole chain hold → actuator → plant → sensor with any effects of the catalogue.
+
+A chain that is linear behind a held or straight input takes the exact path of :mod:`camid.chain`; any other is run by
+the compiled integrator on a grid of several steps a frame, and the sensor reads the motion between the nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain import Acquisition, companion, derivative_rows, sample, time_scale
+from camid.integrator import Mechanics, integrate
+from camid.motion import Motion
+from camid.physics.effect import Effect
+from camid.plant import TransferFunction
+
+Array = NDArray[np.float64]
+
+# Length of a step of the integrator in radians of the fastest motion that forces can excite. Smooth forces leave an
+# error of the fourth power of it; the parts of steps that events split are more sensitive.
+STEP_SMOOTH = 0.35
+STEP_EVENTS = 0.2
+FEWEST_STEPS = 2
+FEWEST_STEPS_EVENTS = 4
+MOST_STEPS = 400
+# Steps a frame where the input is no straight line within it although the plant is linear.
+INPUT_STEPS = 24
+# Periods that the motion goes on past the last frame, for exposures that effects shift.
+MARGIN = 2
+
+
+class NotApplicable(ValueError):
+    """An effect that has no meaning with this plant."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain, ready to run.
+
+    Attributes
+    ----------
+    plant : TransferFunction
+    acquisition : Acquisition
+        As declared; effects may declare another.
+    effects : tuple of Effect
+        Actuator effects act in this order, sensor effects too.
+    initial_state : ndarray, shape (n,), optional
+        Companion state of the plant in units of its time scale, at the time that ``state_before_record`` says.
+    state_before_record : bool
+        Whether that is the begin of the interval in which the first frame's exposure begins, or the first sample.
+
+    Raises
+    ------
+    NotApplicable
+        If an effect has no meaning with this plant.
+    ValueError
+        If effects declare an impossible acquisition.
+    """
+
+    plant: TransferFunction
+    acquisition: Acquisition
+    effects: tuple[Effect, ...] = ()
+    initial_state: Array | None = None
+    state_before_record: bool = True
+
+    def declared(self) -> Acquisition:
+        """Acquisition with what the effects declare."""
+        acquisition = self.acquisition
+        for effect in self.effects:
+            acquisition = effect.declare(acquisition)
+        return acquisition
+
+    def whole_plant(self) -> TransferFunction:
+        """Plant with the linear dynamics before and behind it."""
+        plant = self.plant
+        for effect in self.effects:
+            for part in (effect.before_plant(), effect.behind_plant()):
+                if part is not None:
+                    plant = plant * part
+        return plant
+
+
+def run(chain: Chain, signal: Array, time: Array) -> Array:
+    """Samples of the sensor at the end of a chain.
+
+    Parameters
+    ----------
+    chain : Chain
+    signal : ndarray, shape (N,)
+        Recorded input u_k.
+    time : ndarray, shape (N,)
+        Recorded times in seconds.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        w_k, in units of y.
+    """
+    acquisition = chain.declared()
+    output = _exactly(chain, signal, acquisition)
+    if output is None:
+        motion = move(chain, signal, time, acquisition)
+        output = _read(chain, motion, time, acquisition)
+    for effect in chain.effects:
+        output = effect.observe(output, time)
+    return output
+
+
+def _overrides(effect: Effect, *names: str) -> bool:
+    return any(getattr(type(effect), name) is not getattr(Effect, name) for name in names)
+
+
+def _acts_on_motion(effect: Effect) -> bool:
+    """Whether the effect is a force, one that depends on the motion or not."""
+    compiled = (effect.force, effect.friction_level)
+    return any(part is not None for part in compiled) or _overrides(effect, "impulses")
+
+
+def _exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
+    """Output of a chain that is linear behind a held or straight input, or None."""
+    if any(_acts_on_motion(e) or _overrides(e, "windows", "measure") for e in chain.effects):
+        return None
+    shapes = [e for e in chain.effects if _overrides(e, "transform")]
+    if shapes:
+        if acquisition.hold != "zoh" or any(not e.keeps_hold for e in shapes):
+            return None
+        for effect in shapes:
+            signal, end = effect.transform(signal, signal, acquisition.period)
+            if end is not signal and not np.array_equal(end, signal):
+                return None
+    if chain.initial_state is not None:
+        return None
+    return sample(chain.whole_plant(), signal, acquisition)
+
+
+def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | None = None) -> Motion:
+    """Motion before the sensor.
+
+    Parameters
+    ----------
+    chain : Chain
+    signal, time : ndarray, shape (N,)
+    acquisition : Acquisition, optional
+        What the chain declares, where it is known already.
+
+    Raises
+    ------
+    NotApplicable
+        If an effect has no meaning with this plant.
+    """
+    acquisition = chain.declared() if acquisition is None else acquisition
+    mechanics, order = _mechanics(chain)
+    period = acquisition.period
+    delay = acquisition.window()[0] if chain.initial_state is not None and chain.state_before_record else 0
+    steps = _steps(chain, acquisition)
+    step = period / steps
+    start, end = _grid_input(signal, acquisition.hold, delay, steps)
+    for effect in chain.effects:
+        start, end = effect.transform(start, end, step)
+    initial = np.zeros(len(mechanics.input_vector))
+    if chain.initial_state is not None:
+        initial[order[0] : order[1]] = chain.initial_state
+    begin = float(time[0]) - delay * period
+    breaks = np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float)
+    impulses = sorted(i for e in chain.effects for i in e.impulses())
+    position, velocity, integral = integrate(
+        mechanics,
+        initial,
+        np.ascontiguousarray(start),
+        np.ascontiguousarray(end),
+        begin,
+        step,
+        breaks,
+        np.array([t for t, _ in impulses], dtype=float),
+        np.array([s for _, s in impulses], dtype=float),
+    )
+    return Motion(begin, step, position, velocity, integral)
+
+
+def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -> Array:
+    """What the sensor makes of a motion."""
+    frames = time[0] + acquisition.period * np.arange(len(time))
+    end = frames - acquisition.latency
+    start = end - (0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0))
+    for effect in chain.effects:
+        start, end = effect.windows(motion, start, end)
+    for effect in chain.effects:
+        measured = effect.measure(motion, start, end)
+        if measured is not None:
+            return measured
+    return motion.mean(start, end)
+
+
+def _grid_input(signal: Array, hold: str, delay: int, steps: int) -> tuple[Array, Array]:
+    """Input at the begin and end of each step, zero before the record and constant past it."""
+    signal = np.asarray(signal, dtype=float)
+    first = np.concatenate([np.zeros(delay), signal, np.full(MARGIN, signal[-1])])
+    if hold == "zoh":
+        start = np.repeat(first, steps)
+        return start, start
+    following = np.append(first[1:], first[-1])
+    if delay:
+        following[delay - 1] = 0.0  # the input begins with the record, without a ramp towards it
+    share = np.arange(steps) / steps
+    slope = (following - first)[:, None]
+    start = (first[:, None] + slope * share).ravel()
+    return start, (first[:, None] + slope * (share + 1.0 / steps)).ravel()
+
+
+def _steps(chain: Chain, acquisition: Acquisition) -> int:
+    """Steps of the integrator in a period."""
+    fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
+    fastest += sum(e.frequency(chain.plant) for e in chain.effects)
+    events = any(e.friction_level is not None or e.switch is not None for e in chain.effects)
+    steps = ceil(acquisition.period * fastest / (STEP_EVENTS if events else STEP_SMOOTH))
+    if any(_overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects):
+        steps = max(steps, INPUT_STEPS)
+    return min(max(steps, FEWEST_STEPS_EVENTS if events else FEWEST_STEPS), MOST_STEPS)
+
+
+def _block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array]:
+    """Companion matrix, output row, and whether the input passes at once, in scaled time."""
+    monic = plant.monic
+    order, degree = monic.order, len(monic.numerator) - 1
+    denominator = np.asarray(monic.denominator) * unit ** np.arange(order + 1)
+    numerator = np.asarray(monic.numerator) * unit ** (order - degree + np.arange(degree + 1.0))
+    row = numerator @ derivative_rows(denominator, range(degree, -1, -1))
+    return companion(denominator), row[:order], row[order:]
+
+
+def _mechanics(chain: Chain) -> tuple[Mechanics, tuple[int, int]]:
+    """The chain as the integrator takes it, and where the plant's states lie."""
+    unit = time_scale(chain.plant.monic.denominator)
+    before = [p for e in chain.effects if (p := e.before_plant()) is not None]
+    behind = [p for e in chain.effects if (p := e.behind_plant()) is not None]
+    blocks = [_block(p, unit) for p in (*before, chain.plant, *behind)]
+    size = sum(len(b[0]) for b in blocks)
+    matrix = np.zeros((size + 1, size + 1))
+    input_vector, force_vector = np.zeros(size + 1), np.zeros(size + 1)
+    position = np.zeros(size + 1)
+    # Row and direct input of the signal that enters the next block.
+    row, direct_input, direct_force = np.zeros(size + 1), 1.0, 0.0
+    offset, where = 0, (0, 0)
+    for i, (block, output, direct) in enumerate(blocks):
+        order = len(block)
+        if i == len(before):
+            where, direct_force = (offset, offset + order), 1.0
+        if order:
+            matrix[offset : offset + order, offset : offset + order] = block
+            matrix[offset] += row
+            input_vector[offset] = direct_input
+            force_vector[offset] = direct_force
+        through = float(direct[0])
+        row, direct_input, direct_force = row * through, direct_input * through, direct_force * through
+        row[offset : offset + order] += output
+        offset += order
+        if i == len(before):
+            position, direct = row.copy(), np.array([direct_input, direct_force])
+            _refuse_direct(chain, direct)
+    if direct_input or direct_force:
+        raise NotApplicable("the input passes the plant without delay: its motion jumps")
+    matrix[size] = row
+    velocity = position @ matrix
+    jumps = [float(position @ input_vector), float(position @ force_vector)]
+    # A force that acts on the velocity itself (as many zeros as poles but one) would have to depend on its own effect.
+    scale = float(np.max(np.abs(position), initial=0.0)) or 1.0
+    if any(abs(j) > 1e-12 * scale for j in jumps):
+        for effect in chain.effects:
+            if effect.uses_velocity or effect.friction_level is not None:
+                raise NotApplicable(
+                    f"{effect.identifier} depends on a velocity that jumps with the input: "
+                    "the plant has one pole more than zeros"
+                )
+    acceleration = float(velocity @ force_vector)
+    count = len(chain.effects)
+    addresses = np.zeros((4, count), np.int64)
+    values = np.zeros((count, 8))
+    for i, effect in enumerate(chain.effects):
+        for kind, part in enumerate((effect.force, effect.friction_level, effect.memory_rate, effect.switch)):
+            addresses[kind, i] = 0 if part is None else part.address
+        numbers = effect.force_values(chain.plant)
+        values[i, : len(numbers)] = numbers
+    sticks = abs(acceleration) > 1e-9 * (float(np.max(np.abs(velocity), initial=0.0)) or 1.0)
+    mechanics = Mechanics(
+        matrix, input_vector, force_vector, row, position, velocity, sticks, *addresses, values, unit
+    )
+    return mechanics, where
+
+
+def _refuse_direct(chain: Chain, direct: Array) -> None:
+    if np.any(direct):
+        for effect in chain.effects:
+            if effect.force is not None or effect.friction_level is not None:
+                raise NotApplicable(f"{effect.identifier} depends on a motion that jumps with the input")
+
+
+def with_effects(chain: Chain, effects: Sequence[Effect]) -> Chain:
+    """The same chain with other effects."""
+    return replace(chain, effects=tuple(effects))

@@ -1,0 +1,97 @@
+"""A motion between the nodes of the integrator's grid, and what exposures of any begin and length see of it.
+
+The integral of the motion is one of the integrator's states (the paper's Fig. 4), so a mean over an exposure is a
+difference of integrals. Between nodes the integral is the quintic that has its value, the motion and its derivative at
+both ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Points at which an exposure is looked at where not the mean of the motion is wanted but that of a function of it.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+@njit(cache=True, nogil=True)
+def _interpolate(
+    begin: float, step: float, integral: Array, position: Array, velocity: Array, times: Array, derivative: int
+) -> Array:
+    """Integral (derivative 0) or motion (derivative 1) at any times; constant motion outside the grid."""
+    result = np.empty(len(times))
+    last = len(position) - 1
+    for k in range(len(times)):
+        place = (times[k] - begin) / step
+        if place <= 0.0 or place >= last:
+            node = 0 if place <= 0.0 else last
+            distance = (place - node) * step
+            result[k] = integral[node] + position[node] * distance if derivative == 0 else position[node]
+            continue
+        i = min(int(place), last - 1)
+        s = place - i
+        if s < 1e-9 or s > 1.0 - 1e-9:
+            node = i if s < 0.5 else i + 1
+            result[k] = integral[node] if derivative == 0 else position[node]
+            continue
+        # Quintic Hermite basis in s with p = values, d = step·motion, a = step²·velocity.
+        rise = integral[i + 1] - integral[i]
+        d0, d1 = step * position[i], step * position[i + 1]
+        a0, a1 = step * step * velocity[i], step * step * velocity[i + 1]
+        c3 = 10.0 * rise - 6.0 * d0 - 4.0 * d1 - 1.5 * a0 + 0.5 * a1
+        c4 = -15.0 * rise + 8.0 * d0 + 7.0 * d1 + 1.5 * a0 - a1
+        c5 = 6.0 * rise - 3.0 * d0 - 3.0 * d1 - 0.5 * a0 + 0.5 * a1
+        if derivative == 0:
+            result[k] = integral[i] + s * (d0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
+        else:
+            result[k] = (d0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / step
+    return result
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion on a grid.
+
+    Attributes
+    ----------
+    begin, step : float
+        Seconds.
+    position, velocity, integral : ndarray, shape (M + 1,)
+        Motion, its derivative and its integral over time in seconds.
+    """
+
+    begin: float
+    step: float
+    position: Array
+    velocity: Array
+    integral: Array
+
+    def at(self, times: Array) -> Array:
+        """Motion at times in seconds, in their shape."""
+        return self._read(times, 1)
+
+    def mean(self, start: Array, end: Array) -> Array:
+        """Mean over exposures that begin and end at the given times in seconds, shape (N,); their value if start = end."""
+        length = end - start
+        instant = length <= 1e-9 * self.step
+        if np.all(instant):
+            return self.at(start)
+        means = (self._read(end, 0) - self._read(start, 0)) / np.where(instant, 1.0, length)
+        return np.where(instant, self.at(start), means) if np.any(instant) else means
+
+    def points(self, start: Array, end: Array) -> Array:
+        """Motion at the Gauss–Legendre nodes of each exposure, shape (N, 12); their weights are :data:`WEIGHTS` / 2."""
+        times = 0.5 * (start + end)[:, None] + 0.5 * (end - start)[:, None] * NODES
+        return self.at(times)
+
+    def _read(self, times: Array, derivative: int) -> Array:
+        times = np.asarray(times, dtype=float)
+        flat = np.ascontiguousarray(times.ravel())
+        return _interpolate(
+            self.begin, self.step, self.integral, self.position, self.velocity, flat, derivative
+        ).reshape(times.shape)

@@ -1,0 +1,205 @@
+"""Effects that change the noise and not the expected output: recognised from the residual and the recorded values."""
+
+from __future__ import annotations
+
+from math import erfc, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.physics.effect import Array, Effect, Parameter, Recognition, Situation
+
+# A lattice whose rounding error has less than this share of the residual's variance does not matter.
+NEGLIGIBLE_ROUNDING = 0.02
+# Residuals beyond so many robust standard deviations are outliers: one in 1.7 million of Gaussian noise.
+OUTLYING = 5.0
+FEWEST = 3
+
+
+def lattice_step(values: Array) -> float | None:
+    """Step of the lattice on which all values lie, None where there is none or it is finer than what they show."""
+    distinct = np.unique(values)
+    if len(distinct) < 3 or len(distinct) > 0.9 * len(values):
+        return None
+    gaps = np.diff(distinct)
+    step = float(np.min(gaps))
+    multiples = gaps / step
+    if np.max(np.abs(multiples - np.round(multiples))) > 1e-3 * max(1.0, float(np.max(multiples)) * 1e-3):
+        return None
+    return float(np.ptp(distinct) / np.sum(np.round(multiples)))
+
+
+def tail(deviation: float) -> float:
+    """Probability that a standard Gaussian exceeds a deviation."""
+    return 0.5 * erfc(deviation / sqrt(2.0))
+
+
+def rare_count(count: int, trials: int, probability: float) -> float:
+    """Bound (Chernoff) on the probability of at least ``count`` events in so many trials."""
+    expected = trials * probability
+    return 1.0 if count <= expected else float(np.exp(count - expected - count * log(count / expected)))
+
+
+class Quantisation(Effect):
+    """Values on a coarse lattice."""
+
+    identifier = "quantisation"
+    place = "sensor"
+    title = "Quantisation of the measurement"
+    equation = r"w = q\,\mathrm{round}(w/q)"
+    reference = "Widrow & Kollar (2008), Quantization Noise"
+    parameters = (Parameter("step", "y", "step q of the lattice", 1e-300),)
+    noise_like = True
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Round to the lattice."""
+        return np.asarray(self.values["step"] * np.round(output / self.values["step"]))
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """All values lie on a lattice that is coarse beside the residual."""
+        step = lattice_step(situation.recorded)
+        if step is None or step**2 / 12.0 < NEGLIGIBLE_ROUNDING * float(np.mean(situation.residual**2)):
+            return None
+        # Values without a lattice would lie on it by chance only.
+        return Recognition(cls(step=step), {"step": 1e-3 * step}, 1e-12, np.zeros(len(situation.time), bool))
+
+
+class DroppedFrames(Effect):
+    """Frames that never came: the last one is delivered again."""
+
+    identifier = "dropped-frames"
+    place = "sensor"
+    title = "Dropped frames"
+    equation = r"w_k = w_{k-1}\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
+    reference = "Laroche & Delavigne, section 2 (every frame is delivered)"
+    parameters = (Parameter("fraction", "", "share p of repeated frames", 0.0, 1.0),)
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """Values are repeated exactly although noise would never repeat them."""
+        values = situation.recorded
+        step = lattice_step(values)
+        spread = float(np.std(situation.residual))
+        if step is not None and step > 0.02 * spread:
+            return None
+        # At the edges of a clipped range values repeat without a lost frame.
+        inside = (values > np.min(values)) & (values < np.max(values))
+        repeated = np.append(False, values[1:] == values[:-1]) & inside
+        count = int(np.sum(repeated))
+        if count < FEWEST:
+            return None
+        share = count / len(values)
+        chance = 1e-9 if step is None else min(step / max(spread, step), 1.0)
+        return Recognition(
+            cls(fraction=share),
+            {"fraction": sqrt(share * (1.0 - share) / len(values))},
+            rare_count(count, len(values), chance),
+            repeated,
+        )
+
+
+class Outliers(Effect):
+    """Single frames in which something else than the marker was found."""
+
+    identifier = "outliers"
+    place = "sensor"
+    title = "Outliers"
+    equation = r"w_k = w + o_k\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
+    reference = "Huber & Ronchetti (2009), Robust Statistics, 2nd ed."
+    parameters = (Parameter("fraction", "", "share p of the frames", 0.0, 1.0),)
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """Isolated residuals far outside of the robust spread of the others."""
+        residual = situation.residual - np.median(situation.residual)
+        spread = 1.4826 * float(np.median(np.abs(residual)))
+        if spread <= 0.0:
+            return None
+        far: NDArray[np.bool_] = np.abs(residual) > OUTLYING * spread
+        count = int(np.sum(far))
+        if count < 2:
+            return None
+        neighbours = np.zeros(len(far), bool)
+        neighbours[1:] |= far[:-1]
+        neighbours[:-1] |= far[1:]
+        if np.sum(far & ~neighbours) < 0.7 * count or count > 0.2 * len(far):
+            return None
+        share = count / len(far)
+        return Recognition(
+            cls(fraction=share),
+            {"fraction": sqrt(share * (1.0 - share) / len(far))},
+            rare_count(count, len(far), 2.0 * tail(OUTLYING * 0.97)),
+            far,
+        )
+
+
+class TimestampJitter(Effect):
+    """Frames are exposed a little earlier or later than their time stamps say."""
+
+    identifier = "timestamp-jitter"
+    place = "sensor"
+    title = "Jitter of the time stamps"
+    equation = r"w_k = w(t_k + \delta_k),\quad \delta_k \sim \mathcal{N}(0, \sigma_t^2)"
+    reference = "Souders et al. (1990), IEEE Trans. Instrum. Meas. 39, 80-85"
+    parameters = (Parameter("std", "s", "standard deviation σ_t of the times", 0.0),)
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """The residual's variance grows with the square of the speed, and not rather with that of the position."""
+        square = situation.residual**2
+        speed, position = situation.velocity**2, situation.position**2
+        gain, jitter, deviation, score = _variance_regression(square, speed)
+        other = _variance_regression(square, position)
+        if jitter <= 0.0 or other[0] > gain:
+            return None
+        timing = sqrt(jitter)
+        spoiled = np.zeros(len(square), bool)
+        return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
+
+
+def _variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
+    """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
+    mean = float(np.mean(square))
+    centred = regressor - np.mean(regressor)
+    if mean <= 0.0 or not np.any(centred):
+        return 0.0, 0.0, 1.0, 0.0
+    # Fourth moments as they are, so that heavy tails are not taken for a dependence.
+    excess = square / mean - 1.0
+    score = float(centred @ excess / sqrt(float(np.mean(excess**2)) * float(centred @ centred)))
+    base, slope = mean, 0.0
+    information = np.eye(2)
+    for _ in range(30):  # Fisher scoring for the two variances
+        variance = np.maximum(base + slope * regressor, 1e-3 * mean)
+        basis = np.column_stack([np.ones_like(regressor), regressor]) / variance[:, None]
+        information = 0.5 * basis.T @ basis
+        step = np.linalg.lstsq(information, 0.5 * basis.T @ (square / variance - 1.0), rcond=None)[0]
+        base, slope = max(base + step[0], 1e-3 * mean), max(slope + step[1], 0.0)
+        if abs(step[0]) < 1e-6 * mean:
+            break
+    variance = np.maximum(base + slope * regressor, 1e-3 * mean)
+    gain = 0.5 * float(len(square) * (log(mean) + 1.0) - np.sum(np.log(variance) + square / variance))
+    deviation = float(np.sqrt(max(np.linalg.pinv(information)[1, 1], 0.0)))
+    return gain, float(slope), deviation, score
+
+
+class ColouredNoise(Effect):
+    """Noise whose samples depend on each other: vibration of the camera, drift of the light, a filter."""
+
+    identifier = "coloured-noise"
+    place = "noise"
+    title = "Coloured noise"
+    equation = r"n_k = \sum_i \alpha_i\,n_{k-i} + \varepsilon_k"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 4.2"
+    parameters = (
+        Parameter("spectrum", "", "coefficients α_i of the autoregression with the noise's spectrum", sequence=True),
+    )
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """The diagnosis tests every residual for whiteness, with regard to what was fitted, and asks nothing here."""
+        return None

@@ -1,0 +1,313 @@
+"""The page of a diagnosis: complete for every verdict, self-contained, safe with any name, laid out by a browser."""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+import time
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from camid.diagnosis import pictures, report, summary
+from camid.diagnosis.result import VERDICTS, Location, ParameterEstimate
+from camid.errors import InputError
+from camid.physics import known_effects
+from tests.diagnosis import synthetic
+
+SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]
+HOSTILE = {
+    "input_column": "<script>document.title = 'run'</script>",
+    "output_column": '$x_{1} & "y" </text><img src=x onerror=alert(1)>',
+    "recordings": ["<script>document.title = 'run'</script>.csv", "b\x07ell\n.csv"],
+    "warnings": ["</li><script>document.title = 'run'</script>"],
+    "explanation": "<script>document.title = 'run'</script>",
+}
+BROWSER = next(
+    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
+)
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed: the layout was not looked at")
+
+
+class Page(HTMLParser):
+    """Elements, attributes, identifiers of sections and text of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.attributes, self.sections, self.parts, self.paths = [], [], [], [], 0
+        self.feed(text)
+        self.close()
+        # The style sheet is text to the parser, but not to the reader.
+        self.text = " ".join(" ".join(self.parts).replace(summary.SPACE, " ").split())
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+        if tag == "section":
+            self.sections.append(dict(attrs)["id"])
+
+    def handle_data(self, data):
+        if self.tags and self.tags[-1] != "style":
+            self.parts.append(data)
+
+
+@pytest.fixture(scope="module")
+def pages():
+    return {verdict: report.render(synthetic.diagnosis(verdict)) for verdict in VERDICTS}
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_every_verdict_has_its_sections(pages, verdict):
+    page = Page(pages[verdict])
+    diagnosis = synthetic.diagnosis(verdict)
+    assert page.sections == SECTIONS
+    symbol, word, meaning = summary.VERDICT_WORDS[verdict]
+    assert f"{symbol} {word} {meaning}" in page.text
+    assert diagnosis.explanation in page.text
+    assert ("Improved simulation" in page.text) == bool(diagnosis.findings)
+    assert page.text.count("▲ here") == (verdict != "adequate")
+    assert page.tags.count("figure") == 8
+    assert "bench/run_07.csv, 2044 rows, 1544 of them fitted" in page.text
+    for unseen in diagnosis.undetectable:
+        assert summary.title_of(unseen.identifier) in page.text
+    assert "0.0041 u s²/y²" in page.text
+
+
+def test_a_finding_is_told_in_full(pages):
+    text = Page(pages["partly-explained"]).text
+    assert "force 0.1500 ± 0.0021 u 0.1459 to 0.1541" in text
+    assert "amplitude (3.210 ± 0.044)·10⁻⁷ u" in text
+    assert "frequency 7.5612 ± 0.0019 rad/s (1.203 Hz) 7.5575 to 7.5649" in text
+    assert "error that it removes, fitted rows 95.3 %" in text
+    assert "Coulomb friction 88 % Hysteresis (Bouc-Wen) 11 % physics outside the catalogue 1.0 %" in text
+    assert "What would tell them apart: a free decay" in text
+    assert "12 to 31 s" in text
+    assert "1.1 to 2.3 Hz" in text
+    assert "velocity from −2.5 to 2.5 y/s" in text
+    assert "disturbance force from outside 8.0 % △ also here" in text
+    assert "a1 · s 0.84 3.62 ± 0.21 1.203 ± 0.034 −30 % +200 % 11" in text
+    assert pages["partly-explained"].count('class="equation"') == 2
+
+
+def test_an_unlocated_mismatch_is_not_called_none():
+    diagnosis = synthetic.diagnosis("unexplained", location=Location())
+    text = Page(report.render(diagnosis)).text
+    assert "It cannot be located" in text
+    assert "Nowhere" not in text
+
+
+def test_a_wrong_hold_marks_the_hold():
+    finding = synthetic.finding()
+    hold = type(finding)(
+        "input-hold", "actuator", "Hold of the input", "", "", {"hold": ParameterEstimate("foh", None, "")}, {}
+    )
+    diagnosis = synthetic.diagnosis("explained", findings=[hold], location=Location("actuator", {"actuator": 0.9}))
+    assert {box.name: box.flag for box in report.chain(diagnosis) if box.flag} == {"hold": "here"}
+    assert "first-order hold" in Page(report.render(diagnosis)).text
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_the_page_needs_nothing_else(pages, verdict):
+    text, page = pages[verdict], Page(pages[verdict])
+    assert not {"script", "link", "img", "iframe", "object", "embed", "image", "base"} & set(page.tags)
+    assert not re.search(r"https?://|//[a-z]", text)
+    for name, value in page.attributes:
+        assert name != "src"
+        assert not name.startswith("on")
+        if name.endswith("href"):
+            assert value.startswith("#")
+    assert all(target.startswith("#") for target in re.findall(r"url\(([^)]*)\)", text))
+    # What a drawing refers to is in the page.
+    referred = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', text))
+    assert {a or b for a, b in referred} <= set(re.findall(r'\bid="([^"]+)"', text))
+    assert len(text.encode()) < 1.5e6
+
+
+def test_names_are_escaped():
+    text = report.render(synthetic.diagnosis("partly-explained", **HOSTILE))
+    page = Page(text)
+    assert not {"script", "img"} & set(page.tags)
+    assert HOSTILE["explanation"] in page.text
+    assert "$x_{1}" in page.text  # neither markup nor mathtext
+    assert "\x07" not in text
+
+
+@pytest.mark.parametrize(
+    ("location", "framed"),
+    [
+        (Location("plant", state=("velocity", -1.0, 1.0)), ["Missing force against velocity"]),
+        (Location("plant"), ["Missing force against velocity", "Missing force against position"]),
+        (Location("sensor", state=("position", 0.0, 1.0)), ["Residual against output"]),
+        (Location("disturbance"), []),
+    ],
+)
+def test_the_pictures_of_the_located_place_are_framed(location, framed):
+    drawn = pictures.draw(synthetic.diagnosis("unexplained", location=location))["structure"]
+    assert [p.title for p in drawn if p.located] == framed
+
+
+def test_a_free_decay_has_no_picture_against_its_input():
+    diagnosis = synthetic.diagnosis("explained", input_column=None)
+    signals = diagnosis.signals
+    still = type(signals)(**{**vars(signals), "signal": np.zeros(len(signals.time))})
+    drawn = pictures.draw(synthetic.diagnosis("explained", input_column=None, signals=still))["structure"]
+    assert [p.title.split(" against ")[1] for p in drawn] == ["velocity", "position", "output"]
+    assert "no input" in Page(report.render(diagnosis)).text
+
+
+def test_medians_show_the_law_through_outliers():
+    random = np.random.default_rng(np.random.SeedSequence(3))
+    x = random.uniform(-1.0, 1.0, 4000)
+    y = np.sign(x) + 0.1 * random.standard_normal(4000)
+    y[::40] = 50.0
+    centres, quartiles = pictures._bins(x, y)
+    away = np.abs(centres) > 0.1
+    assert away.sum() >= 16
+    assert np.abs(quartiles[away, 1] - np.sign(centres[away])).max() < 0.06
+    assert np.all(np.diff(quartiles, axis=1) > 0.0)
+    levels, _ = pictures._bins(np.tile([-1.0, 0.5], 100), np.ones(200))
+    assert levels.tolist() == [-1.0, 0.5]
+
+
+def test_thinning_keeps_the_extremes():
+    time = np.arange(50_000.0)
+    values = np.sin(time)
+    values[12_345] = 9.0
+    thin_time, thin = pictures._thinned(time, values)
+    assert len(thin) <= pictures.LARGEST_LINE
+    assert thin.max() == 9.0
+    assert thin_time[thin.argmax()] == 12_345.0
+    assert np.all(np.diff(thin_time) >= 0.0)
+
+
+def test_drawing_leaves_the_settings_of_matplotlib_alone():
+    import matplotlib as mpl
+
+    with mpl.rc_context({"font.size": 3.0, "text.usetex": True}):
+        before = dict(mpl.rcParams)
+        pictures.draw(synthetic.diagnosis("explained"))
+        assert dict(mpl.rcParams) == before
+
+
+@pytest.mark.parametrize("identifier", known_effects())
+def test_the_equations_of_the_catalogue_are_drawn(identifier):
+    effect = known_effects()[identifier]
+    assert 'd="M' in report.equation(effect.equation)
+    assert summary.title_of(identifier) == effect.title
+
+
+def test_equations():
+    assert 'd="M' in report.equation(r"f = f_c\,\mathrm{sgn}(\dot{y})")
+    assert report.equation(r"\nosuchcommand{x}") is None
+    finding = type(synthetic.finding())(**{**vars(synthetic.finding()), "equation": r"\nosuchcommand{x}"})
+    assert r"\nosuchcommand{x}" in Page(report.render(synthetic.diagnosis("explained", findings=[finding]))).text
+
+
+@pytest.mark.parametrize(
+    ("value", "deviation", "text"),
+    [
+        (0.15, 0.0021, "0.1500 ± 0.0021"),
+        (12345.6, 78.0, "12346 ± 78"),
+        (12345.6, 780.0, "12350 ± 780"),
+        (-1.5e-7, 2e-9, "(−1.500 ± 0.020)·10⁻⁷"),
+        (0.01, 0.3, "0.01 ± 0.30"),
+        (0.0, 0.0996, "0.00 ± 0.10"),
+        (3.0, None, "3.000"),
+        (3.0, float("inf"), "3.000"),
+        (2.5e8, 1e6, "(2.500 ± 0.010)·10⁸"),
+        (float("nan"), 1.0, "not determined"),
+    ],
+)
+def test_values_have_the_digits_of_their_deviations(value, deviation, text):
+    assert summary.with_deviation(value, deviation) == text
+
+
+def test_numbers_and_units():
+    assert summary.number(0.00012345) == "0.000123"
+    assert summary.number(9.996) == "10.0"
+    assert summary.number(1234567.0) == "1.23·10⁶"
+    assert summary.number(0.0) == "0.00"
+    assert summary.plain(20.0, unit="ms") == f"20{summary.SPACE}ms"
+    assert summary.plain(1e-7) == "1·10⁻⁷"
+    assert summary.plain(100.0) == "100"
+    assert summary.unit_of("u s^2/y^2", "force", "x pos") == "force s²/[x pos]²"
+    assert summary.unit_of("rad/s", "u", "y") == "rad/s"
+    assert summary.probability(3e-9) == "< 0.0001"
+    assert summary.interval(0.15, 0.0021) == "0.1459 to 0.1541"
+
+
+def test_it_is_quick_and_writes_whole(tmp_path):
+    diagnosis = synthetic.diagnosis("partly-explained")
+    report.write_report(diagnosis, tmp_path / "report.html")  # imports
+    began = time.process_time()
+    report.write_report(diagnosis, tmp_path / "report.html")
+    assert time.process_time() - began < 1.5
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").endswith("</html>")
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    with pytest.raises(InputError, match="nowhere"):
+        report.write_report(diagnosis, tmp_path / "nowhere" / "report.html")
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_summary(capsys, verdict):
+    diagnosis = synthetic.diagnosis(verdict, input_column="[red]u", warnings=["[bold]look"])
+    summary.print_summary(diagnosis, [])
+    shown = capsys.readouterr().out
+    assert summary.VERDICT_WORDS[verdict][1].upper() in shown
+    assert diagnosis.explanation in shown
+    assert "warning: [bold]look" in shown
+    assert "2 of which would not have shown at any size" in shown
+    if diagnosis.findings:
+        assert "cannot be told apart from: Hysteresis (Bouc-Wen) (11" in shown
+        assert "[red]u" in shown
+
+
+MEASURE = """<script>
+addEventListener("load", () => {
+  const page = document.querySelector("iframe").contentDocument, all = (what) => [...page.querySelectorAll(what)];
+  const sizes = all("figure svg, svg.equation, .chain li").map((e) => e.getBoundingClientRect());
+  document.body.replaceChildren(JSON.stringify({
+    title: page.title, width: page.defaultView.innerWidth, needed: page.documentElement.scrollWidth,
+    drawings: all("figure svg, svg.equation").length, empty: sizes.filter((s) => s.width < 5 || s.height < 5).length,
+    labels: all("figure svg text").length, unseen: all("figure svg text").filter((t) => !t.getBBox().width).length,
+    stray: all("main *").filter((e) => !e.closest(".scroll, .picture, .formula")
+      && e.getBoundingClientRect().right > page.defaultView.innerWidth).length}));
+});
+</script>"""
+
+
+def in_browser(page, folder, width):
+    """What a browser makes of the page, measured from a frame of this width (a window is never narrower than 500)."""
+    frame = f'<iframe style="width: {width}px; height: 900px; border: 0" srcdoc="{html.escape(page)}"></iframe>'
+    (folder / "frame.html").write_text(f'<meta charset="utf-8">{frame}{MEASURE}', encoding="utf-8")
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
+    command += ["--hide-scrollbars", "--window-size=1400,1000", "--dump-dom", (folder / "frame.html").as_uri()]
+    shown = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+    return json.loads(html.unescape(re.search(r"<body>(.*?)</body>", shown, re.DOTALL).group(1)))
+
+
+@needs_browser
+@pytest.mark.parametrize(("width", "changes"), [(1280, {}), (390, {}), (390, HOSTILE), (800, HOSTILE)])
+def test_a_browser_lays_it_out_without_scrolling_sideways(tmp_path, width, changes):
+    seen = in_browser(report.render(synthetic.diagnosis("partly-explained", **changes)), tmp_path, width)
+    assert (seen["width"], seen["needed"]) == (width, width)
+    assert seen["drawings"] == 8 + 2
+    assert seen["labels"] > 100
+    assert (seen["empty"], seen["unseen"], seen["stray"]) == (0, 0, 0)
+    assert seen["title"].startswith("Partly explained: diagnosis of ")
+
+
+@needs_browser
+def test_the_browser_test_sees_a_page_that_is_too_wide(tmp_path):
+    page = report.render(synthetic.diagnosis("explained")).replace("overflow-wrap: anywhere;", "")
+    page = page.replace("bench/run_07.csv", "a" * 200)
+    assert in_browser(page, tmp_path, 390)["needed"] > 390
+
+
+@needs_browser
+def test_the_page_forbids_scripts(tmp_path):
+    page = report.render(synthetic.diagnosis("explained"))
+    script = "<script>document.title = 'run'</script></body>"
+    assert in_browser(page.replace("</body>", script), tmp_path, 1280)["title"].startswith("Explained")

@@ -1,0 +1,226 @@
+# The sealed proof: recordings with a concealed effect are made and sealed, diagnosed blindly, then revealed and scored.
+# The set `sample` is part of `all`; the target `concealed` takes the set `full`.
+
+CONCEALED = config["concealed"]
+if "concealed_seed" in config:
+    CONCEALED["full"]["seed"] = int(config["concealed_seed"])
+# The seed is part of every path, so that nothing of another seed is ever taken for this one's.
+CONCEALED_FOLDER = "results/concealed/{set}/{seed}"
+CONCEALED_SHARD = "{shard}_of_{shards}"
+CONCEALED_FIGURES = {
+    "confusion_matrix": "What was concealed and what was named",
+    "strength": "Detection, naming and placing against strength",
+    "recovered_share": "Share of the error recovered on held-out recordings",
+    "weights": "Stated weights against the frequency of being right",
+    "run_time": "Run time of a diagnosis",
+}
+
+
+def concealed_files(which, pattern):
+    """Files or folders of all shards of a set."""
+    chosen = CONCEALED[which]
+    return expand(
+        f"{CONCEALED_FOLDER}/{pattern}",
+        set=which,
+        seed=chosen["seed"],
+        shard=range(chosen["shards"]),
+        shards=chosen["shards"],
+    )
+
+
+def scored(which):
+    """What the last step of a set writes."""
+    seed = CONCEALED[which]["seed"]
+    return {
+        name: f"{CONCEALED_FOLDER}/{name}.parquet".format(set=which, seed=seed)
+        for name in ["scores", "parameters", "weights", "run_times"]
+    }
+
+
+wildcard_constraints:
+    set="full|sample",
+    seed=r"\d+",
+    shard=r"\d+",
+    shards=r"\d+",
+
+
+rule concealed_salt:
+    input:
+        sources=sources("workflow/scripts/concealed_salt.py"),
+    output:
+        f"{CONCEALED_FOLDER}/salt",
+    log:
+        "results/logs/concealed_salt_{set}_{seed}.log",
+    message:
+        "Drawing the salt of the seals."
+    script:
+        "../scripts/concealed_salt.py"
+
+
+rule concealed_recordings:
+    input:
+        salt=rules.concealed_salt.output[0],
+        sources=sources("workflow/scripts/concealed_recordings.py"),
+    output:
+        recordings=directory(f"{CONCEALED_FOLDER}/recordings/{CONCEALED_SHARD}"),
+        held_out=directory(f"{CONCEALED_FOLDER}/held_out/{CONCEALED_SHARD}"),
+        truths=directory(f"{CONCEALED_FOLDER}/truths/{CONCEALED_SHARD}"),
+        seals=f"{CONCEALED_FOLDER}/seals/{CONCEALED_SHARD}.csv",
+    log:
+        "results/logs/concealed_recordings_{set}_{seed}_{shard}_of_{shards}.log",
+    params:
+        number=lambda wildcards: CONCEALED[wildcards.set]["recordings"],
+    message:
+        "Making and sealing concealed recordings, shard {wildcards.shard} of {wildcards.shards} ({wildcards.set})."
+    script:
+        "../scripts/concealed_recordings.py"
+
+
+# No truth and no held-out recording is an input here.
+rule concealed_diagnoses:
+    input:
+        recordings=rules.concealed_recordings.output.recordings,
+        seals=rules.concealed_recordings.output.seals,
+        sources=sources("workflow/scripts/concealed_diagnoses.py", "src/camid/cli.py"),
+    output:
+        diagnoses=directory(f"{CONCEALED_FOLDER}/diagnoses/{CONCEALED_SHARD}"),
+        run_times=f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
+    log:
+        "results/logs/concealed_diagnoses_{set}_{seed}_{shard}_of_{shards}.log",
+    message:
+        "Diagnosing blindly, shard {wildcards.shard} of {wildcards.shards} ({wildcards.set})."
+    script:
+        "../scripts/concealed_diagnoses.py"
+
+
+# No truth is opened before the last diagnosis of the set is made.
+rule concealed_reveal:
+    input:
+        all_diagnoses=lambda wildcards: concealed_files(
+            wildcards.set, f"diagnoses/{CONCEALED_SHARD}"
+        ),
+        salt=rules.concealed_salt.output[0],
+        recordings=rules.concealed_recordings.output.recordings,
+        held_out=rules.concealed_recordings.output.held_out,
+        truths=rules.concealed_recordings.output.truths,
+        seals=rules.concealed_recordings.output.seals,
+        diagnoses=rules.concealed_diagnoses.output.diagnoses,
+        sources=sources("workflow/scripts/concealed_reveal.py"),
+    output:
+        scores=f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/scores.parquet",
+        parameters=f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/parameters.parquet",
+        weights=f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/weights.parquet",
+    log:
+        "results/logs/concealed_reveal_{set}_{seed}_{shard}_of_{shards}.log",
+    message:
+        "Opening the seals and scoring, shard {wildcards.shard} of {wildcards.shards} ({wildcards.set})."
+    script:
+        "../scripts/concealed_reveal.py"
+
+
+rule concealed_scores:
+    input:
+        scores=lambda wildcards: concealed_files(
+            wildcards.set, f"revealed/{CONCEALED_SHARD}/scores.parquet"
+        ),
+        parameters=lambda wildcards: concealed_files(
+            wildcards.set, f"revealed/{CONCEALED_SHARD}/parameters.parquet"
+        ),
+        weights=lambda wildcards: concealed_files(
+            wildcards.set, f"revealed/{CONCEALED_SHARD}/weights.parquet"
+        ),
+        run_times=lambda wildcards: concealed_files(
+            wildcards.set, f"run_times/{CONCEALED_SHARD}.csv"
+        ),
+        sources=sources("workflow/scripts/concealed_scores.py"),
+    output:
+        scores=f"{CONCEALED_FOLDER}/scores.parquet",
+        parameters=f"{CONCEALED_FOLDER}/parameters.parquet",
+        weights=f"{CONCEALED_FOLDER}/weights.parquet",
+        run_times=f"{CONCEALED_FOLDER}/run_times.parquet",
+    log:
+        "results/logs/concealed_scores_{set}_{seed}.log",
+    params:
+        number=lambda wildcards: CONCEALED[wildcards.set]["recordings"],
+    message:
+        "Collecting the scores of all shards ({wildcards.set})."
+    script:
+        "../scripts/concealed_scores.py"
+
+
+for name, title in CONCEALED_FIGURES.items():
+
+    rule:
+        name:
+            f"concealed_{name}"
+        input:
+            **scored("full"),
+            working_copy=BIRTH_MARK,
+            sources=sources(
+                "workflow/scripts/concealed_figure.py",
+                f"src/camid/figures/concealed/{name}.py",
+            ),
+        output:
+            png=f"paper_figs/concealed_{name}.png",
+            pdf=f"paper_figs/concealed_{name}.pdf",
+            csv=f"paper_figs/concealed_{name}.csv",
+        log:
+            f"results/logs/concealed_{name}.log",
+        params:
+            figure=name,
+        message:
+            f"Drawing: {title}."
+        script:
+            "../scripts/concealed_figure.py"
+
+
+rule concealed:
+    input:
+        **scored("full"),
+        figures=expand(
+            "paper_figs/concealed_{name}.{format}",
+            name=CONCEALED_FIGURES,
+            format=["png", "pdf", "csv"],
+        ),
+        working_copy=BIRTH_MARK,
+        sources=sources("workflow/scripts/concealed.py"),
+    output:
+        markdown="paper_figs/concealed.md",
+        quantities="paper_figs/concealed_quantities.csv",
+        parameters="paper_figs/concealed_parameters.csv",
+    log:
+        "results/logs/concealed.log",
+    params:
+        seed=CONCEALED["full"]["seed"],
+        configured="concealed_seed" not in config,
+        number=CONCEALED["full"]["recordings"],
+    message:
+        "Holding what the sealed proof measured against its targets."
+    script:
+        "../scripts/concealed.py"
+
+
+rule concealed_sample:
+    input:
+        **scored("sample"),
+        working_copy=BIRTH_MARK,
+        sources=sources(
+            "workflow/scripts/concealed_sample.py",
+            "src/camid/figures/concealed/sample.py",
+        ),
+    output:
+        png=report(
+            "paper_figs/concealed_sample.png",
+            caption="../report/concealed.rst",
+            category="Diagnosis",
+            labels={"figure": "concealed sample", "of": "past the paper"},
+        ),
+        pdf="paper_figs/concealed_sample.pdf",
+        csv="paper_figs/concealed_sample.csv",
+        quantities="results/concealed/quantities.csv",
+    log:
+        "results/logs/concealed_sample.log",
+    message:
+        "Drawing: a small sample of the sealed proof."
+    script:
+        "../scripts/concealed_sample.py"

@@ -1,0 +1,52 @@
+"""Hold what the sealed proof measured against its targets, for README.md."""
+
+import subprocess
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.concealed.rates import coverage, lines, quantities, to_markdown
+from camid.experiments.log import logged
+from camid.figures.style import rounded
+from camid.recording import write_whole
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def revision() -> str:
+    """The commit that is checked out, with a word where the sources were changed since; "unknown" outside a clone."""
+    sources = ["Snakefile", "config", "src", "workflow"]
+    try:
+        head, changes = (
+            subprocess.run(["git", *command], capture_output=True, text=True, check=True).stdout.strip()
+            for command in (["rev-parse", "--short=10", "HEAD"], ["status", "--porcelain", "--", *sources])
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return f"{head} + changes" if changes else head
+
+
+def main() -> None:
+    """Hold what the sealed proof measured against its targets, for README.md."""
+    scores, parameters, run_times = (
+        pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters", "run_times")
+    )
+    found = lines(scores, parameters, run_times)
+    seed = snakemake.params.seed
+    override = "" if snakemake.params.configured else f" --config concealed_seed={seed}"
+    stamp = (
+        f"{snakemake.params.number} recordings of seed {seed}, made, sealed, diagnosed and revealed by\n"
+        f"`.venv/bin/snakemake -c2 concealed{override}` at commit {revision()}."
+    )
+    write_whole(snakemake.output.markdown, lambda p: p.write_text(to_markdown(found, stamp), encoding="utf-8"))
+    for table, path in (
+        (quantities(found, "concealed"), snakemake.output.quantities),
+        (coverage(parameters), snakemake.output.parameters),
+    ):
+        rounded(table).to_csv(path, index=False, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()

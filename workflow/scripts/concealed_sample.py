@@ -1,0 +1,27 @@
+"""Draw the small sample of the sealed proof and state its numbers."""
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.concealed.rates import lines, quantities
+from camid.experiments.log import logged
+from camid.figures.concealed.sample import draw
+from camid.figures.style import save
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Draw the small sample of the sealed proof and state its numbers."""
+    scores, parameters = (pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters"))
+    figure, plotted = draw(scores)
+    save(figure, plotted, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+    table = quantities(lines(scores, parameters), "concealed_sample")
+    table.to_csv(snakemake.output.quantities, index=False, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()
