@@ -1,14 +1,15 @@
 """Camera-aware identification of machine dynamics.
 
-``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it. Both mirror the
-commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
+``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose`` finds
+what it leaves out. They mirror the commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from camid.api import identify, select_order, simulate
+    from camid.api import diagnose, identify, select_order, simulate
+    from camid.diagnosis.result import Diagnosis
     from camid.errors import InputError
     from camid.identification.result import Identification
     from camid.recording import Recording, read_recording
@@ -17,10 +18,12 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Diagnosis": "diagnosis.result",
     "Identification": "identification.result",
     "InputError": "errors",
     "Recording": "recording",
     "Simulation": "simulation",
+    "diagnose": "api",
     "identify": "api",
     "load_simulation": "simulation",
     "read_recording": "recording",
@@ -30,11 +33,13 @@ _HOMES = {
 }
 
 __all__ = [
+    "Diagnosis",
     "Identification",
     "InputError",
     "Recording",
     "Simulation",
     "__version__",
+    "diagnose",
     "identify",
     "load_simulation",
     "read_recording",

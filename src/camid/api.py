@@ -1,125 +1,37 @@
-"""The Python API that the commands call: ``identify``, ``select_order`` and ``simulate``."""
+"""The Python API that the commands call: ``identify``, ``select_order``, ``simulate`` and ``diagnose``."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.identification.result import Identification
-from camid.recording import Recording, read_recording
+from camid.loading import (
+    RecordingSource,
+    SimulationSource,
+    acquisition_of,
+    experiment_of,
+    experiments_of,
+    load_recording,
+)
+from camid.recording import Recording
 from camid.simulation import Simulation, load_simulation
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from camid.chain import Acquisition
+    from camid.diagnosis.result import Diagnosis
     from camid.identification.estimate import Estimate
     from camid.identification.order_selection import OrderSelection
     from camid.identification.predictor import Experiment, Structure
     from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
-RecordingSource = str | os.PathLike[str] | Any
-SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
-
-
-def load_recording(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> Recording:
-    """Columns that a simulation names, checked against each other."""
-    roles = {
-        "time": simulation.time_column,
-        "input": simulation.input_column,
-        "output": simulation.output_column,
-    }
-    for (one, first), (other, second) in combinations(roles.items(), 2):
-        if first == second:
-            raise InputError(
-                f"{one} and {other} are the same column '{first}'", where=simulation.source, mend="name two columns"
-            )
-    named = [simulation.input_column, simulation.output_column if output_needed else None]
-    required = [column for column in named if column is not None]
-    optional = [] if output_needed else [simulation.output_column]
-    return read_recording(recording, simulation.time_column, required, optional)
-
-
-def _acquisition(recording: Recording, simulation: Simulation) -> Acquisition:
-    acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
-    duration = float(recording.time[-1] - recording.time[0])
-    if acquisition.latency > duration:
-        raise InputError(
-            f"latency = {acquisition.latency:g} s is longer than {recording.source}, which lasts {duration:g} s",
-            where=f"{simulation.source}, sensor",
-            mend="give it in seconds",
-        )
-    return acquisition
-
-
-def _experiment(recording: Recording, simulation: Simulation) -> Experiment:
-    from camid.identification.predictor import Experiment
-
-    acquisition = _acquisition(recording, simulation)
-    count = len(recording)
-    signal = np.zeros(count) if simulation.input_column is None else recording.columns[simulation.input_column]
-    used = np.ones(count, bool)
-    if simulation.estimates_initial_state and simulation.input_column is not None:
-        # What the input did before the record is unknown, so frames exposed before its beginning say nothing.
-        used[: acquisition.window()[0]] = False
-    return Experiment(
-        signal, recording.columns[simulation.output_column], acquisition, used, simulation.estimates_initial_state
-    )
-
-
-def _validation_rows(recording: Recording, simulation: Simulation) -> NDArray[np.bool_]:
-    if simulation.validation is None:
-        return np.zeros(len(recording), bool)
-    start, end = simulation.validation
-    rows = (recording.time >= start) & (recording.time <= end)
-    if not rows.any():
-        raise InputError(
-            f"no row of the recording lies between {start:g} s and {end:g} s",
-            where=f"{simulation.source}, validation",
-            mend=f"the recording lasts from {recording.time[0]:g} s to {recording.time[-1]:g} s",
-        )
-    return rows
-
-
-def _experiments(
-    recording: RecordingSource | Sequence[RecordingSource],
-    believed: Simulation,
-    progress: Callable[[str], None] | None,
-) -> tuple[list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
-    """Recordings, what is fitted of them, and their validation rows."""
-    sources = recording if isinstance(recording, list | tuple) else [recording]
-    if not sources:
-        raise InputError("no recording is given", mend="name at least one")
-    files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
-    if len(set(files)) < len(files):
-        raise InputError(
-            "the same recording is named twice", where=str(sources[0]), mend="what it says would count double"
-        )
-    if progress:
-        progress("reading the recording")
-    recordings = [load_recording(source, believed, output_needed=True) for source in sources]
-    experiments, held_out = [], []
-    for one in recordings:
-        experiment = _experiment(one, believed)
-        rows = _validation_rows(one, believed)
-        held_out.append(rows & experiment.used)
-        experiments.append(replace(experiment, used=experiment.used & ~rows))
-        _refuse_constant(one, believed)
-    if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
-        raise InputError(
-            f"column '{believed.input_column}' is zero throughout",
-            where=recordings[0].source,
-            mend="for a free decay say input: null in the simulation",
-        )
-    return recordings, experiments, held_out
 
 
 def identify(
@@ -155,10 +67,16 @@ def identify(
     from camid.identification.estimate import METHODS, estimate
 
     believed = load_simulation(simulation)
+    if believed.effects:
+        raise InputError(
+            "identify re-estimates linear chains, and this simulation has effects",
+            where=believed.effects[0].where,
+            mend="camid diagnose re-estimates plant and effects together (improved.yaml)",
+        )
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known", mend=f"it must be one of {', '.join(METHODS)}")
     wanted, nominal = _wanted(believed, structure)
-    recordings, experiments, held_out = _experiments(recording, believed, progress)
+    recordings, experiments, held_out = experiments_of(recording, believed, progress)
     unknowns = int(wanted.free.sum()) + wanted.order * sum(e.estimate_initial_state for e in experiments)
     available = int(sum(e.used.sum() for e in experiments))
     if available <= unknowns:
@@ -213,22 +131,6 @@ def _wanted(believed: Simulation, structure: tuple[int, int] | None) -> tuple[St
         Structure(np.array(monic.numerator), np.array(monic.denominator), free_numerator, believed.free_denominator),
         believed.plant,
     )
-
-
-def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
-    if np.ptp(recording.columns[simulation.output_column]) == 0.0:
-        raise InputError(
-            f"column '{simulation.output_column}' is constant",
-            where=recording.source,
-            mend="there is nothing to identify in it",
-        )
-    column = simulation.input_column
-    if column is not None and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
-        raise InputError(
-            f"column '{column}' is zero throughout",
-            where=recording.source,
-            mend="for a free decay say input: null and initial_state: estimate",
-        )
 
 
 def _identification(
@@ -341,7 +243,7 @@ def select_order(
         raise InputError("a free decay says nothing of the zeros", where=believed.source, mend="record an input, too")
     if largest < 1:
         raise InputError(f"the largest order is {largest}", mend="it takes at least one pole")
-    recordings, experiments, _ = _experiments(recording, believed, progress)
+    recordings, experiments, _ = experiments_of(recording, believed, progress)
     try:
         return run(experiments, largest, progress=progress)
     except (ValueError, ArithmeticError) as error:
@@ -392,31 +294,97 @@ def _simulated(recording: Recording, simulation: Simulation) -> Array:
     from camid.chain import sample
     from camid.identification.predictor import Predictor, Structure
 
+    if simulation.effects:
+        return _simulated_with_effects(recording, simulation)
     if not simulation.estimates_initial_state or simulation.plant.order == 0:
-        acquisition = _acquisition(recording, simulation)
+        acquisition = acquisition_of(recording, simulation)
         signal = (
             np.zeros(len(recording)) if simulation.input_column is None else recording.columns[simulation.input_column]
         )
         return sample(simulation.plant, signal, acquisition)
     monic = simulation.plant.monic
-    structure = Structure(
-        np.array(monic.numerator),
-        np.array(monic.denominator),
-        np.zeros(len(monic.numerator), bool),
-        np.zeros(len(monic.denominator), bool),
-    )
-    experiment = _experiment(recording, simulation)
-    if experiment.used.sum() <= structure.order:
+    structure = Structure.fixed(monic)
+    experiment = experiment_of(recording, simulation)
+    _refuse_few(experiment.used.sum(), structure.order, recording)
+    predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
+    simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
+    return _from_first_known(simulated, predictor.experiments[0])
+
+
+def _refuse_few(rows: int, states: int, recording: Recording) -> None:
+    if rows <= states:
         raise InputError(
-            f"{experiment.used.sum()} samples are fewer than needed for {structure.order} initial states",
+            f"{rows} samples are fewer than needed for {states} initial states",
             where=recording.source,
             mend="record longer, or set initial_state: zero",
         )
-    predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
-    simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
-    experiment = predictor.experiments[0]
-    if not experiment.free_motion_before_record:
-        # Frames exposed before the record saw an input that nobody wrote down: the first known value stands for them.
+
+
+def _from_first_known(simulated: Array, experiment: Experiment) -> Array:
+    """Frames exposed before the record saw an input that nobody wrote down: the first known value stands for them."""
+    if experiment.estimate_initial_state and not experiment.free_motion_before_record:
         first = int(np.argmax(experiment.used))
         simulated[:first] = simulated[first]
     return simulated
+
+
+def _simulated_with_effects(recording: Recording, simulation: Simulation) -> Array:
+    from camid.diagnosis.fit import at_best_start, fit
+    from camid.diagnosis.problem import Model, Problem
+    from camid.engine import Chain, run
+    from camid.identification.predictor import Structure
+    from camid.physics.declared import effects_of
+
+    effects = effects_of(simulation)
+    try:
+        if not simulation.estimates_initial_state:
+            signal = (
+                np.zeros(len(recording))
+                if simulation.input_column is None
+                else recording.columns[simulation.input_column]
+            )
+            return run(Chain(simulation.plant, acquisition_of(recording, simulation), effects), signal, recording.time)
+        experiment = experiment_of(recording, simulation)
+        structure = Structure.fixed(simulation.plant.monic)
+        _refuse_few(experiment.used.sum(), structure.order, recording)
+        problem = Problem(structure, [experiment], [recording.time])
+        start = at_best_start(problem, Model(structure.coefficients(), effects))
+        fitted = fit(problem, start, steps=40, fixed=len(effects))
+        return _from_first_known(problem.simulate(fitted.model)[0], experiment)
+    except InputError:
+        raise
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(str(error), where=simulation.effects[0].where, mend="see docs/effects.md") from None
+
+
+def diagnose(
+    recording: RecordingSource | Sequence[RecordingSource],
+    simulation: SimulationSource,
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Find, name and model what a simulation leaves out.
+
+    Parameters
+    ----------
+    recording : path, DataFrame, or list of them
+        Of one rig. Of several the last one validates and the others are fitted, unless the simulation says which rows
+        validate.
+    simulation : path, mapping or Simulation
+        What is believed of the rig: structure, nominal coefficients, declarations, effects that are known already.
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Returns
+    -------
+    Diagnosis
+        :func:`camid.diagnosis.files.write_diagnosis` puts it into files.
+
+    Raises
+    ------
+    InputError
+        If recording and simulation do not fit together or the data are too few.
+    """
+    from camid.diagnosis.files import diagnose as run_diagnosis
+
+    return run_diagnosis(recording, simulation, progress)

@@ -1,4 +1,4 @@
-"""The command line: ``camid identify``, ``camid order`` and ``camid simulate``.
+"""The command line: ``camid identify``, ``camid order``, ``camid simulate`` and ``camid diagnose``.
 
 Exit code 0: done. 2: the input is wrong, and one line says what, where and how to mend it.
 """
@@ -20,8 +20,6 @@ from camid import __version__
 from camid.errors import InputError
 
 if TYPE_CHECKING:
-    from camid.identification.order_selection import OrderSelection
-    from camid.identification.result import Identification
     from camid.simulation import Simulation
 
 INTERRUPTED = 130
@@ -112,6 +110,7 @@ def identify(
 ) -> None:
     """Re-estimate the plant from one or several RECORDINGs of a rig."""
     from camid.api import identify as run
+    from camid.printing import print_identification
     from camid.recording import write_table
     from camid.simulation import write_simulation
 
@@ -145,7 +144,7 @@ def identify(
     if as_json:
         click.echo(json.dumps(result.to_mapping(), indent=2))
     else:
-        _print_identification(result, [p for p in (output, residuals) if p is not None])
+        print_identification(result, [p for p in (output, residuals) if p is not None])
     for sentence in result.warnings():
         _warn(sentence)
 
@@ -212,52 +211,6 @@ def _check_output(output: Path | None, inputs: list[Path], option: str = "--outp
         check_writable(output)
 
 
-def _print_identification(result: Identification, written: list[Path]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    model = result.simulation
-    console = Console(highlight=False)
-    table = Table(title="Identified plant", title_justify="left")
-    for heading in ("quantity", "value", "standard deviation", "unit"):
-        table.add_column(heading, justify="left" if heading in {"quantity", "unit"} else "right")
-    deviations = model.standard_deviations
-    for name, letter, coefficients in (
-        ("numerator", "b", model.plant.numerator),
-        ("denominator", "a", model.plant.denominator),
-    ):
-        for i, value in enumerate(coefficients):
-            power = len(coefficients) - 1 - i
-            symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
-            deviation = "undetermined"
-            if deviations is not None:
-                deviation = f"{deviations[name][i]:.2g}" if deviations[name][i] else "fixed"
-            table.add_row(f"{letter}{power}{symbol}", f"{value:.8g}", deviation, "")
-    table.add_section()
-    for row in result.characteristics():
-        table.add_row(str(row["name"]), f"{row['value']:.8g}", f"{row['standard_deviation']:.2g}", str(row["unit"]))
-    console.print(table)
-    held = "free decay" if model.input_column is None else f"input {model.hold}"
-    sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {1e3 * (model.exposure or 0):.6g} ms"
-    console.print(
-        f"fitted to {result.rows_fitted} samples, period {1e3 * result.period:.6g} ms; {held}; {sensor}, "
-        f"latency {1e3 * model.latency:.6g} ms; initial state: {model.initial_state}",
-        soft_wrap=True,
-    )
-    validation = (
-        "" if result.nrmse_validation is None else f", {100 * result.nrmse_validation:.4g} % on validation rows"
-    )
-    console.print(
-        f"residual: {100 * result.nrmse:.4g} % of the output's standard deviation{validation} "
-        f"({'converged' if result.converged else 'not converged'})",
-        soft_wrap=True,
-    )
-    if result.residual_analysis is not None:
-        console.print(result.residual_analysis.summary(), soft_wrap=True)
-    for path in written:
-        console.print(f"written to {path}", soft_wrap=True)
-
-
 @cli.command()
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option(
@@ -279,6 +232,7 @@ def order(
     """Find how many poles and zeros one or several RECORDINGs of a rig call for."""
     from camid.api import select_order
     from camid.identification.result import without_infinities
+    from camid.printing import print_orders
     from camid.recording import write_table
 
     believed = _declared_simulation(simulation, declared)
@@ -290,39 +244,11 @@ def order(
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
     else:
-        _print_orders(result)
+        print_orders(result)
         if output is not None:
             click.echo(f"written to {output}")
     for sentence in result.warnings():
         _warn(sentence)
-
-
-def _print_orders(result: OrderSelection) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(highlight=False)
-    table = Table(title="Orders", title_justify="left")
-    for heading in ("poles", "zeros", "residual", "ΔBIC", "weight", "independence p"):
-        table.add_column(heading, justify="right")
-    table.add_column("remarks")
-    for row in result.table.to_dict("records"):
-        remarks = [
-            *(["chosen"] if row["chosen"] else []),
-            *([] if row["converged"] else ["no convergence"]),
-            *([] if row["determined"] or not row["converged"] else ["a pole is not determined"]),
-            *(["a zero cancels a pole"] if row["cancels"] else []),
-        ]
-        numbers = (
-            f"{100.0 * row['nrmse']:.4g} %",
-            f"{row['delta_bic']:.1f}",
-            f"{row['weight']:.2g}",
-            f"{row['independence_p']:.2g}",
-        )
-        shown = ["–" if n.startswith("nan") else n for n in numbers]
-        table.add_row(str(row["poles"]), str(row["zeros"]), *shown, ", ".join(remarks))
-    console.print(table)
-    console.print(f"chosen: --order {result.poles} {result.zeros}")
 
 
 @cli.command()
@@ -358,6 +284,41 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
     click.echo(f"{summary['rows']} rows written to {output}")
     if summary["nrmse"] is not None:
         click.echo(f"difference: {summary['rmse']:.4g} rms, {100 * summary['nrmse']:.4g} % of the output's spread")
+
+
+@cli.command()
+@click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option(
+    "--simulation", type=click.Path(path_type=Path), required=True, help="What you believe of the rig (YAML)."
+)
+@click.option(
+    "--output", type=click.Path(path_type=Path), required=True, help="Folder for the results; made if need be."
+)
+@click.option("--report/--no-report", default=True, show_default=True, help="Write report.html, too.")
+@click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json.")
+def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, report: bool, as_json: bool) -> None:
+    """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.
+
+    Of several recordings the last one validates, unless the simulation says which rows do.
+    """
+    from camid.api import diagnose as run
+    from camid.diagnosis.files import FILES, prepare, write_diagnosis
+    from camid.identification.result import without_infinities
+
+    prepare(output)
+    for name in FILES:
+        _check_output(output / name, [*recording, simulation])
+    with _progress(as_json) as progress:
+        result = run(list(recording), simulation, progress=progress)
+        written = write_diagnosis(result, output, report=report)
+    if as_json:
+        click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
+    else:
+        from camid.diagnosis.summary import print_summary
+
+        print_summary(result, written)
+    for sentence in result.warnings:
+        _warn(sentence)
 
 
 def _message(error: Exception) -> str:

@@ -286,9 +286,7 @@ def _mechanics(chain: Chain) -> tuple[Mechanics, tuple[int, int]]:
         numbers = effect.force_values(chain.plant)
         values[i, : len(numbers)] = numbers
     sticks = abs(acceleration) > 1e-9 * (float(np.max(np.abs(velocity), initial=0.0)) or 1.0)
-    mechanics = Mechanics(
-        matrix, input_vector, force_vector, row, position, velocity, sticks, *addresses, values, unit
-    )
+    mechanics = Mechanics(matrix, input_vector, force_vector, row, position, velocity, sticks, *addresses, values, unit)
     return mechanics, where
 
 

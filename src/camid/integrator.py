@@ -242,9 +242,7 @@ def _switches(m: Mechanics, time: float, state: Array, result: Array) -> None:
 
 
 @njit(cache=True)
-def _settle(
-    m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array
-) -> tuple[float, bool]:
+def _settle(m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array) -> tuple[float, bool]:
     """Direction of slip, or that the body sticks, where the velocity is zero."""
     if not m.sticks:
         return 0.0, False

@@ -22,6 +22,34 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class DeclaredEffect:
+    """An effect as the file declares it; :mod:`camid.physics` knows what it means.
+
+    Attributes
+    ----------
+    identifier : str
+    parameters : dict
+        Values in SI units and those of u and y.
+    standard_deviations : dict or None
+        Of the parameters.
+    where : str
+        File and line, for messages.
+    """
+
+    identifier: str
+    parameters: dict[str, Any]
+    standard_deviations: dict[str, Any] | None = None
+    where: str = "simulation"
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of the file."""
+        content: dict[str, Any] = {"id": self.identifier, "parameters": dict(self.parameters)}
+        if self.standard_deviations:
+            content["standard_deviations"] = dict(self.standard_deviations)
+        return content
+
+
+@dataclass(frozen=True)
 class Simulation:
     """A believed, identified or improved chain.
 
@@ -47,6 +75,8 @@ class Simulation:
         ``numerator`` and ``denominator``, in the shape of the coefficients.
     covariance : list of list of float or None
         Of all coefficients: numerator first, then the denominator without its leading one.
+    effects : tuple of DeclaredEffect
+        Beyond the linear chain.
     source : str
         Name for messages.
     """
@@ -65,6 +95,7 @@ class Simulation:
     free_denominator: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     standard_deviations: dict[str, list[float]] | None = None
     covariance: list[list[float]] | None = None
+    effects: tuple[DeclaredEffect, ...] = ()
     source: str = "simulation"
 
     def __post_init__(self) -> None:
@@ -128,7 +159,7 @@ class Simulation:
         }
         if self.validation is not None:
             content["validation"] = {"start": self.validation[0], "end": self.validation[1]}
-        content["effects"] = []
+        content["effects"] = [effect.to_mapping() for effect in self.effects]
         return content
 
 
@@ -187,12 +218,6 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
                 where=place(name, content, ["plant", key] if key == "pendulum" else [key]),
                 mend="use a transfer_function driven by a recorded input",
             )
-    if content.get("effects"):
-        raise InputError(
-            "this version simulates linear chains only",
-            where=place(name, content, ["effects"]),
-            mend="leave the list empty",
-        )
     if "transfer_function" not in content["plant"]:
         raise InputError("the key 'transfer_function' is missing", where=place(name, content, ["plant"]), mend="add it")
     return _build(content, name)
@@ -333,8 +358,24 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
         free_denominator=free_denominator,
         standard_deviations=deviations,
         covariance=covariance,
+        effects=tuple(
+            DeclaredEffect(
+                str(effect["id"]),
+                {str(k): _plain(v) for k, v in effect["parameters"].items()},
+                {str(k): _plain(v) for k, v in effect.get("standard_deviations", {}).items()} or None,
+                where("effects", i),
+            )
+            for i, effect in enumerate(content.get("effects", []))
+        ),
         source=name,
     )
+
+
+def _plain(value: Any) -> Any:
+    """A value as Python has it, without what YAML remembers of it."""
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    return str(value) if isinstance(value, str) else float(value) if isinstance(value, int | float) else value
 
 
 def _check_shape(given: Mapping[str, Any], raw: Mapping[str, Array], where: str) -> None:

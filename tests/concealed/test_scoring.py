@@ -2,13 +2,21 @@
 
 import json
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
 
-from camid.concealed.rates import by_strength, coverage, lines, median, quantities, rate, reliability, to_markdown
+from camid.concealed.rates import by_strength, coverage, median, rate, reliability
 from camid.concealed.scoring import class_of, named_effects, own_weight, parameter_rows, score, weight_rows
+from camid.concealed.targets import lines, quantities, to_markdown
+from camid.experiments.concealed import HELD_OUT
 from camid.experiments.concealed_scores import recovered_shares
+from camid.figures.concealed import confusion_matrix, recovered_share, run_time, sample, strength, weights
+from camid.figures.concealed.confusion_matrix import count
+from camid.figures.concealed.sample import outcome
+
+QUANTITIES = ("refitted", "improved", "floor", "share")
 
 
 def true_effect(identifier, place="plant", multiple=5.0, law="catalogue", **parameters):
@@ -276,3 +284,64 @@ def test_recovered_share_follows_its_definition_and_shows_a_worse_model(tmp_path
         assert floor < refitted < improved
         assert found[f"share_{name}"] == pytest.approx((refitted - improved) / (refitted - floor))
         assert found[f"share_{name}"] < 0.0
+
+
+def test_matrix_counts_every_chosen_recording_once():
+    friction, weak = true_effect("coulomb-friction"), true_effect("coulomb-friction", multiple=1.0)
+    said = diagnosis(entry("hysteresis", ("coulomb-friction", 0.3)))
+    pairs = [
+        (truth(friction), said),
+        (truth(friction), diagnosis(entry("delay"), entry("coulomb-friction"))),
+        (truth(friction), diagnosis(verdict="unexplained")),
+        (truth(friction), SILENT),
+        (truth(weak), said),  # too weak to count
+        (truth(friction, true_effect("delay")), said),  # two effects are no cell of the matrix
+        (truth(), SILENT),
+        (truth(true_effect("detent"), kind="outside"), diagnosis(entry("van-der-pol"))),
+    ]
+    table = count(scored(*pairs)).set_index(["truth", "named"])
+    assert table["recordings"].to_dict() == {
+        ("coulomb-friction", "hysteresis"): 1,
+        ("coulomb-friction", "coulomb-friction"): 1,
+        ("coulomb-friction", "detected, no name"): 1,
+        ("coulomb-friction", "nothing missing"): 1,
+        ("nothing missing", "nothing missing"): 1,
+        ("outside the catalogue", "another name"): 1,
+    }
+    assert table.loc["coulomb-friction", "in_class"].sum() == 2
+
+
+@pytest.mark.parametrize(
+    ("case", "said", "word"),
+    [
+        (truth(), SILENT, "right"),
+        (truth(), diagnosis(entry("delay")), "wrong"),
+        (truth(true_effect("delay")), diagnosis(entry("exposure", ("delay", 0.5))), "right, in a class"),
+        (truth(true_effect("delay")), diagnosis(verdict="unexplained"), "not (all) named"),
+        (
+            truth(true_effect("delay")),
+            diagnosis(entry("delay"), entry("end-stop")),
+            "right, with a wrong name besides",
+        ),
+        (truth(true_effect("delay"), true_effect("end-stop", multiple=1.0)), diagnosis(entry("delay")), "right"),
+        (truth(true_effect("delay"), true_effect("end-stop")), diagnosis(entry("delay")), "not (all) named"),
+        (truth(true_effect("detent"), kind="outside"), diagnosis(entry("end-stop")), "wrong"),
+    ],
+)
+def test_sample_puts_the_outcome_in_one_word(case, said, word):
+    assert outcome(score(case, said)) == word
+
+
+def test_every_figure_is_drawn_from_scores_that_lack_most_kinds():
+    """A small set has empty groups; no figure may fail on them or lose a row."""
+    few = scored((truth(), SILENT), (truth(true_effect("delay")), diagnosis(entry("delay"))))
+    for module in (confusion_matrix, strength, recovered_share, sample):
+        figure, plotted = module.draw(few.assign(**{f"{q}_{n}": 0.5 for q in QUANTITIES for n in HELD_OUT}))
+        assert len(plotted) >= 1
+        plt.close(figure)
+    figure, plotted = run_time.draw(pd.DataFrame({"seconds": [2.0, 1.0]}))
+    assert plotted["share"].tolist() == [50.0, 100.0]
+    plt.close(figure)
+    figure, plotted = weights.draw(pd.DataFrame({"weight": [1.0], "right": [True]}))
+    assert plotted["members"].tolist() == [1]
+    plt.close(figure)

@@ -42,6 +42,16 @@ def summary(copy, *arguments):
     return {line[0]: line[column].split(",") for line in lines if len(line) == len(heading)}
 
 
+def test_published_seals_are_as_many_as_the_recordings():
+    published = ROOT / "paper_figs/concealed_seals.csv"
+    if not published.exists():
+        pytest.skip("the target `concealed` was never computed")
+    table = (ROOT / "paper_figs/concealed.md").read_text(encoding="utf-8")
+    assert re.search(r"salt is `[0-9a-f]{64}`", table)
+    lines = published.read_text(encoding="utf-8").splitlines()
+    assert len(lines) - 1 == int(re.search(r"^(\d+) recordings of seed", table, flags=re.MULTILINE)[1])
+
+
 @pytest.mark.workflow
 def test_tiny_set_is_sealed_diagnosed_blindly_and_revealed(fresh):
     folder = tiny(fresh)
@@ -55,7 +65,7 @@ def test_tiny_set_is_sealed_diagnosed_blindly_and_revealed(fresh):
     assert len(seals) == 4
     assert all(re.fullmatch(r"\d+,[0-9a-f]{64}", line) for line in seals[1:])
 
-    # Neither truth nor held-out recording is an input of the diagnoses, and the truths are read when all of them are made.
+    # Neither truth nor held-out recording is an input of the diagnoses, and the truths are read after all of them.
     results = str(folder.relative_to(fresh.folder))
     inputs = summary(fresh, f"{results}/scores.parquet")
     seen = inputs[f"{results}/diagnoses/{SHARD}"]

@@ -16,25 +16,23 @@ CONCEALED_FIGURES = {
 }
 
 
-def concealed_files(which, pattern):
-    """Files or folders of all shards of a set."""
-    chosen = CONCEALED[which]
-    return expand(
-        f"{CONCEALED_FOLDER}/{pattern}",
-        set=which,
-        seed=chosen["seed"],
-        shard=range(chosen["shards"]),
-        shards=chosen["shards"],
-    )
-
-
-def scored(which):
-    """What the last step of a set writes."""
-    seed = CONCEALED[which]["seed"]
-    return {
-        name: f"{CONCEALED_FOLDER}/{name}.parquet".format(set=which, seed=seed)
-        for name in ["scores", "parameters", "weights", "run_times"]
+# Wildcards of all shards of a set, and what its last step writes.
+CONCEALED_SHARDS = {
+    name: {
+        "set": name,
+        "seed": chosen["seed"],
+        "shard": range(chosen["shards"]),
+        "shards": chosen["shards"],
     }
+    for name, chosen in CONCEALED.items()
+}
+CONCEALED_SCORES = {
+    name: {
+        table: f"results/concealed/{name}/{chosen['seed']}/{table}.parquet"
+        for table in ["scores", "parameters", "weights", "run_times"]
+    }
+    for name, chosen in CONCEALED.items()
+}
 
 
 wildcard_constraints:
@@ -96,8 +94,9 @@ rule concealed_diagnoses:
 # No truth is opened before the last diagnosis of the set is made.
 rule concealed_reveal:
     input:
-        all_diagnoses=lambda wildcards: concealed_files(
-            wildcards.set, f"diagnoses/{CONCEALED_SHARD}"
+        all_diagnoses=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/diagnoses/{CONCEALED_SHARD}",
+            **CONCEALED_SHARDS[wildcards.set],
         ),
         salt=rules.concealed_salt.output[0],
         recordings=rules.concealed_recordings.output.recordings,
@@ -120,17 +119,21 @@ rule concealed_reveal:
 
 rule concealed_scores:
     input:
-        scores=lambda wildcards: concealed_files(
-            wildcards.set, f"revealed/{CONCEALED_SHARD}/scores.parquet"
+        scores=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/scores.parquet",
+            **CONCEALED_SHARDS[wildcards.set],
         ),
-        parameters=lambda wildcards: concealed_files(
-            wildcards.set, f"revealed/{CONCEALED_SHARD}/parameters.parquet"
+        parameters=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/parameters.parquet",
+            **CONCEALED_SHARDS[wildcards.set],
         ),
-        weights=lambda wildcards: concealed_files(
-            wildcards.set, f"revealed/{CONCEALED_SHARD}/weights.parquet"
+        weights=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/weights.parquet",
+            **CONCEALED_SHARDS[wildcards.set],
         ),
-        run_times=lambda wildcards: concealed_files(
-            wildcards.set, f"run_times/{CONCEALED_SHARD}.csv"
+        run_times=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
+            **CONCEALED_SHARDS[wildcards.set],
         ),
         sources=sources("workflow/scripts/concealed_scores.py"),
     output:
@@ -154,7 +157,7 @@ for name, title in CONCEALED_FIGURES.items():
         name:
             f"concealed_{name}"
         input:
-            **scored("full"),
+            **CONCEALED_SCORES["full"],
             working_copy=BIRTH_MARK,
             sources=sources(
                 "workflow/scripts/concealed_figure.py",
@@ -176,15 +179,21 @@ for name, title in CONCEALED_FIGURES.items():
 
 rule concealed:
     input:
-        **scored("full"),
+        **CONCEALED_SCORES["full"],
         figures=expand(
             "paper_figs/concealed_{name}.{format}",
             name=CONCEALED_FIGURES,
             format=["png", "pdf", "csv"],
         ),
+        seals=expand(
+            f"{CONCEALED_FOLDER}/seals/{CONCEALED_SHARD}.csv",
+            **CONCEALED_SHARDS["full"],
+        ),
+        salt=expand(f"{CONCEALED_FOLDER}/salt", **CONCEALED_SHARDS["full"])[0],
         working_copy=BIRTH_MARK,
         sources=sources("workflow/scripts/concealed.py"),
     output:
+        seals="paper_figs/concealed_seals.csv",
         markdown="paper_figs/concealed.md",
         quantities="paper_figs/concealed_quantities.csv",
         parameters="paper_figs/concealed_parameters.csv",
@@ -202,7 +211,7 @@ rule concealed:
 
 rule concealed_sample:
     input:
-        **scored("sample"),
+        **CONCEALED_SCORES["sample"],
         working_copy=BIRTH_MARK,
         sources=sources(
             "workflow/scripts/concealed_sample.py",

@@ -1,11 +1,13 @@
 """Hold what the sealed proof measured against its targets, for README.md."""
 
 import subprocess
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.concealed.rates import coverage, lines, quantities, to_markdown
+from camid.concealed.rates import coverage
+from camid.concealed.targets import lines, quantities, to_markdown
 from camid.experiments.log import logged
 from camid.figures.style import rounded
 from camid.recording import write_whole
@@ -34,15 +36,18 @@ def main() -> None:
     )
     found = lines(scores, parameters, run_times)
     seed = snakemake.params.seed
+    salt = Path(snakemake.input.salt).read_text(encoding="utf-8").strip()
     override = "" if snakemake.params.configured else f" --config concealed_seed={seed}"
     stamp = (
         f"{snakemake.params.number} recordings of seed {seed}, made, sealed, diagnosed and revealed by\n"
-        f"`.venv/bin/snakemake -c2 concealed{override}` at commit {revision()}."
+        f"`.venv/bin/snakemake -c2 concealed{override}` at commit {revision()}.\n"
+        f"The seals are in `paper_figs/concealed_seals.csv`; their salt is `{salt}`."
     )
     write_whole(snakemake.output.markdown, lambda p: p.write_text(to_markdown(found, stamp), encoding="utf-8"))
     for table, path in (
         (quantities(found, "concealed"), snakemake.output.quantities),
         (coverage(parameters), snakemake.output.parameters),
+        (pd.concat(map(pd.read_csv, snakemake.input.seals)).sort_values("index"), snakemake.output.seals),
     ):
         rounded(table).to_csv(path, index=False, lineterminator="\n")
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.concealed.rates import lines, quantities
+from camid.concealed.targets import lines, quantities
 from camid.experiments.log import logged
 from camid.figures.concealed.sample import draw
 from camid.figures.style import save

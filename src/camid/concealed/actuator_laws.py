@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from camid.concealed import slots as s
@@ -10,14 +12,20 @@ from camid.concealed.plant_laws import Parameters, built_in
 from camid.concealed.setup import Context, Effect, Setup
 
 
-def _static(identity: str, law: str, maps: object, parameters: object, start: float, high: float) -> Effect:
+def _static(
+    identity: str,
+    law: str,
+    curves: Callable[[float], Curve],
+    parameters: Callable[[float], Parameters],
+    start: float,
+    high: float,
+) -> Effect:
     """Effect of a static curve that depends on the strength."""
 
     def apply(setup: Setup, strength: float) -> None:
-        function: Curve = maps(strength)  # type: ignore[operator]
-        setup.input_maps.append(curve(function))
+        setup.input_maps.append(curve(curves(strength)))
 
-    return Effect(identity, "actuator", law, apply, parameters, start, high)  # type: ignore[arg-type]
+    return Effect(identity, "actuator", law, apply, parameters, start, high)
 
 
 def dead_zone(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:

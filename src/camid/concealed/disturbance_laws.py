@@ -41,7 +41,7 @@ def step_disturbance(generator: np.random.Generator, context: Context, alternati
     return built_in(
         "step-disturbance",
         "catalogue",
-        lambda g: {s.STEP: g * unit, s.STEP_TIME: time - 1e-6 * context.period},
+        lambda g: {s.STEP: g * unit, s.STEP_TIME: time},
         lambda g: {"size": g * unit, "time": time},
         0.03,
         place="disturbance",
@@ -58,10 +58,10 @@ def impulse_disturbance(generator: np.random.Generator, context: Context, altern
 
     def apply(setup: Setup, strength: float) -> None:
         if alternative:
-            # A half-sine of amplitude P and duration D has the area 2PD/π; corners of the input mark its ends.
+            # A half-sine of amplitude P and duration D has the area 2PD/π; steps of the integrator end within it.
             pulse = strength * unit * np.pi / (2.0 * duration)
             setup.parameters[[s.PULSE, s.PULSE_TIME, s.PULSE_DURATION]] = pulse, time, duration
-            setup.kicks += [(time, 0.0), (time + duration, 0.0)]
+            setup.kicks += [(time + share * duration, 0.0) for share in np.linspace(0.0, 1.0, 13)]
         else:
             momentum = rig.actuator_constant * strength * unit
             setup.kicks.append((time, momentum / (rig.mass or rig.damping)))

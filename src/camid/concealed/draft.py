@@ -26,6 +26,8 @@ IMAGE_PLACES = {"actuator", "plant", "disturbance"}
 MOVING = 0.12
 ALTERNATIVE_LAWS = 0.6  # of the effects that have any
 HIDDEN_MULTIPLE = 0.5  # that an invisible effect stays below
+# Standard deviation of the output with an effect over that without it: beyond, the machine would be another one.
+LEAST_MOTION, MOST_MOTION = 0.35, 3.0
 GENTLER = 0.7  # factor of the strengths where twice the input would break the machine
 ATTEMPTS = 12
 
@@ -104,6 +106,8 @@ class Draft:
             )
             return float(np.sum((with_it - without) ** 2)), self.baseline
         output = self.output(setup, self.command)
+        if not effect.fixed and not LEAST_MOTION < np.std(output) / np.std(self.baseline) < MOST_MOTION:
+            raise DivergedError("the effect is stronger than the machine")
         return self.belief.left_over(self.recorded(self.command), output), output
 
     def size(self, effect: Effect, strength: float) -> float:
@@ -177,7 +181,7 @@ def add_effect(draft: Draft, name: str, draws: np.random.Generator) -> None:
     Parameters
     ----------
     draft : Draft
-        Gets the effect; also another signal-to-noise ratio where the effect has no strength to choose.
+        Gets the effect, and another signal-to-noise ratio where the effect has no strength to choose.
     name : str
         Identity of the effect.
     draws : numpy.random.Generator

@@ -37,17 +37,15 @@ def contact(p: Array, x: float, v: float) -> float:
 
 
 @njit(cache=True)
-def disturbance(p: Array, t: float) -> float:
-    """Disturbing force in V at the actuator; zero before t = 0."""
-    if t < 0.0:
-        return 0.0
+def disturbance(p: Array, t: float, within: float) -> float:
+    """Disturbing force in V at the actuator at a time of the step around another; steps end where a force begins."""
     force = 0.0
-    if p[s.SINE] != 0.0:
+    if p[s.SINE] != 0.0 and within > 0.0:
         force += p[s.SINE] * np.sin(p[s.SINE_FREQUENCY] * t + p[s.SINE_PHASE])
         force += p[s.HARMONIC] * np.sin(2.0 * p[s.SINE_FREQUENCY] * t + p[s.HARMONIC_PHASE])
-    if p[s.STEP] != 0.0 and t >= p[s.STEP_TIME]:
+    if p[s.STEP] != 0.0 and within > p[s.STEP_TIME]:
         force += p[s.STEP]
-    if p[s.PULSE] != 0.0 and 0.0 <= t - p[s.PULSE_TIME] <= p[s.PULSE_DURATION]:
+    if p[s.PULSE] != 0.0 and 0.0 < within - p[s.PULSE_TIME] < p[s.PULSE_DURATION]:
         force += p[s.PULSE] * np.sin(np.pi * (t - p[s.PULSE_TIME]) / p[s.PULSE_DURATION])
     return force
 
@@ -109,7 +107,7 @@ def net_force(p: Array, state: Array, memory: Array, command: float, t: float, d
     if p[s.LAG] != 0.0 or p[s.SOFT_SLEW] != 0.0:
         command = state[s.SECOND_ACTUATOR] if p[s.SECOND_LAG] != 0.0 else state[s.ACTUATOR]
     force = motor_force(p, x, v, command, t) - spring_force(p, x, t)
-    force += p[s.ACTUATOR_CONSTANT] * disturbance(p, t)
+    force += p[s.ACTUATOR_CONSTANT] * disturbance(p, t, memory[s.WITHIN])
     if damped:
         force -= p[s.DAMPING] * drift(p, 2, t) * v
     if p[s.DRAG] != 0.0:

@@ -20,8 +20,9 @@ from camid.concealed.forces import contact, derivative, jenkins, net_force
 
 Array = NDArray[np.float64]
 
-LARGEST_PHASE = 0.05  # rad of the fastest motion in a step
-FEWEST_STEPS, MOST_STEPS = 10, 240
+LARGEST_PHASE = 0.06  # rad of the fastest oscillation in a step
+LARGEST_DECAY = 1.0  # of a step beside the shortest time constant
+FEWEST_STEPS, MOST_STEPS = 10, 2000
 LOCATED = 1e-12  # share of a step to which an event is located
 NO_EVENT, REVERSAL, CONTACT, BREAK_AWAY = 0, 1, 2, 3
 
@@ -140,8 +141,9 @@ def _advance(
 ) -> int:
     """Bring the state from t to the end through all events; returns the direction of sliding (0: sticking)."""
     dry, stop = p[s.DRY_BREAKAWAY] != 0.0, p[s.STOP_SIDE] != 0.0
-    # Hysteretic forces have a kink where the motion turns round, but nothing sticks there.
-    turning = p[s.BRISTLE_STIFFNESS] + p[s.LOOP_FORCE] + p[s.JENKINS_STIFFNESS] != 0.0
+    # These forces have a kink where the motion turns round, but nothing sticks there.
+    turning = p[s.BRISTLE_STIFFNESS] + p[s.LOOP_FORCE] + p[s.JENKINS_STIFFNESS] + p[s.SPEED_LIMIT] != 0.0
+    memory[s.WITHIN] = 0.5 * (t + end)
     length = end - t
     rounds = 0
     while end - t > LOCATED * length:
@@ -195,6 +197,7 @@ def _run(p: Array, begin: float, h: float, count: int, start: Array, value: Arra
             if segment >= 0:
                 now, rise = value[segment] + slope[segment] * (t - start[segment]), slope[segment]
             if first:
+                memory[s.WITHIN] = t + 1e-6 * h
                 derivative(p, state, memory, now, t, _direction(p, state, direction), rate)
                 table[i, 2] = _measured_velocity(p, state, rate)
                 first = False
@@ -235,17 +238,24 @@ def steps_per_frame(parameters: Array, period: float) -> int:
     """Nodes in a frame that resolve the fastest motion of the machine."""
     p = parameters
     rates = [p[s.SERIES_FREQUENCY], p[s.SECOND_SERIES_FREQUENCY]]
+    decays = [1.0 / p[i] for i in (s.LAG, s.SECOND_LAG, s.SERIES_LAG, s.SOFT_SLEW_TIME) if p[i] > 0.0]
     if p[s.MASS] > 0.0:
         stiffness = p[s.STIFFNESS] + p[s.BRISTLE_STIFFNESS] + p[s.JENKINS_STIFFNESS] + p[s.MAXWELL_STIFFNESS]
-        stiffness += p[s.STOP_STIFFNESS] if p[s.STOP_EXPONENT] == 1.0 else 4.0 * p[s.STIFFNESS]
+        # A contact or a spring that hardens may be a few times as stiff as the mount.
+        stiffness += p[s.STOP_STIFFNESS] if p[s.STOP_EXPONENT] == 1.0 else 3.0 * p[s.STIFFNESS]
         stiffness += p[s.HIDDEN_STIFFNESS] + p[s.LOOP_FORCE] * p[s.LOOP_SHAPE]
         rates.append(np.sqrt(stiffness / p[s.MASS]))
     else:
         rates.append(p[s.STIFFNESS] / p[s.DAMPING])
-    rates += [1.0 / p[i] for i in (s.LAG, s.SECOND_LAG, s.SERIES_LAG, s.SOFT_SLEW_TIME) if p[i] > 0.0]
     if p[s.HIDDEN_MASS] > 0.0:
         rates.append(np.sqrt(p[s.HIDDEN_STIFFNESS] / p[s.HIDDEN_MASS]))
-    return int(np.clip(np.ceil(period * max(rates) / LARGEST_PHASE), FEWEST_STEPS, MOST_STEPS))
+    if p[s.MAXWELL_STIFFNESS] > 0.0:
+        decays.append(1.0 / (p[s.MAXWELL_TIME] * p[s.MAXWELL_RATIO] ** 2))
+    if p[s.BRISTLE_STIFFNESS] > 0.0:
+        decays.append(p[s.TOP_SPEED] * p[s.BRISTLE_STIFFNESS] / p[s.BRISTLE_COULOMB])
+    decays.append(p[s.TOP_SPEED] * p[s.LOOP_SHAPE])
+    needed = period * max(max(rates) / LARGEST_PHASE, max(decays) / LARGEST_DECAY)
+    return int(np.clip(np.ceil(needed), FEWEST_STEPS, MOST_STEPS))
 
 
 def integrate(

@@ -10,6 +10,8 @@ from camid.concealed.integrator import Segments
 from camid.concealed.plant_laws import built_in
 from camid.concealed.setup import Context, Effect, InputMap, Setup
 
+PULSES = 6  # of the modulated command in a frame
+
 
 def position_dependent_gain(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """A magnet whose pull depends on the gap."""
@@ -57,6 +59,7 @@ def play_in_joint(generator: np.random.Generator, context: Context, alternative:
         lambda g: {"half_width": g * context.stroke * context.rig.output_scale},
         0.05,
         1.5,
+        refinement=5,
     )
 
 
@@ -71,11 +74,13 @@ def nonlinear_hidden_mass(generator: np.random.Generator, context: Context, alte
         return {
             s.HIDDEN_MASS: mass,
             s.HIDDEN_STIFFNESS: stiffness,
-            s.HIDDEN_CUBIC: stiffness / context.stroke**2,
+            s.HIDDEN_CUBIC: 0.3 * stiffness / context.stroke**2,
             s.HIDDEN_DAMPING: 0.1 * mass * frequency,
         }
 
-    return built_in("nonlinear-hidden-mass", "nonlinear-hidden-mass", values, lambda g: {"mass_ratio": g}, 0.02, 1.0)
+    return built_in(
+        "nonlinear-hidden-mass", "nonlinear-hidden-mass", values, lambda g: {"mass_ratio": g}, 0.02, 1.0, refinement=4
+    )
 
 
 def quantised_command(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
@@ -91,7 +96,7 @@ def quantised_command(generator: np.random.Generator, context: Context, alternat
         function: Curve = rounded
         setup.input_maps.append(curve(function))
         if pulses:
-            setup.input_maps.append(_pulse_width(2.5 * context.peak))
+            setup.input_maps.append(_pulse_width(2.5 * context.peak, PULSES))
 
     return Effect(
         "quantised-command",
@@ -104,15 +109,17 @@ def quantised_command(generator: np.random.Generator, context: Context, alternat
     )
 
 
-def _pulse_width(full: float) -> InputMap:
-    """Each held value as a pulse of the full voltage that begins with the frame and has the same area."""
+def _pulse_width(full: float, pulses: int) -> InputMap:
+    """Each held value as pulses of the full voltage that have the same area."""
 
     def apply(segments: Segments, period: float) -> Segments:
         fine = refined(segments, period)
-        duty = np.clip(np.abs(fine.value) / full, 0.0, 0.999)
-        length = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2])
-        start = np.stack((fine.start, fine.start + duty * length), axis=1)
-        value = np.stack((full * np.sign(fine.value), np.zeros(len(duty))), axis=1)
+        length = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2]) / pulses
+        begin = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
+        level = np.repeat(fine.value, pulses)
+        duty = np.clip(np.abs(level) / full, 0.0, 0.999)
+        start = np.stack((begin, begin + duty * np.repeat(length, pulses)), axis=1)
+        value = np.stack((full * np.sign(level), np.zeros(len(duty))), axis=1)
         kept = np.ones_like(start, dtype=bool)
         kept[:, 0] = duty > 0.0
         return held(start[kept], value[kept])

@@ -15,6 +15,9 @@ from camid.concealed.setup import Context, Effect, Setup
 
 Parameters = dict[str, float | str | None]
 
+# Standard deviations of the speed that are not exceeded at twice the amplitude.
+TOP_SPEED = 6.0
+
 
 def built_in(
     identity: str,
@@ -25,12 +28,14 @@ def built_in(
     high: float = 1e3,
     place: str = "plant",
     repeatable: bool = True,
+    refinement: int = 1,
 ) -> Effect:
     """Effect that sets places of the integrator's parameter vector."""
 
     def apply(setup: Setup, strength: float) -> None:
         for slot, value in values(strength).items():
             setup.parameters[slot] = value
+        setup.refinement *= refinement
 
     return Effect(identity, place, law, apply, parameters, start, high, repeatable)
 
@@ -62,6 +67,7 @@ def coulomb_friction(generator: np.random.Generator, context: Context, alternati
             s.BRISTLE_COULOMB: g * largest,
             s.BRISTLE_BREAKAWAY: g * largest,
             s.BRISTLE_STIFFNESS: g * largest / bend,
+            s.TOP_SPEED: TOP_SPEED * context.speed,
             s.BRISTLE_DAMPING: damping,
         },
         parameters,
@@ -99,6 +105,7 @@ def stribeck_friction(generator: np.random.Generator, context: Context, alternat
             s.BRISTLE_BREAKAWAY: g * largest,
             s.BRISTLE_VELOCITY: velocity,
             s.BRISTLE_STIFFNESS: g * largest / bend,
+            s.TOP_SPEED: TOP_SPEED * context.speed,
             s.BRISTLE_DAMPING: 0.2 * context.rig.damping,
         },
         parameters,
@@ -244,7 +251,12 @@ def hysteresis(generator: np.random.Generator, context: Context, alternative: bo
     return built_in(
         "hysteresis",
         law,
-        lambda g: {s.LOOP_FORCE: g * unit, s.LOOP_SHAPE: shape, s.LOOP_EXPONENT: 2.0 if alternative else 1.0},
+        lambda g: {
+            s.LOOP_FORCE: g * unit,
+            s.LOOP_SHAPE: shape,
+            s.LOOP_EXPONENT: 2.0 if alternative else 1.0,
+            s.TOP_SPEED: TOP_SPEED * context.speed,
+        },
         parameters,
         0.1,
         2.0,

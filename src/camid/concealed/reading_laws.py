@@ -48,7 +48,7 @@ def quantisation(generator: np.random.Generator, context: Context, alternative: 
         apply,
         lambda g: {"step": g * unit},
         0.05,
-        1.5,
+        0.7,
         repeatable=False,
         noise_like=True,
     )
@@ -80,6 +80,7 @@ def absolute_value(generator: np.random.Generator, context: Context, alternative
     def apply(setup: Setup, strength: float) -> None:
         if alternative:
             setup.position_map = lambda y: (np.abs(y), np.sign(y))
+            setup.refinement *= 8
         else:
             setup.before_noise.append(lambda w, t, random: np.abs(w))
 
@@ -112,7 +113,7 @@ def dropped_frames(generator: np.random.Generator, context: Context, alternative
         apply,
         lambda g: {"fraction": g},
         0.01,
-        0.35,
+        0.15,
         repeatable=False,
         noise_like=True,
     )

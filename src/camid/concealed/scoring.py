@@ -163,7 +163,9 @@ def parameter_rows(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None
         found = next((e for e in (diagnosis or {}).get("effects", []) if e["id"] == true_effect["id"]), None)
         for name, true_value in true_effect["parameters"].items():
             stated = (found or {}).get("parameters", {}).get(name)
-            if stated is None or stated["std"] is None or not isinstance(stated["value"], int | float):
+            if stated is None or stated["std"] is None:
+                continue
+            if not all(isinstance(v, int | float) for v in (stated["value"], true_value)):
                 continue
             difference = float(stated["value"]) - float(true_value)
             if name == "phase":  # a whole turn is no difference

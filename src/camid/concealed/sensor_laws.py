@@ -50,7 +50,7 @@ def rolling_shutter(generator: np.random.Generator, context: Context, alternativ
     """Rows read one after the other: the window's time depends on where the marker is."""
     fastest = float(np.max(np.abs(np.diff(context.output)))) / context.period
     unit = generator.choice([-1.0, 1.0]) / fastest
-    # The marker moves slower than the rows are read even at twice the amplitude, and the windows stay near their frames.
+    # Rows are read faster than the marker moves, even at twice the amplitude, and the windows stay near their frames.
     largest = min(0.25, 3.0 * context.period * fastest / float(np.max(np.abs(context.output))))
 
     def apply(setup: Setup, strength: float) -> None:
@@ -111,7 +111,7 @@ def lens_distortion(generator: np.random.Generator, context: Context, alternativ
         lambda g: {"k1": sign * g / edge**2},
         0.02,
         # A barrel must not fold the image of twice the amplitude.
-        0.06 if sign < 0.0 else 3.0,
+        0.06 if sign < 0.0 else 0.6,
     )
 
 
@@ -136,6 +136,7 @@ def speed_weighted_centroid(generator: np.random.Generator, context: Context, al
 
     def apply(setup: Setup, strength: float) -> None:
         setup.speed_weight = weight
+        setup.refinement *= 4
 
     return Effect(
         "speed-weighted-centroid",

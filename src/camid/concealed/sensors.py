@@ -13,7 +13,6 @@ from camid.concealed.setup import TAIL, Setup
 
 Array = NDArray[np.float64]
 
-WEIGHTED_REFINEMENT = 4  # of the integrator's step where the weights have kinks at turning points
 ROLLING_ITERATIONS = 40
 
 
@@ -103,10 +102,10 @@ def motion(setup: Setup, command: Array, refinement: int = 1) -> Trajectory:
     camid.concealed.integrator.DivergedError
         If the motion leaves every bound.
     """
-    if setup.speed_weight is not None:
-        refinement *= WEIGHTED_REFINEMENT
     segments = input_path(setup, command)
-    return integrate(setup.parameters, segments, setup.period, -setup.lead, setup.frames + TAIL, refinement)
+    return integrate(
+        setup.parameters, segments, setup.period, -setup.lead, setup.frames + TAIL, refinement * setup.refinement
+    )
 
 
 def readings(setup: Setup, trajectory: Trajectory, jitter: Array | None = None) -> Array:

@@ -60,6 +60,8 @@ class Setup:
         Draws noise of unit variance; white without it.
     partial_repeats : float
         Fraction of frames that are cut short and then delivered twice.
+    refinement : int
+        Divides the integrator's step where a force or a reading has kinks that no step ends at.
     """
 
     rig: Rig
@@ -82,6 +84,7 @@ class Setup:
     after_noise: list[FrameMap] = field(default_factory=list)
     colour: NoiseColour | None = None
     partial_repeats: float = 0.0
+    refinement: int = 1
 
     def copy(self) -> Setup:
         """A setup that can be changed without changing this one."""

@@ -39,14 +39,17 @@ DRIFT_KIND, DRIFT_RATE, DRIFT_TIME = 57, 58, 59
 # Disturbing forces in V at the actuator: sine, its second harmonic, step, half-sine; times in s.
 SINE, SINE_FREQUENCY, SINE_PHASE, HARMONIC, HARMONIC_PHASE = 60, 61, 62, 63, 64
 STEP, STEP_TIME, PULSE, PULSE_TIME, PULSE_DURATION = 65, 66, 67, 68, 69
-PARAMETERS = 70
+# Speed in m/s that the machine hardly exceeds: for the choice of the step alone.
+TOP_SPEED = 70
+PARAMETERS = 71
 
 # State: position, velocity, the series element's two, a second one's two, the hidden mass's two, bristle deflection or
 # Bouc–Wen variable, Maxwell forces, the actuator's two, and the time integral of the measured position.
 POSITION, VELOCITY, SERIES, SERIES_RATE, SECOND_SERIES, SECOND_SERIES_RATE = 0, 1, 2, 3, 4, 5
 HIDDEN, HIDDEN_RATE, BRISTLE, LOOP, MAXWELL, ACTUATOR, SECOND_ACTUATOR, INTEGRAL = 6, 7, 8, 9, 10, 13, 14, 15
 STATES = 16
-# Memory: forces of the Jenkins elements, the position they belong to, and whether the stop is touched.
+# Memory: forces of the Jenkins elements, the position they belong to, whether the stop is touched, and a time in s
+# within the step, which says what acts during all of it.
 JENKINS_ELEMENTS = 6
-LAST_POSITION, TOUCHING = 6, 7
-MEMORY = 8
+LAST_POSITION, TOUCHING, WITHIN = 6, 7, 8
+MEMORY = 9

@@ -12,26 +12,35 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camid.diagnosis.fit import Fitted, fit
-from camid.diagnosis.problem import Problem
+from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.screen import WORKERS, Candidate, screen, trials
 from camid.physics import known_effects
 
+Array = NDArray[np.float64]
 Progress = Callable[[str], None] | None
 
 # Probability of naming an effect where nothing is missing, for the whole catalogue together.
 FALSE_ALARM = 0.002
 MOST_EFFECTS = 3
+MOST_EXCHANGES = 6
+WORTH_AN_EXCHANGE = 2.0
 # Candidates that are fitted, and evaluations for a first and for a thorough fit.
 MOST_CANDIDATES = 12
-FIRST_STEPS = 8
+FIRST_STEPS = 10
 ALL_STEPS = 30
-# Candidates whose screened gain is below this share of the best, or this value, are not fitted.
+# Candidates whose screened gain is below this share of the best, or chance with this probability, are not fitted.
 LEAST_SHARE = 0.01
-LEAST_GAIN = 8.0
+MOST_CHANCE = 0.1
 # Hypotheses that stay behind the best by more than this are not fitted thoroughly.
 BEHIND = 80.0
+# Prior probability that a law is another one of the same name, and the share of the mismatch that it then leaves.
+OTHER_LAW = 0.3
+LAW_ERROR = 0.04
+# Standard errors by which errors on validation rows may grow before an effect is refused.
+WORSE = 2.0
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
 LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4
@@ -64,12 +73,15 @@ class Decision:
     base, fitted : Fitted
         Without and with the effects.
     rivals : list of list of Hypothesis
-        For each effect of the model: every hypothesis in its place, the best first, the effect itself among them.
+        For each effect found: every hypothesis in its place, the best first, the effect itself among them.
+    without : list of Fitted
+        For each effect found: the model without it, fitted.
     """
 
     base: Fitted
     fitted: Fitted
     rivals: list[list[Hypothesis]] = field(default_factory=list)
+    without: list[Fitted] = field(default_factory=list)
 
 
 def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) -> float:
@@ -85,11 +97,11 @@ def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) ->
 
 def hypotheses(problem: Problem, base: Fitted, screened: Sequence[Candidate]) -> list[Hypothesis]:
     """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first."""
-    starts = _shortlist(screened)
+    starts = _shortlist(problem, screened)
 
     def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
-        return _fitted(problem, base, effect.identifier, base.model.plus(effect), steps)
+        return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
 
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(lambda c: fitted(c, FIRST_STEPS), starts) if h is not None]
@@ -100,9 +112,7 @@ def hypotheses(problem: Problem, base: Fitted, screened: Sequence[Candidate]) ->
                 best[hypothesis.identifier] = hypothesis
         ranked = sorted(best.values(), key=lambda h: h.criterion)
         near = [h for h in ranked if h.criterion <= ranked[0].criterion + BEHIND] if ranked else []
-        again = pool.map(
-            lambda h: _fitted(problem, base, h.identifier, h.fitted.model, ALL_STEPS), near
-        )
+        again = pool.map(lambda h: _fitted(problem, h.identifier, h.fitted.model, ALL_STEPS), near)
         thorough = [
             new if new is not None and new.criterion < old.criterion else old
             for old, new in zip(near, again, strict=True)
@@ -110,9 +120,11 @@ def hypotheses(problem: Problem, base: Fitted, screened: Sequence[Candidate]) ->
     return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
 
 
-def _fitted(problem: Problem, base: Fitted, identifier: str, start, steps: int) -> Hypothesis | None:  # type: ignore[no-untyped-def]
+def _fitted(
+    problem: Problem, identifier: str, start: Model, steps: int, base: Fitted | None = None
+) -> Hypothesis | None:
     try:
-        result = fit(problem, start, steps=steps)
+        result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
     if not np.isfinite(result.noise.deviance):
@@ -121,14 +133,18 @@ def _fitted(problem: Problem, base: Fitted, identifier: str, start, steps: int) 
     return Hypothesis(identifier, result, result.criterion + penalty)
 
 
-def _shortlist(screened: Sequence[Candidate]) -> list[Candidate]:
-    """The two likeliest shapes of each of the likeliest effects."""
+def _shortlist(problem: Problem, screened: Sequence[Candidate]) -> list[Candidate]:
+    """The two likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
+    from scipy.stats import chi2
+
     if not screened:
         return []
-    least = max(LEAST_GAIN, LEAST_SHARE * screened[0].gain)
+    least = LEAST_SHARE * screened[0].gain
+    count = len({c.effect.identifier for c in screened})
     shapes: dict[str, list[Candidate]] = {}
     for candidate in screened:
-        if candidate.gain >= least:
+        chance = float(chi2.sf(candidate.gain, 1)) * trials(type(candidate.effect), problem) * count
+        if candidate.gain >= least and chance < MOST_CHANCE:
             known = shapes.setdefault(candidate.effect.identifier, [])
             if len(known) < 2:
                 known.append(candidate)
@@ -136,7 +152,11 @@ def _shortlist(screened: Sequence[Candidate]) -> list[Candidate]:
 
 
 def decide(
-    problem: Problem, base: Fitted, screened: Sequence[Candidate] | None = None, progress: Progress = None
+    problem: Problem,
+    base: Fitted,
+    screened: Sequence[Candidate] | None = None,
+    validation: Sequence[NDArray[np.bool_]] | None = None,
+    progress: Progress = None,
 ) -> Decision:
     """Take in effects as long as each is called for, then test each against what could stand in its place.
 
@@ -147,31 +167,50 @@ def decide(
         The refitted nominal model.
     screened : sequence of Candidate, optional
         Of the base, where it was screened already.
+    validation : sequence of ndarray of bool, optional
+        Rows of each recording on which an effect must not make the errors larger.
     progress : callable, optional
     """
     current, rivals = base, []
-    while len(current.model.effects) < MOST_EFFECTS:
+    known = len(base.model.effects)
+    while len(current.model.effects) - known < MOST_EFFECTS:
         if progress:
             found = ", ".join(e.identifier for e in current.model.effects)
             progress(f"fitting what may be missing{' besides ' + found if found else ''}")
         ranked = hypotheses(problem, current, screen(problem, current) if screened is None else screened)
         screened = None
-        ranked = [h for h in ranked if h.criterion < current.criterion]
+        ranked = [h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)]
         if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= FALSE_ALARM:
             break
         current = ranked[0].fitted
         rivals.append(ranked)
-    if len(current.model.effects) < 2:
-        return Decision(base, current, rivals)
+    if len(current.model.effects) - known < 2:
+        return Decision(base, current, rivals, [base] * len(rivals))
     return _exchanged(problem, base, current, progress)
+
+
+def _refuted(
+    problem: Problem, current: Fitted, hypothesis: Hypothesis, validation: Sequence[NDArray[np.bool_]] | None
+) -> bool:
+    """Whether the rows that were not fitted speak against an effect."""
+    if validation is None:
+        return False
+    errors = [
+        [(e.output - s)[r] for e, s, r in zip(problem.experiments, problem.simulate(model), validation, strict=True)]
+        for model in (current.model, hypothesis.fitted.model)
+    ]
+    return worsens(*errors)
 
 
 def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
     """Put every effect to the test beside the others, until none is exchanged or removed."""
-    for _ in range(4):
-        rivals: list[list[Hypothesis]] = []
+    first = len(base.model.effects)
+    rivals: list[list[Hypothesis]] = []
+    without: list[Fitted] = []
+    for _ in range(MOST_EXCHANGES):
+        rivals, without = [], []
         changed = False
-        for index in range(len(current.model.effects)):
+        for index in range(first, len(current.model.effects)):
             identifier = current.model.effects[index].identifier
             if progress:
                 progress(f"testing what could stand in place of {identifier}")
@@ -181,28 +220,59 @@ def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progre
                 current,
                 current.criterion + 2.0 * float(np.log(trials(known_effects()[identifier], problem))),
             )
-            needed = p_value(problem, others, current, identifier) < FALSE_ALARM and own.criterion < others.criterion
-            if not needed:
+            if p_value(problem, others, current, identifier) >= FALSE_ALARM or own.criterion >= others.criterion:
                 current, changed = others, True
                 break
             ranked = hypotheses(problem, others, screen(problem, others))
             ranked = sorted([own, *(h for h in ranked if h.identifier != identifier)], key=lambda h: h.criterion)
-            if ranked[0].identifier != identifier and ranked[0].criterion < own.criterion - 2.0:
+            if ranked[0].criterion < own.criterion - WORTH_AN_EXCHANGE:
                 current, changed = ranked[0].fitted, True
                 break
             rivals.append(ranked)
+            without.append(others)
         if not changed:
-            return Decision(base, current, rivals)
-    return Decision(base, current, rivals)
+            break
+    for index in range(first + len(rivals), len(current.model.effects)):  # the last exchange was not tested itself
+        without.append(fit(problem, current.model.without(index), steps=ALL_STEPS))
+        identifier = current.model.effects[index].identifier
+        rivals.append([Hypothesis(identifier, current, current.criterion)])
+    return Decision(base, current, rivals, without)
 
 
-def weights(ranked: Sequence[Hypothesis], temperature: float = 1.0) -> list[tuple[str, float]]:
-    """Posterior weights of a class, the likeliest first: at most four effects that the data do not rule out."""
+def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, float]]:
+    """Posterior weights of a class, the likeliest first: at most four effects that the data do not rule out.
+
+    Bayes's criterion takes every law as exact, and no rig's friction is. A name stands for laws like the catalogue's, so
+    a hypothesis that leaves a small share of the mismatch is not ruled out by many samples: with the prior probability
+    ``OTHER_LAW`` the law is another one of the same name, which leaves a share of the order of ``LAW_ERROR`` behind.
+
+    Parameters
+    ----------
+    ranked : sequence of Hypothesis
+        In the place of one effect.
+    without : Fitted
+        The model without that effect.
+    """
     if not ranked:
         return []
-    lead = ranked[0].criterion
-    raw = [(h.identifier, float(np.exp(-0.5 * (h.criterion - lead) / temperature))) for h in ranked]
+    lead = ranked[0]
+    mismatch = max(without.cost - lead.fitted.cost, 1e-300)
+    raw = []
+    for hypothesis in ranked:
+        left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
+        exact = float(np.exp(-0.5 * max(hypothesis.criterion - lead.criterion, 0.0)))
+        raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / LAW_ERROR))))
     total = sum(w for _, w in raw)
+    raw.sort(key=lambda item: -item[1])
     kept = [(name, w / total) for name, w in raw if w / total >= LEAST_WEIGHT][:LARGEST_CLASS]
     total = sum(w for _, w in kept)
     return [(name, w / total) for name, w in kept]
+
+
+def worsens(before: Sequence[Array], after: Sequence[Array]) -> bool:
+    """Whether errors on rows that were not fitted are larger after than before, beyond chance."""
+    difference = np.concatenate([a**2 - b**2 for a, b in zip(after, before, strict=True)])
+    if len(difference) < 2:
+        return False
+    spread = float(np.std(difference)) / float(np.sqrt(len(difference)))
+    return float(np.mean(difference)) > WORSE * spread

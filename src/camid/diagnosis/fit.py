@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ DIFFERENCE = 1e-5
 # Residual of a simulation that ran away, in standard deviations of the output.
 HOPELESS = 1e3
 TOLERANCE = 1e-7
+# A rank-one update that misses this share of the change it should explain is no update.
+MISSED = 0.4
 
 
 @dataclass(frozen=True)
@@ -27,20 +30,29 @@ class Fitted:
 
     Attributes
     ----------
+    problem : Problem
     model : Model
     residual : ndarray, shape (M,)
         Recorded minus simulated output on the fitted rows.
-    sensitivities : ndarray, shape (M, p)
-        Of the simulated output to the free coefficients, the effects' parameters and the initial states, in this order.
     noise : Noise
     packing : Packing
     """
 
+    problem: Problem
     model: Model
     residual: Array
-    sensitivities: Array
     noise: Noise
     packing: Packing
+
+    @cached_property
+    def sensitivities(self) -> Array:
+        """Derivatives of the simulated output, shape (M, p).
+
+        By the free coefficients, the effects' parameters and the initial states, in this order.
+        """
+        vector = self.packing.pack(self.model)
+        simulated = self.problem.output - self.residual
+        return _sensitivities(self.problem, self.packing, vector, simulated) / self.packing.units
 
     @property
     def cost(self) -> float:
@@ -57,10 +69,11 @@ class Fitted:
         """Names of the free coefficients and parameters."""
         return [name for name in self.packing.names if not name.startswith("initial")]
 
-    def covariance(self, problem: Problem) -> Array:
+    @cached_property
+    def covariance(self) -> Array:
         """Covariance of the packed parameters in their own units, shape (p, p); infinite where undetermined."""
-        table = problem.whitened(self.sensitivities, self.noise.whitening)
-        residual = problem.whitened(self.residual, self.noise.whitening)
+        table = self.problem.whitened(self.sensitivities, self.noise.whitening)
+        residual = self.problem.whitened(self.residual, self.noise.whitening)
         lengths = np.linalg.norm(table, axis=0)
         moving = lengths > 0.0
         result = np.full((len(lengths), len(lengths)), np.inf)
@@ -83,19 +96,25 @@ class Packing:
     lower: Array
     upper: Array
     names: list[str]
+    fixed: int = 0
 
     @classmethod
-    def of(cls, problem: Problem, model: Model) -> Packing:
-        """Packing of the free coefficients, the effects' parameters and the initial states."""
+    def of(cls, problem: Problem, model: Model, fixed: int = 0) -> Packing:
+        """Packing of the free coefficients, the effects' parameters and the initial states.
+
+        The first ``fixed`` effects keep their values.
+        """
         free = problem.structure.free
         scale = np.array(
-            [problem.unit ** -(power) for power in _powers(problem)]
+            [problem.unit**-(power) for power in _powers(problem)]
         )  # a coefficient that is zero is measured by what would be of the order of one
         coefficients = model.coefficients[free]
         units = list(np.maximum(np.abs(coefficients), 1e-2 * scale[free] * _gain(problem, free)))
         names = [f"coefficient {i}" for i in np.flatnonzero(free)]
         lower, upper = [-np.inf] * len(units), [np.inf] * len(units)
         for i, effect in enumerate(model.effects):
+            if i < fixed:
+                continue
             for parameter, value in zip(effect.numeric(), effect.vector, strict=True):
                 units.append(_measure(problem, parameter.scale, float(value)))
                 lower.append(parameter.lower)
@@ -109,11 +128,11 @@ class Packing:
                 upper += [np.inf] * len(state)
                 names += [f"initial {i}"] * len(state)
         measures = np.array(units)
-        return cls(model, free, measures, np.array(lower) / measures, np.array(upper) / measures, names)
+        return cls(model, free, measures, np.array(lower) / measures, np.array(upper) / measures, names, fixed)
 
     def pack(self, model: Model) -> Array:
         """Vector of a model."""
-        parts = [model.coefficients[self.free], *(e.vector for e in model.effects)]
+        parts = [model.coefficients[self.free], *(e.vector for e in model.effects[self.fixed :])]
         parts += [s for s in model.initial if s is not None]
         return np.concatenate(parts) / self.units
 
@@ -123,8 +142,8 @@ class Packing:
         coefficients = self.template.coefficients.copy()
         position = int(np.count_nonzero(self.free))
         coefficients[self.free] = values[:position]
-        effects = []
-        for effect in self.template.effects:
+        effects = list(self.template.effects[: self.fixed])
+        for effect in self.template.effects[self.fixed :]:
             size = len(effect.numeric())
             effects.append(effect.with_vector(values[position : position + size]) if size else effect)
             position += size
@@ -179,39 +198,92 @@ def at_best_start(problem: Problem, model: Model) -> Model:
     denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
     predictor = Predictor.around(structure, problem.experiments, denominator)
     polynomials = predictor.split(predictor.with_fitted_initial_states(model.coefficients))[2]
-    initial = tuple(
-        None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials
-    )
+    initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
     return replace(model, initial=initial)
 
 
-def evaluate(problem: Problem, model: Model) -> Fitted:
-    """Residual, sensitivities and noise of a model as it is."""
-    packing = Packing.of(problem, model)
-    vector = packing.pack(model)
-    simulated = problem.fitted(problem.simulate(model))
-    table = _sensitivities(problem, packing, vector, simulated)
-    residual = problem.output - simulated
-    sensitivities = table / packing.units
-    return Fitted(model, residual, sensitivities, problem.noise(residual, sensitivities), packing)
+def evaluate(problem: Problem, model: Model, fixed: int = 0) -> Fitted:
+    """Residual and noise of a model as it is."""
+    packing = Packing.of(problem, model, fixed)
+    residual = problem.output - problem.fitted(problem.simulate(model))
+    return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing)
 
 
-def _sensitivities(problem: Problem, packing: Packing, vector: Array, simulated: Array) -> Array:
-    """Derivatives by the packed vector, shape (M, p), by one-sided differences into the allowed range."""
-    table = np.empty((len(simulated), len(vector)))
-    for i in range(len(vector)):
+def _sensitivities(
+    problem: Problem, packing: Packing, vector: Array, simulated: Array, columns: range | None = None
+) -> Array:
+    """Derivatives by (some of) the packed vector, shape (M, p), by one-sided differences into the allowed range."""
+    columns = range(len(vector)) if columns is None else columns
+    table = np.empty((len(simulated), len(columns)))
+    for position, i in enumerate(columns):
         step = DIFFERENCE if vector[i] + DIFFERENCE <= packing.upper[i] else -DIFFERENCE
         moved = vector.copy()
         moved[i] += step
         try:
-            table[:, i] = (problem.fitted(problem.simulate(packing.unpack(moved))) - simulated) / step
+            table[:, position] = (problem.fitted(problem.simulate(packing.unpack(moved))) - simulated) / step
         except (ValueError, ArithmeticError):
-            table[:, i] = 0.0
+            table[:, position] = 0.0
     table[~np.isfinite(table)] = 0.0
     return table
 
 
-def fit(problem: Problem, start: Model, *, steps: int = 25, whitening: Array | None = None) -> Fitted:
+class _Derivative:
+    """Sensitivities along a fit: differences where they are needed, Broyden's rank-one updates in between.
+
+    A simulation a parameter is what a fit costs; an update costs none (Broyden 1965, Math. Comp. 19, 577–593).
+    """
+
+    def __init__(self, problem: Problem, packing: Packing, base: Fitted | None, refreshes: int) -> None:
+        self.problem, self.packing, self.base, self.refreshes = problem, packing, base, refreshes
+        self.vector: Array | None = None
+        self.simulated: Array
+        self.table: Array
+
+    def at(self, vector: Array, simulated: Array) -> Array:
+        """Sensitivities at a point whose simulated output is known, shape (M, p)."""
+        if self.vector is None:
+            self.table = self._first(vector, simulated)
+        else:
+            step = vector - self.vector
+            length = float(step @ step)
+            if length > 0.0:
+                change = simulated - self.simulated
+                missed = change - self.table @ step
+                wrong = float(np.linalg.norm(missed)) > MISSED * float(np.linalg.norm(change))
+                if wrong and self.refreshes > 0:
+                    self.refreshes -= 1
+                    self.table = _sensitivities(self.problem, self.packing, vector, simulated)
+                else:
+                    self.table = self.table + np.outer(missed, step / length)
+        self.vector, self.simulated = vector.copy(), simulated
+        return self.table
+
+    def _first(self, vector: Array, simulated: Array) -> Array:
+        """Columns that a fit without the last effect has already, and differences for the others."""
+        if self.base is None:
+            return _sensitivities(self.problem, self.packing, vector, simulated)
+        names = self.packing.names
+        new = f"{len(self.packing.template.effects) - 1} "
+        fresh = [i for i, name in enumerate(names) if name.startswith(new)]
+        table = np.empty((len(simulated), len(names)))
+        table[:, [i for i in range(len(names)) if i not in fresh]] = self.base.sensitivities
+        table *= self.packing.units
+        if fresh:
+            columns = range(fresh[0], fresh[-1] + 1)
+            table[:, fresh] = _sensitivities(self.problem, self.packing, vector, simulated, columns)
+        return table
+
+
+def fit(
+    problem: Problem,
+    start: Model,
+    *,
+    steps: int = 25,
+    whitening: Array | None = None,
+    fixed: int = 0,
+    base: Fitted | None = None,
+    refreshes: int = 10,
+) -> Fitted:
     """Least squares from one start.
 
     Parameters
@@ -222,6 +294,12 @@ def fit(problem: Problem, start: Model, *, steps: int = 25, whitening: Array | N
         Largest number of evaluations of the residual.
     whitening : ndarray, optional
         Filter of the noise, for generalised least squares.
+    fixed : int
+        So many of the model's effects, from the first on, keep their values.
+    base : Fitted, optional
+        A fit of the same model without its last effect, whose sensitivities begin this one.
+    refreshes : int
+        How often the sensitivities may be taken anew by differences.
 
     Raises
     ------
@@ -230,9 +308,11 @@ def fit(problem: Problem, start: Model, *, steps: int = 25, whitening: Array | N
     """
     from scipy.optimize import least_squares
 
-    packing = Packing.of(problem, start)
+    packing = Packing.of(problem, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
     worst = HOPELESS * (float(np.std(problem.output)) or 1.0)
+    derivative = _Derivative(problem, packing, base, refreshes)
+    latest: list[tuple[Array, Array]] = []
 
     def simulated(vector: Array) -> Array:
         try:
@@ -244,16 +324,21 @@ def fit(problem: Problem, start: Model, *, steps: int = 25, whitening: Array | N
         return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
 
     def residual(vector: Array) -> Array:
-        return problem.whitened(problem.output - simulated(vector), whitening)
+        rows = simulated(vector)
+        latest[:] = [*latest[-1:], (vector.copy(), rows)]
+        return problem.whitened(problem.output - rows, whitening)
 
-    def derivative(vector: Array) -> Array:
-        return -problem.whitened(_sensitivities(problem, packing, vector, simulated(vector)), whitening)
+    def jacobian(vector: Array) -> Array:
+        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
+        known = next((rows for point, rows in reversed(latest) if np.array_equal(point, vector)), None)
+        table = derivative.at(vector, simulated(vector) if known is None else known)
+        return -problem.whitened(table, whitening)
 
     vector = np.clip(packing.pack(start), packing.lower, packing.upper)
     found = least_squares(
         residual,
         vector,
-        jac=derivative,
+        jac=jacobian,
         bounds=(packing.lower, packing.upper),
         x_scale="jac",
         ftol=TOLERANCE,
@@ -261,4 +346,4 @@ def fit(problem: Problem, start: Model, *, steps: int = 25, whitening: Array | N
         gtol=None,
         max_nfev=steps,
     )
-    return evaluate(problem, packing.unpack(found.x))
+    return evaluate(problem, packing.unpack(found.x), fixed)

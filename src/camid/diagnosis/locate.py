@@ -146,7 +146,7 @@ def shares(tests: list[PlaceTest]) -> dict[str, float]:
 def locate(problem: Problem, fitted: Fitted, place: str | None, portions: dict[str, float]) -> Location:
     """Place, span of time, band of frequency and region of a signal in which a residual sits."""
     if place is None:
-        return Location(None, {p: 0.0 for p in PLACES})
+        return Location(None, dict.fromkeys(PLACES, 0.0))
     index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
     experiment, time = problem.experiments[index], problem.times[index]
     start = sum(int(np.count_nonzero(e.used)) for e in problem.experiments[:index])

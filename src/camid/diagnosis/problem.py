@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 from camid.chain import companion, time_scale
 from camid.engine import Chain, move, run
 from camid.identification.predictor import Experiment, Structure
-from camid.identification.residual_statistics import Moments, Rows, noise_model, sums_of_products, whiteness
+from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
 from camid.physics.effect import Effect, Situation
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 
 LARGEST_LAG = 25
+LARGEST_ORDER = 12
+ROWS_A_COEFFICIENT = 20
 ROWS_A_LAG = 8
 
 
@@ -58,13 +60,10 @@ class Noise:
         Filter 1 + a_1 z⁻¹ + … after which it is white.
     deviance : float
         -2 log likelihood, with a penalty for the filter's order.
-    whiteness_p : float
-        Probability of a residual at least as coloured if the noise is white.
     """
 
     whitening: Array
     deviance: float
-    whiteness_p: float
 
 
 @dataclass(frozen=True)
@@ -138,9 +137,10 @@ class Problem:
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found
 
-    def situation(self, model: Model) -> Situation:
-        """What first guesses need, of the longest recording."""
-        index = int(np.argmax([len(t) for t in self.times]))
+    def situation(self, model: Model, index: int | None = None) -> Situation:
+        """What first guesses need, of one recording: the longest where none is named."""
+        if index is None:
+            index = int(np.argmax([np.count_nonzero(e.used) for e in self.experiments]))
         experiment = self.experiments[index]
         simulated = run(self.chain(model, index), experiment.signal, self.times[index])
         residual = np.where(experiment.used, experiment.output - simulated, 0.0)
@@ -161,21 +161,42 @@ class Problem:
 
     # -- noise -----------------------------------------------------------------------------------------------------
 
-    def noise(self, residual: Array, sensitivities: Array) -> Noise:
-        """Noise that a residual on the fitted rows, shape (M,), consists of, with regard to what was fitted."""
+    def noise(self, residual: Array, fitted: int) -> Noise:
+        """Noise that a residual on the fitted rows, shape (M,), consists of, after ``fitted`` numbers were fitted."""
+        count = len(residual)
+        size = float(np.max(np.abs(residual), initial=0.0))
+        if size == 0.0:
+            return Noise(np.ones(1), -np.inf)
+        sums, pairs = np.zeros(LARGEST_LAG + 1), np.zeros(LARGEST_LAG + 1)
+        position = 0
+        for experiment in self.experiments:
+            rows = np.zeros(len(experiment.used))
+            part = int(np.count_nonzero(experiment.used))
+            rows[experiment.used] = residual[position : position + part] / size
+            position += part
+            mask = experiment.used.astype(float)
+            for lag in range(min(LARGEST_LAG, len(rows) - 1) + 1):
+                sums[lag] += rows[lag:] @ rows[: len(rows) - lag]
+                pairs[lag] += mask[lag:] @ mask[: len(rows) - lag]
+        # The sums over fewer pairs are not corrected for it, so that the correlations are those of a process.
+        order = min(LARGEST_ORDER, count // ROWS_A_COEFFICIENT)
+        filters, left = levinson(sums[: order + 1] / sums[0])
+        penalties = np.log(count) * np.arange(len(filters))
+        best = int(np.argmin(count * np.log(left) + penalties))
+        variance = sums[0] * size**2 / max(count - fitted, 1) * left[best]
+        return Noise(filters[best], float(count * np.log(variance) + penalties[best]))
+
+    def whiteness(self, residual: Array, sensitivities: Array) -> float:
+        """Probability of a residual at least as coloured if the noise is white, with regard to what was fitted."""
         longest = max(int(np.count_nonzero(e.used)) for e in self.experiments)
         lags = max(min(LARGEST_LAG, longest // ROWS_A_LAG), 1)
         size = float(np.max(np.abs(residual), initial=0.0)) or 1.0
         rows = Rows.of(self.experiments, residual / size, sensitivities, np.zeros((len(residual), 0)), lags, 0)
-        moments = Moments.of(rows, lags)
         sums = sums_of_products(rows.residual, lags)
         if sums[0] <= 0.0:
-            return Noise(np.ones(1), -np.inf, 1.0)
-        whitening, variance = noise_model(sums, moments)
-        count = len(residual)
-        deviance = count * (np.log(variance) + 2.0 * np.log(size)) + (len(whitening) - 1) * np.log(count)
-        p_value = whiteness(sums, moments)
-        return Noise(whitening, float(deviance), 1.0 if p_value is None else p_value)
+            return 1.0
+        found = whiteness(sums, Moments.of(rows, lags))
+        return 1.0 if found is None else found
 
     def whitened(self, values: Array, whitening: Array) -> Array:
         """Rows, shape (M,) or (M, c), after a whitening filter; rows whose past is not fitted are set to zero."""

@@ -166,11 +166,7 @@ class Undetectable:
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
-        smallest = (
-            None
-            if self.value is None
-            else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
-        )
+        smallest = None if self.value is None else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
         return {"id": self.identifier, "reason": self.reason, "smallest_detectable": smallest}
 
 

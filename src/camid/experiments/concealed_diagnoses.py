@@ -18,6 +18,7 @@ import pandas as pd
 from camid.experiments.concealed import DIAGNOSIS, FAILURE, IMPROVED, RECORDING, SIMULATION
 
 OUTPUT = "diagnosis"
+NO_REPORT = "--no-report"  # nobody reads hundreds of them, and they say no more than diagnosis.json
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM", "NUMBA")}
 
 
@@ -77,7 +78,7 @@ def _diagnose(worker: Worker, source: Path, target: Path | None) -> float:
             content = file.read_bytes()
             names[file.name] = hashlib.sha256(content).hexdigest()[:16] + file.suffix
             (folder / names[file.name]).write_bytes(content)
-        arguments = ["diagnose", names[RECORDING], "--simulation", names[SIMULATION], "--output", OUTPUT]
+        arguments = ["diagnose", names[RECORDING], "--simulation", names[SIMULATION], "--output", OUTPUT, NO_REPORT]
         answer = worker.run(folder, arguments)
         if answer["forbidden"]:
             raise ForbiddenReadError(f"the diagnosis in {source} opened {', '.join(answer['forbidden'])}")

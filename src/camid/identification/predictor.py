@@ -76,6 +76,13 @@ class Structure:
         monic = np.eye(poles + 1)[0]
         return cls(np.zeros(zeros + 1), monic, np.ones(zeros + 1, bool), monic == 0.0)
 
+    @classmethod
+    def fixed(cls, plant: TransferFunction) -> Structure:
+        """Structure of a plant of which nothing is to be estimated."""
+        monic = plant.monic
+        numerator, denominator = np.array(monic.numerator), np.array(monic.denominator)
+        return cls(numerator, denominator, np.zeros(len(numerator), bool), np.zeros(len(denominator), bool))
+
     @property
     def order(self) -> int:
         """Number of poles n."""

@@ -132,6 +132,18 @@ class Moments:
         return mean, products / (freedom * (freedom + 2.0)) - np.outer(mean, mean)
 
 
+def levinson(correlations: Array) -> tuple[list[Array], Array]:
+    """Whitening filters of the orders 0, 1, … and the shares of the variance that they leave.
+
+    Parameters
+    ----------
+    correlations : ndarray, shape (p + 1,)
+        Autocorrelations at the lags 0 … p, the first being 1.
+    """
+    filters, reflections = _reflections(correlations)
+    return filters, np.concatenate([[1.0], np.cumprod(1.0 - reflections**2)])
+
+
 def _reflections(correlations: Array) -> tuple[list[Array], Array]:
     """Levinson's recursion: whitening filters of the orders 0, 1, …, and minus the partial autocorrelations.
 

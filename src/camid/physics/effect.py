@@ -222,9 +222,7 @@ class Effect:
 
     def with_vector(self, vector: Array) -> Self:
         """The same effect with other numbers, moved to the nearest allowed value."""
-        changed = {
-            p.name: float(min(max(v, p.lower), p.upper)) for p, v in zip(self.numeric(), vector, strict=True)
-        }
+        changed = {p.name: float(min(max(v, p.lower), p.upper)) for p, v in zip(self.numeric(), vector, strict=True)}
         return type(self)(**{**self.values, **changed})
 
     @property
@@ -301,6 +299,11 @@ class Effect:
         raise NotImplementedError(f"{cls.__name__} changes the expected output")
 
     @classmethod
+    def limit_of_recognition(cls, situation: Situation) -> str:
+        """For noise-like effects: what size of it this recording would have shown, in words."""
+        return "it shows in the noise only, and the noise does not show it"
+
+    @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Why this recording cannot show the effect, whatever its size; None if it can."""
         return None
@@ -309,9 +312,7 @@ class Effect:
 def _checked(identifier: str, parameter: Parameter, value: Any) -> Any:
     if parameter.choices:
         if value not in parameter.choices:
-            raise ValueError(
-                f"{identifier}, {parameter.name}: '{value}' is none of {', '.join(parameter.choices)}"
-            )
+            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is none of {', '.join(parameter.choices)}")
         return str(value)
     if parameter.sequence:
         numbers = np.asarray(value, dtype=float)

@@ -13,7 +13,7 @@ from camid.physics.effect import Array, Effect, Parameter, Recognition, Situatio
 NEGLIGIBLE_ROUNDING = 0.02
 # Residuals beyond so many robust standard deviations are outliers: one in 1.7 million of Gaussian noise.
 OUTLYING = 5.0
-FEWEST = 3
+FEWEST = 1
 
 
 def lattice_step(values: Array) -> float | None:
@@ -27,6 +27,19 @@ def lattice_step(values: Array) -> float | None:
     if np.max(np.abs(multiples - np.round(multiples))) > 1e-3 * max(1.0, float(np.max(multiples)) * 1e-3):
         return None
     return float(np.ptp(distinct) / np.sum(np.round(multiples)))
+
+
+def resolution(values: Array) -> float:
+    """Digit to which values are written: a power of ten, or the rounding of floating point."""
+    largest = float(np.max(np.abs(values)))
+    rounding = 4.0 * float(np.spacing(largest))
+    for decimals in range(16):
+        digit = 10.0**-decimals
+        if digit <= rounding:
+            break
+        if np.max(np.abs(np.round(values, decimals) - values)) <= rounding:
+            return digit
+    return rounding
 
 
 def tail(deviation: float) -> float:
@@ -59,7 +72,7 @@ class Quantisation(Effect):
     def recognise(cls, situation: Situation) -> Recognition | None:
         """All values lie on a lattice that is coarse beside the residual."""
         step = lattice_step(situation.recorded)
-        if step is None or step**2 / 12.0 < NEGLIGIBLE_ROUNDING * float(np.mean(situation.residual**2)):
+        if step is None or step**2 / 12.0 < NEGLIGIBLE_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2)):
             return None
         # Values without a lattice would lie on it by chance only.
         return Recognition(cls(step=step), {"step": 1e-3 * step}, 1e-12, np.zeros(len(situation.time), bool))
@@ -81,7 +94,7 @@ class DroppedFrames(Effect):
         """Values are repeated exactly although noise would never repeat them."""
         values = situation.recorded
         step = lattice_step(values)
-        spread = float(np.std(situation.residual))
+        spread = float(np.std(situation.residual[situation.used]))
         if step is not None and step > 0.02 * spread:
             return None
         # At the edges of a clipped range values repeat without a lost frame.
@@ -91,7 +104,8 @@ class DroppedFrames(Effect):
         if count < FEWEST:
             return None
         share = count / len(values)
-        chance = 1e-9 if step is None else min(step / max(spread, step), 1.0)
+        fineness = resolution(values) if step is None else step
+        chance = min(fineness / max(spread, fineness), 1.0)
         return Recognition(
             cls(fraction=share),
             {"fraction": sqrt(share * (1.0 - share) / len(values))},
@@ -114,8 +128,9 @@ class Outliers(Effect):
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """Isolated residuals far outside of the robust spread of the others."""
-        residual = situation.residual - np.median(situation.residual)
-        spread = 1.4826 * float(np.median(np.abs(residual)))
+        known = situation.residual[situation.used]
+        residual = np.where(situation.used, situation.residual - np.median(known), 0.0)
+        spread = 1.4826 * float(np.median(np.abs(residual[situation.used])))
         if spread <= 0.0:
             return None
         far: NDArray[np.bool_] = np.abs(residual) > OUTLYING * spread
@@ -127,11 +142,12 @@ class Outliers(Effect):
         neighbours[:-1] |= far[1:]
         if np.sum(far & ~neighbours) < 0.7 * count or count > 0.2 * len(far):
             return None
-        share = count / len(far)
+        total = len(known)
+        share = count / total
         return Recognition(
             cls(fraction=share),
-            {"fraction": sqrt(share * (1.0 - share) / len(far))},
-            rare_count(count, len(far), 2.0 * tail(OUTLYING * 0.97)),
+            {"fraction": sqrt(share * (1.0 - share) / total)},
+            rare_count(count, total, 2.0 * tail(OUTLYING * 0.97)),
             far,
         )
 
@@ -150,14 +166,14 @@ class TimestampJitter(Effect):
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """The residual's variance grows with the square of the speed, and not rather with that of the position."""
-        square = situation.residual**2
-        speed, position = situation.velocity**2, situation.position**2
+        square = situation.residual[situation.used] ** 2
+        speed, position = situation.velocity[situation.used] ** 2, situation.position[situation.used] ** 2
         gain, jitter, deviation, score = _variance_regression(square, speed)
         other = _variance_regression(square, position)
         if jitter <= 0.0 or other[0] > gain:
             return None
         timing = sqrt(jitter)
-        spoiled = np.zeros(len(square), bool)
+        spoiled = np.zeros(len(situation.time), bool)
         return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
 
 

@@ -219,7 +219,9 @@ class EndStop(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Several positions on both sides, soft and hard."""
-        stiffness = abs(static_stiffness(situation.plant)) or situation.largest("signal") / situation.largest("position")
+        stiffness = abs(static_stiffness(situation.plant)) or situation.largest("signal") / situation.largest(
+            "position"
+        )
         position = situation.position
         for share in (0.5, 0.75, 0.92):
             for edge in (np.max(position), np.min(position)):
@@ -328,4 +330,3 @@ class ParameterDrift(Effect):
         """Each coefficient, by a twentieth over the recording."""
         for kind in ("stiffness", "damping", "gain"):
             yield cls(coefficient=kind, rate=0.05 / situation.duration)
-

@@ -14,29 +14,32 @@ from camid.figures import style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Outcome → symbol, colour, face. Filled is right, open is partly right, a cross is wrong.
+# Outcome → symbol, colour, face.
 OUTCOMES = {
     "right": ("o", style.BLUE, style.BLUE),
     "right, in a class": ("o", style.BLUE, "white"),
+    "right, with a wrong name besides": ("D", style.ORANGE, style.ORANGE),
     "not (all) named": ("s", style.ORANGE, "white"),
     "wrong": ("X", style.VERMILION, style.VERMILION),
 }
-NO_STRENGTH = 0.14  # where recordings without an effect are drawn
+NO_STRENGTH, STRONGEST = 0.14, 105.0  # where recordings without an effect, and with huge ones, are drawn
+INVISIBLE = 1e-3
 ORDER = ("none", "invisible", "single", "several", "outside")
 
 
 def outcome(row: Mapping[Any, Any]) -> str:
-    """What became of a recording, in one of four words."""
+    """What became of a recording, in a few words."""
     if row["kind"] in {"none", "invisible"}:
         return "wrong" if row["false_alarm"] else "right"
     if row["kind"] == "outside":
         return "wrong" if row["confidently_wrong"] else "right"
     # Of several effects those that are too weak to show need not be named.
-    enough = row["kind"] == "several" and row["strong"] > 0 and not row["wrong_names"]
-    if row["top"] or (enough and row["strong_top"] == row["strong"]):
-        return "right"
-    if row["in_class"] or (enough and row["strong_in_class"] == row["strong"]):
-        return "right, in a class"
+    enough = row["kind"] == "several" and row["strong"] > 0
+    top = row["top"] or (enough and row["strong_top"] == row["strong"])
+    if top or row["in_class"] or (enough and row["strong_in_class"] == row["strong"]):
+        if row["wrong_names"]:
+            return "right, with a wrong name besides"
+        return "right" if top else "right, in a class"
     return "wrong" if row["wrong_names"] else "not (all) named"
 
 
@@ -60,7 +63,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         found = outcome(row)
         symbol, colour, face = OUTCOMES[found]
         # Nothing missing has no strength; noise is measured by no multiple.
-        place = NO_STRENGTH if np.isnan(row["multiple"]) else row["multiple"]
+        place = NO_STRENGTH if np.isnan(row["multiple"]) else np.clip(row["multiple"], NO_STRENGTH, STRONGEST)
         axes.plot(place, line, symbol, color=colour, markerfacecolor=face, markersize=5, clip_on=False)
         said = row["verdict"] + (f": {row['names']}" if row["names"] else "")
         axes.annotate(
@@ -88,4 +91,8 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     columns = ["index", "kind", "multiple", "snr_db", "verdict", "names", "named_place"]
-    return figure, ordered[columns].reset_index(drop=True).join(pd.DataFrame(drawn))
+    numbers = ordered[columns].reset_index(drop=True).join(pd.DataFrame(drawn))
+    # More digits would be those of the processor, as is the strength of what cannot show.
+    printed = {c: [float(f"{v:.3g}") for v in numbers[c]] for c in ("multiple", "snr_db")}
+    printed["multiple"] = [0.0 if v < INVISIBLE else v for v in printed["multiple"]]
+    return figure, numbers.assign(**printed)

@@ -55,10 +55,10 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         axes.annotate(f"{row['recordings']}", (row["multiple"], 103.0), ha="center", fontsize=6.0, color=style.GREY)
     axes.annotate("recordings:", (STRENGTHS[0], 108.0), fontsize=6.0, color=style.GREY, annotation_clip=False)
     axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
-    axes.hlines(TARGET, STRONG, STRENGTHS[-1], color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+    axes.hlines(TARGET, STRONG, 1.2 * STRENGTHS[-1], color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
     axes.set(
         xscale="log",
-        xlim=(STRENGTHS[0], STRENGTHS[-1]),
+        xlim=(STRENGTHS[0], 1.2 * STRENGTHS[-1]),
         ylim=(-3.0, 107.0),
         xlabel="strength (multiples of the detectable size)",
         ylabel="recordings with a single effect (%)",

@@ -1,0 +1,310 @@
+"""One diagnosis from recordings and a nominal model: detect → locate → screen → fit → decide → report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain import Acquisition
+from camid.diagnosis import locate as location_step
+from camid.diagnosis.decide import Decision, decide
+from camid.diagnosis.fit import Fitted, at_best_start, fit, refit
+from camid.diagnosis.limits import undetectable
+from camid.diagnosis.problem import Model, Problem
+from camid.diagnosis.recognise import noise_findings, spoiled_rows
+from camid.diagnosis.result import Coefficient, Finding, Fit, Location, Signals, Test, Undetectable
+from camid.diagnosis.screen import screen
+from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
+from camid.physics.effect import Effect
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None] | None
+
+# A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
+# recordings in a thousand alarm although nothing is missing.
+STRUCTURE = 2e-4
+# Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave behind.
+UNLISTED_SCALE = 3.0
+MOST_UNLISTED = 0.95
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a diagnosis found, before it is put into files.
+
+    Attributes
+    ----------
+    verdict, explanation : str
+    location : Location
+    findings : list of Finding
+    fit : Fit
+    undetectable : list of Undetectable
+    coefficients : list of Coefficient
+    tests : list of Test
+    signals : Signals
+    decision : Decision
+    effects : tuple of Effect
+        Of the improved model, declarations and noise-like effects included.
+    deviations : list of dict
+        Standard deviations of their parameters.
+    acquisition : Acquisition
+        Corrected declaration.
+    covariance : ndarray, shape (p, p)
+        Of the free coefficients.
+    """
+
+    verdict: str
+    explanation: str
+    location: Location
+    findings: list[Finding]
+    fit: Fit
+    undetectable: list[Undetectable]
+    coefficients: list[Coefficient]
+    tests: list[Test]
+    signals: Signals
+    decision: Decision
+    effects: tuple[Effect, ...]
+    deviations: list[dict[str, float | None]]
+    acquisition: Acquisition
+    covariance: Array
+
+
+def investigate(
+    problem: Problem,
+    nominal: Model,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    progress: Progress = None,
+) -> Outcome:
+    """Diagnose.
+
+    Parameters
+    ----------
+    problem : Problem
+        ``used`` marks the rows that may be fitted.
+    nominal : Model
+        As the simulation says, with the effects that it declares.
+    validation : sequence of ndarray of bool
+        Rows of each recording that judge.
+    chosen : bool
+        Whether the tool chose those rows.
+    progress : callable, optional
+    """
+
+    def say(sentence: str) -> None:
+        if progress:
+            progress(sentence)
+
+    say("re-estimating the plant's coefficients")
+    known = tuple(e for e in nominal.effects if not e.noise_like)
+    start = at_best_start(problem, replace(nominal, effects=known))
+    base = _base(problem, start, known)
+    whole = problem
+    problem, base = _without_spoiled(problem, base, start, known)
+    say("screening the catalogue")
+    screened = screen(problem, base)
+    decision = decide(problem, base, screened, validation, progress)
+    say("testing what is left")
+    decision = _with_noise(problem, decision)
+    final = decision.fitted
+    before = location_step.places(problem, base)
+    after = before if final is base else location_step.places(problem, final)
+    recognised, noise_effects = noise_findings(whole, problem, final, nominal.effects)
+    structured = min((t.p_value for t in after), default=1.0) < STRUCTURE
+    if structured:  # what looks like jitter, outliers or colour may be the structure
+        recognised = [f for f in recognised if f.identifier in {"quantisation", "dropped-frames"}]
+        noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in recognised}]
+    left = _left(base, final, after) if structured else 0.0
+    unlisted = min(UNLISTED_SCALE * float(np.sqrt(left)), MOST_UNLISTED) if structured else 0.0
+    removed = _shares(base, decision)
+    fits = _errors(problem, start, decision, validation, chosen, after if structured else [])
+    gains = _gains(problem, decision, validation)
+    found = findings(problem, decision, len(known), removed, gains, unlisted) + recognised
+    verdict = verdict_of(bool(found), structured)
+    strongest = max(before, key=lambda t: t.gain)
+    place = found[0].place if found else (strongest.place if structured else None)
+    location = location_step.locate(problem, base, place, location_step.shares(before))
+    say("working out what the recording could not have shown")
+    names = {f.identifier for f in found} | {e.identifier for e in nominal.effects}
+    unseen = undetectable(problem, final, screened, names)
+    return Outcome(
+        verdict,
+        explanation(verdict, found, fits, location),
+        location,
+        found,
+        fits,
+        unseen,
+        _coefficients(problem, nominal, base, final),
+        _tests(problem, base, final, before, after),
+        _signals(problem, start, base, final, validation),
+        decision,
+        (*final.model.effects, *(e for e, _ in noise_effects)),
+        [*effect_deviations(final), *(d for _, d in noise_effects)],
+        problem.chain(final.model, 0).declared(),
+        _free_covariance(problem, final),
+    )
+
+
+def _base(problem: Problem, start: Model, known: tuple[Effect, ...]) -> Fitted:
+    """The nominal structure re-estimated, with the effects that it declares."""
+    if not known:
+        return refit(problem, start)
+    return fit(problem, start, steps=60)
+
+
+def _without_spoiled(problem: Problem, base: Fitted, start: Model, known: tuple[Effect, ...]) -> tuple[Problem, Fitted]:
+    """The problem without rows that say nothing of the motion (repeated frames, outliers), if there are any."""
+    spoiled = spoiled_rows(problem, base)
+    if not any(s.any() for s in spoiled):
+        return problem, base
+    problem = problem.with_used([e.used & ~s for e, s in zip(problem.experiments, spoiled, strict=True)])
+    return problem, _base(problem, at_best_start(problem, start), known)
+
+
+def _with_noise(problem: Problem, decision: Decision) -> Decision:
+    """The decision's model fitted anew in the metric of its noise, if that is coloured."""
+    final = decision.fitted
+    if len(final.noise.whitening) == 1:
+        return decision
+    again = fit(problem, final.model, steps=15, whitening=final.noise.whitening)
+    return replace(decision, fitted=again)
+
+
+def _left(base: Fitted, final: Fitted, after: Sequence[location_step.PlaceTest]) -> float:
+    """Share of the refitted mismatch, noise taken off, that the model found leaves behind."""
+    structured = max(t.share for t in after) * final.cost
+    noise = final.cost - structured
+    return float(min(max(structured / max(base.cost - noise, 1e-300), 0.0), 1.0))
+
+
+def _shares(base: Fitted, decision: Decision) -> list[float]:
+    """Share of the refitted sum of squares that each effect removes."""
+    total = max(base.cost, 1e-300)
+    return [max((w.cost - decision.fitted.cost) / total, 0.0) for w in decision.without]
+
+
+def _simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
+    """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there."""
+    simulated = problem.simulate(model)
+    errors = np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
+    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, rows, strict=True)])
+    spread = float(np.std(recorded)) or 1.0
+    return float(np.sqrt(np.mean(errors**2))) / spread
+
+
+def _errors(
+    problem: Problem,
+    nominal: Model,
+    decision: Decision,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    left: Sequence[location_step.PlaceTest],
+) -> Fit:
+    final = decision.fitted
+    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
+    structured = max((t.share for t in left), default=0.0)
+    variance = final.cost * (1.0 - structured) / max(len(final.residual) - len(final.packing.names), 1)
+    index = next(i for i, r in enumerate(validation) if r.any())
+    times = problem.times[index][validation[index]]
+    return Fit(
+        _simulated_error(problem, nominal, validation),
+        _simulated_error(problem, decision.base.model, validation),
+        _simulated_error(problem, final.model, validation),
+        float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
+        (float(times[0]), float(times[-1])),
+        chosen,
+    )
+
+
+def _gains(problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]) -> list[float | None]:
+    """Share of the mean square error on validation rows that each effect removes beside the others."""
+    if not decision.without:
+        return []
+    final = _simulated_error(problem, decision.fitted.model, validation) ** 2
+    gains: list[float | None] = []
+    for without in decision.without:
+        other = _simulated_error(problem, without.model, validation) ** 2
+        gains.append(1.0 - final / other if other > 0.0 else None)
+    return gains
+
+
+def _free_covariance(problem: Problem, fitted: Fitted) -> Array:
+    count = int(np.count_nonzero(problem.structure.free))
+    return fitted.covariance[:count, :count]
+
+
+def _coefficients(problem: Problem, nominal: Model, base: Fitted, final: Fitted) -> list[Coefficient]:
+    """How far the coefficients had been bent by what was left out."""
+    degree, order = problem.structure.degree, problem.structure.order
+    names = [f"b{degree - i}" for i in range(degree + 1)] + [f"a{order - 1 - i}" for i in range(order)]
+    free = np.flatnonzero(problem.structure.free)
+    spreads = []
+    for fitted in (base, final):
+        deviation = np.zeros(len(names))
+        deviation[free] = np.sqrt(np.diag(_free_covariance(problem, fitted)))
+        spreads.append(deviation)
+    return [
+        Coefficient(
+            name,
+            float(nominal.coefficients[i]),
+            float(base.model.coefficients[i]),
+            float(spreads[0][i]),
+            float(final.model.coefficients[i]),
+            float(spreads[1][i]),
+        )
+        for i, name in enumerate(names)
+    ]
+
+
+def _tests(
+    problem: Problem,
+    base: Fitted,
+    final: Fitted,
+    before: Sequence[location_step.PlaceTest],
+    after: Sequence[location_step.PlaceTest],
+) -> list[Test]:
+    white = problem.whiteness(base.residual, base.sensitivities)
+    still = white if final is base else problem.whiteness(final.residual, final.sensitivities)
+    rows = [Test("whiteness", "Does the residual depend on its own past?", white, still)]
+    rows += [Test(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
+    return rows
+
+
+def _signals(
+    problem: Problem, nominal: Model, base: Fitted, final: Fitted, validation: Sequence[NDArray[np.bool_]]
+) -> Signals:
+    """What the report draws, of the first recording."""
+    experiment, time = problem.experiments[0], problem.times[0]
+    refitted = problem.simulate(base.model)[0]
+    residual = experiment.output - refitted
+    return Signals(
+        time,
+        experiment.signal,
+        experiment.output,
+        problem.simulate(nominal)[0],
+        refitted,
+        refitted if final is base else problem.simulate(final.model)[0],
+        problem.motion(base.model)[0][1],
+        _equivalent_input(problem, base, residual),
+        ~validation[0],
+    )
+
+
+def _equivalent_input(problem: Problem, base: Fitted, residual: Array) -> Array:
+    """Input that would have caused a residual, where the plant lets the camera see it (a Wiener filter)."""
+    count, period = len(residual), problem.acquisition.period
+    size = 2 * count
+    angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
+    acquisition = problem.acquisition
+    exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
+    lag = acquisition.latency + 0.5 * exposure
+    response = problem.structure.plant(base.model.coefficients).frequency_response(np.maximum(angular, 1e-6 / period))
+    response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
+    power = np.abs(response) ** 2
+    power = np.where(np.isfinite(power), power, 0.0)
+    regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
+    spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
+    return np.asarray(np.fft.irfft(spectrum, size)[:count])

@@ -1,0 +1,115 @@
+"""What a recording could not have shown: the smallest size of each effect that it would have detected."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from camid.diagnosis.decide import FALSE_ALARM
+from camid.diagnosis.fit import Fitted
+from camid.diagnosis.problem import Problem
+from camid.diagnosis.result import Undetectable
+from camid.diagnosis.screen import WORKERS, Candidate, Metric, metrics, signature, trials
+from camid.physics import known_effects
+from camid.physics.effect import Effect
+
+# Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
+POWER = 1.645
+# A size is found to this accuracy in the root of the expected gain, in at most so many simulations.
+ACCURACY = 0.03
+SIMULATIONS = 6
+LARGEST_FACTOR = 1e4
+
+
+def needed(problem: Problem, effect: type[Effect]) -> float:
+    """Root of the expected gain at which 95 % of the recordings detect an effect."""
+    from scipy.stats import chi2
+
+    count = sum(not e.noise_like for e in known_effects().values())
+    freedom = max(len(effect.numeric()), 1)
+    threshold = float(chi2.isf(FALSE_ALARM / (trials(effect, problem) * count), freedom))
+    return float(np.sqrt(threshold)) + POWER
+
+
+def undetectable(
+    problem: Problem, fitted: Fitted, screened: Sequence[Candidate], found: set[str]
+) -> list[Undetectable]:
+    """Every effect of the catalogue that was not found, with its smallest detectable size.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+        The improved model.
+    screened : sequence of Candidate
+        Of the refitted nominal model.
+    found : set of str
+        Identifiers of the effects that were found.
+    """
+    situation = problem.situation(fitted.model)
+    view = metrics(problem, fitted)[-1]
+    shapes: dict[str, list[Candidate]] = {}
+    for candidate in screened:
+        shapes.setdefault(candidate.effect.identifier, []).append(candidate)
+
+    def judge(item: tuple[str, type[Effect]]) -> Undetectable:
+        identifier, effect = item
+        if effect.noise_like:
+            return Undetectable(identifier, effect.limit_of_recognition(situation))
+        reason = effect.invisible(situation)
+        if reason is not None:
+            return Undetectable(identifier, reason)
+        visible = [c for c in shapes.get(identifier, []) if c.visible > 0.0]
+        if not visible:
+            return Undetectable(
+                identifier,
+                "with this input a change of the plant's coefficients imitates it, or it has no meaning here",
+            )
+        return _smallest(problem, fitted, view, max(visible, key=lambda c: c.visible))
+
+    items = [i for i in sorted(known_effects().items()) if i[0] not in found]
+    with ThreadPoolExecutor(WORKERS) as pool:
+        return list(pool.map(judge, items))
+
+
+def _visible(problem: Problem, fitted: Fitted, view: Metric, effect: Effect) -> tuple[float, float]:
+    """Root of the gain to be expected, and the share that the coefficients imitate."""
+    change = signature(problem, fitted, effect)
+    if change is None:
+        return 0.0, 1.0
+    rest, whole = view.left(problem, change)
+    size = float(np.linalg.norm(rest))
+    return size / float(np.sqrt(max(view.variance, 1e-300))), 1.0 - (size / whole) ** 2 if whole > 0.0 else 1.0
+
+
+def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Candidate) -> Undetectable:
+    """Size of an effect of one shape at which it is detected in 95 % of the recordings."""
+    effect, kind = candidate.effect, type(candidate.effect)
+    wanted = needed(problem, kind)
+    visible, imitated = _visible(problem, fitted, view, effect)
+    factor = 1.0
+    for _ in range(SIMULATIONS):
+        if visible <= 0.0 or abs(visible / wanted - 1.0) < ACCURACY:
+            break
+        following = factor * min(max(wanted / visible, 1e-2), 1e2)
+        if following > LARGEST_FACTOR:
+            break
+        scaled = candidate.effect.scaled(following)
+        if scaled.values == effect.values:
+            break
+        factor, effect = following, scaled
+        visible, imitated = _visible(problem, fitted, view, effect)
+    numeric = kind.numeric()
+    share = f"the coefficients imitate {100.0 * imitated:.3g} % of it" if imitated > 0.005 else "noise hides it"
+    if not numeric:
+        size = f"{visible / wanted:.2g} times" if visible > 0.0 else "not at all"
+        return Undetectable(kind.identifier, f"it would have been seen {size} as well as needed")
+    if visible < 0.5 * wanted:
+        return Undetectable(kind.identifier, f"{share}; no size of it would have been seen in this recording")
+    parameter = next((p for p in numeric if p.name == kind.strength), numeric[0])
+    others = [p for p in numeric if p.name != parameter.name]
+    shape = ", ".join(f"{p.name.replace('_', ' ')} {effect.values[p.name]:.3g} {p.unit}".strip() for p in others)
+    reason = f"{share} below this size{' (at ' + shape + ')' if shape else ''}"
+    return Undetectable(kind.identifier, reason, parameter.name, float(effect.values[parameter.name]), parameter.unit)

@@ -1,0 +1,159 @@
+"""From a decision to words: findings, verdict and explanation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.decide import Decision, p_value, weights
+from camid.diagnosis.fit import Fitted
+from camid.diagnosis.problem import Problem
+from camid.diagnosis.result import Finding, Fit, Location, ParameterEstimate
+from camid.diagnosis.separate import separating_experiment
+from camid.physics.effect import Effect, Recognition
+
+Array = NDArray[np.float64]
+
+UNLISTED = "unlisted"
+
+
+def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
+    """Values with standard deviations and units."""
+    return {p.name: ParameterEstimate(effect.values[p.name], deviations.get(p.name), p.unit) for p in effect.parameters}
+
+
+def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:
+    """Standard deviations of every effect's parameters; None where the data leave one undetermined."""
+    variances = np.diag(fitted.covariance)
+    found: list[dict[str, float | None]] = []
+    for i, effect in enumerate(fitted.model.effects):
+        row: dict[str, float | None] = {}
+        for parameter in effect.numeric():
+            variance = float(variances[fitted.packing.names.index(f"{i} {parameter.name}")])
+            row[parameter.name] = sqrt(variance) if np.isfinite(variance) and variance >= 0.0 else None
+        found.append(row)
+    return found
+
+
+def findings(
+    problem: Problem,
+    decision: Decision,
+    known: int,
+    removed: Sequence[float],
+    validation: Sequence[float | None],
+    unlisted: float,
+) -> list[Finding]:
+    """One finding an effect, the strongest first.
+
+    Parameters
+    ----------
+    problem : Problem
+    decision : Decision
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+    removed, validation : sequence of float
+        Share of the refitted sum of squares that each effect removes, on fitted and on other rows.
+    unlisted : float
+        Weight of physics outside of the catalogue.
+    """
+    deviations = effect_deviations(decision.fitted)
+    result = []
+    for i, effect in enumerate(decision.fitted.model.effects[known:]):
+        ranked = decision.rivals[i]
+        names = weights(ranked, decision.without[i])
+        own = next((w for name, w in names if name == effect.identifier), 1.0)
+        others = [(name, w) for name, w in names if name != effect.identifier]
+        scale = (1.0 - unlisted) / (own + sum(w for _, w in others))
+        own, others = own * scale, [(name, w * scale) for name, w in others]
+        if unlisted > 0.0:
+            others.append((UNLISTED, unlisted))
+        runner = ranked[1] if len(ranked) > 1 else None
+        evidence = {
+            "share": float(removed[i]),
+            "validation_gain": validation[i],
+            "false_alarm_probability": p_value(problem, decision.without[i], decision.fitted, effect.identifier),
+            "delta_bic": float(decision.without[i].criterion - ranked[0].criterion),
+            "next_best": None if runner is None else runner.identifier,
+            "delta_bic_to_next_best": None if runner is None else float(runner.criterion - ranked[0].criterion),
+        }
+        result.append(
+            Finding(
+                effect.identifier,
+                effect.place,
+                effect.title,
+                effect.equation,
+                effect.reference,
+                parameters_of(effect, deviations[known + i]),
+                evidence,
+                own,
+                others,
+                separating_experiment([effect.identifier, *(n for n, w in others if n != UNLISTED and w > 0.02)]),
+            )
+        )
+    return sorted(result, key=lambda f: -f.evidence["share"])
+
+
+def recognised(recognition: Recognition) -> Finding:
+    """Finding of a noise-like effect."""
+    effect = recognition.effect
+    return Finding(
+        effect.identifier,
+        effect.place,
+        effect.title,
+        effect.equation,
+        effect.reference,
+        parameters_of(effect, recognition.standard_deviations),
+        {"share": 0.0, "validation_gain": None, "false_alarm_probability": recognition.p_value},
+    )
+
+
+def verdict_of(named: bool, structured: bool) -> str:
+    """One of the four verdicts."""
+    if named:
+        return "partly-explained" if structured else "explained"
+    return "unexplained" if structured else "adequate"
+
+
+def explanation(verdict: str, found: Sequence[Finding], fit: Fit, location: Location) -> str:
+    """Two or three plain sentences with the numbers in them."""
+    before, after, floor = (100.0 * v for v in (fit.refitted, fit.improved, fit.noise_floor))
+    if verdict == "adequate":
+        return (
+            f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
+            f"leaves {before:.3g} % of the output's standard deviation on rows that were not fitted, and the noise alone "
+            f"{floor:.3g} %. What the recording could not have shown is listed."
+        )
+    where = f" The mismatch sits at the {location.place}." if location.place else ""
+    if verdict == "unexplained":
+        return (
+            f"Something is left out, and no effect of the catalogue explains it: re-estimating the coefficients leaves "
+            f"{before:.3g} % of the output's standard deviation, of which noise would account for {floor:.3g} %.{where}"
+        )
+    names = " and ".join(_described(f) for f in found)
+    sentence = (
+        f"The simulation leaves out: {names}. On rows that were not fitted the error falls from {before:.3g} % (coefficients "
+        f"re-estimated) to {after:.3g} % of the output's standard deviation; noise alone is {floor:.3g} %.{where}"
+    )
+    if verdict == "partly-explained":
+        sentence += " What is left is still structured, so something else is missing, too, or the law is another."
+    classes = [f for f in found if [n for n, w in f.alternatives if w >= 0.02 and n != UNLISTED]]
+    if classes:
+        others = ", ".join(n for n, w in classes[0].alternatives if n != UNLISTED)
+        sentence += f" This recording cannot tell {classes[0].identifier} from {others}."
+    return sentence
+
+
+def _described(finding: Finding) -> str:
+    """Title with the leading parameter."""
+    for name, parameter in finding.parameters.items():
+        if isinstance(parameter.value, float):
+            spread = "" if parameter.standard_deviation is None else f" ± {parameter.standard_deviation:.2g}"
+            return f"{finding.title} ({name.replace('_', ' ')} {parameter.value:.4g}{spread} {parameter.unit})".replace(
+                " )", ")"
+            )
+        if isinstance(parameter.value, str):
+            return f"{finding.title} ({parameter.value})"
+    return finding.title
