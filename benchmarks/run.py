@@ -16,7 +16,7 @@ from benchmarks.report import Report, number
 from benchmarks.task import ROOT
 from benchmarks.threads import SINGLE_THREAD
 
-NAMES = ("identification", "scaling", "rendering", "measurement")
+NAMES = ("identification", "scaling", "rendering", "measurement", "engine")
 LIBRARIES = ("camid", "numpy", "scipy", "numba", "opencv-python-headless")
 TABLES = ROOT / "results" / "benchmarks"
 SCREEN_WIDTH = 150  # characters, where there is no terminal to ask

@@ -1,17 +1,22 @@
 """Motions with forces, by scipy's adaptive integrator with events: nothing shared with the engine.
 
-The state is the phase vector of z = u/A, then the flexible mode behind the plant where there is one, the integral of what
-the sensor sees, and the inner state of a hysteresis. The input is a list of straight pieces (t0, t1, u0, u1), and what
-an actuator makes of them is again such a list, so that no kink lies within a piece. Dry friction has three modes (slip
-either way, and stuck), each integrated to the event that ends it.
+The state is the phase vector of z = u/A, then the flexible mode behind the plant where there is one, the integral
+of what the sensor sees, and the inner state of a hysteresis. The input is a list of straight pieces (t0, t1, u0, u1),
+and what an actuator makes of them is again such a list, so that no kink lies within a piece. Dry friction has three
+modes (slip either way, and stuck), each integrated to the event that ends it.
 """
+
+# The slopes and events of a piece are closures over it and are used up before the next begins.
+# ruff: noqa: B023, PLR0912, PLR0915
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 TIGHT = {"method": "DOP853", "rtol": 1e-10}
 
@@ -30,8 +35,7 @@ def split(pieces, levels):
         shares = sorted(s for s in ((x - u0) / (u1 - u0) for x in levels) if 1e-9 < s < 1 - 1e-9) if u0 != u1 else []
         cuts = [0.0, *shares, 1.0]
         result += [
-            (t0 + (t1 - t0) * a, t0 + (t1 - t0) * b, u0 + (u1 - u0) * a, u0 + (u1 - u0) * b)
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True)
+            (t0 + (t1 - t0) * a, t0 + (t1 - t0) * b, u0 + (u1 - u0) * a, u0 + (u1 - u0) * b) for a, b in pairwise(cuts)
         ]
     return result
 
@@ -39,7 +43,8 @@ def split(pieces, levels):
 def mapped(pieces, levels, function):
     """Pieces behind a static map with kinks at the levels."""
     return [
-        (t0, t1, function(u0, 0.5 * (u0 + u1)), function(u1, 0.5 * (u0 + u1))) for t0, t1, u0, u1 in split(pieces, levels)
+        (t0, t1, function(u0, 0.5 * (u0 + u1)), function(u1, 0.5 * (u0 + u1)))
+        for t0, t1, u0, u1 in split(pieces, levels)
     ]
 
 
@@ -63,8 +68,9 @@ def follow(pieces, rate):
             speed = rate * np.sign(distance)
             meets = t0 + distance / (speed - slope) if (speed - slope) * distance > 0.0 else np.inf
             now = min(meets, t1)
-            result.append((t0, now, value, value + speed * (now - t0)))
-            value = result[-1][3]
+            if now > t0:
+                result.append((t0, now, value, value + speed * (now - t0)))
+                value = result[-1][3]
         if now < t1:
             following = value + float(np.clip(slope, -rate, rate)) * (t1 - now)
             result.append((now, t1, value, following))
@@ -76,10 +82,10 @@ def follow(pieces, rate):
 class Reference:
     """A plant with forces.
 
-    ``force(t, y, v, u, m)`` and ``level(t, y, speed)`` act against the motion in units of u; ``kinks`` are functions
-    (t, y, v) at whose zeros the force has a kink; ``memory(v, m)`` is the rate of an inner state; ``times`` are those at
-    which the force jumps; ``impulses`` are (time, size); ``lag`` is a time constant before the plant and ``mode`` a pair
-    (frequency, damping) behind it.
+    ``force(t, y, v, u, m)`` acts against the input, ``level(t, y, speed)`` against the motion; ``kinks`` are functions
+    (t, y, v) at whose zeros the force has a kink; ``memory(v, m)`` is the rate of an inner state; ``times`` are those
+    at which the force jumps; ``impulses`` are (time, size); ``lag`` is a time constant before the plant and ``mode`` a
+    pair (frequency, damping) behind it.
     """
 
     numerator: tuple[float, ...]
@@ -123,7 +129,7 @@ class Reference:
         return total
 
     def _implicit(self, t, y, free, u, m):
-        """Force that agrees with the velocity it leaves, v = free + direct · force, by bisection."""
+        """Force that agrees with the velocity it leaves, v = free + direct · force."""
         b = self.direct
 
         def wanted(v):
@@ -141,15 +147,7 @@ class Reference:
             low -= 1.0 + abs(low)
         while error(high) < 0.0:
             high += 1.0 + abs(high)
-        for _ in range(200):
-            middle = 0.5 * (low + high)
-            if error(middle) > 0.0:
-                high = middle
-            else:
-                low = middle
-            if high - low <= 1e-15 * max(abs(low), abs(high)):
-                break
-        return (0.5 * (low + high) - free) / b
+        return (brentq(error, low, high, xtol=1e-14, rtol=1e-14) - free) / b
 
     def velocity(self, t, x, u, mode):
         """Velocity with the force."""
@@ -158,7 +156,7 @@ class Reference:
 
     def holding(self, t, x, u):
         """Force along the input that friction has to make up for at rest, where two poles more than zeros are."""
-        y, v, rate = self.motion(t, x, u, 0)
+        y, _, rate = self.motion(t, x, u, 0)
         others = -self.force(t, y, 0.0, u, x[-1]) if self.force else 0.0
         rate = rate.copy()
         rate[0] += others
@@ -187,7 +185,7 @@ class Reference:
             points = [t0, *(c for c in cuts if t0 < c < t1), t1]
             queue += [
                 (a, b, u0 + (u1 - u0) * (a - t0) / (t1 - t0), u0 + (u1 - u0) * (b - t0) / (t1 - t0))
-                for a, b in zip(points[:-1], points[1:], strict=True)
+                for a, b in pairwise(points)
             ]
         scale = np.full(size, 1e-13)
         for t0, t1, u0, u1 in queue:
@@ -307,7 +305,9 @@ class Reference:
     def seen(self, times):
         """What the sensor looks at, at any times."""
         at = self.n + (1 if self.lag else 0)
-        return self._at(times, lambda x, before: x[at] + 0 * before if self.mode else self.row @ x[: self.n] + 0 * before)
+        return self._at(
+            times, lambda x, before: x[at] + 0 * before if self.mode else self.row @ x[: self.n] + 0 * before
+        )
 
     def integral(self, times):
         """Its integral."""

@@ -242,7 +242,6 @@ def test_wrong_arguments_are_refused_in_one_line(bench, capsys, arguments, said)
         ({"time": {"column": "two\nlines"}}, "no column 'two?lines'"),
         ({"sensor": {"column": "t", "kind": "camera"}}, "S.yaml: time and output are the same column 't'"),
         ({"input": {"column": "y", "hold": "zoh"}}, "S.yaml: input and output are the same column 'y'"),
-        ({"effects": [{"id": "dead-zone", "parameters": {"half_width": 0.1}}]}, "S.yaml, line"),
         ({"plant": {"pendulum": {"natural_frequency": 3.0, "damping": 0.01}}}, "does not simulate a pendulum"),
         ({"controller": {"reference": "r", "position_gain": 1.0, "velocity_gain": 1.0}}, "not simulate a controller"),
         ({"plant": rig.plant([1.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
@@ -442,3 +441,14 @@ def test_what_is_known_can_be_said_on_the_command_line(bench, capsys):
     said = capsys.readouterr().out
     for word in ("--latency", "plant.free", "--initial-state estimate", "several recordings", "camid order"):
         assert word in said
+
+
+@pytest.mark.parametrize(
+    ("command", "said"), [("identify", "camid diagnose re-estimates"), ("order", "remove the effects")]
+)
+def test_linear_commands_refuse_effects(bench, capsys, command, said):
+    effects = [{"id": "dead-zone", "parameters": {"half_width": 0.1}}]
+    rig.write_yaml(rig.simulation(effects=effects), bench / "S.yaml")
+    message = refusal(capsys, [command, "recording.csv", "--simulation", "S.yaml"])
+    assert said in message
+    assert "S.yaml, line" in message

@@ -241,6 +241,12 @@ def select_order(
     believed = load_simulation(simulation)
     if believed.input_column is None:
         raise InputError("a free decay says nothing of the zeros", where=believed.source, mend="record an input, too")
+    if believed.effects:
+        raise InputError(
+            "order compares linear chains, and this simulation has effects",
+            where=believed.effects[0].where,
+            mend="remove the effects",
+        )
     if largest < 1:
         raise InputError(f"the largest order is {largest}", mend="it takes at least one pole")
     recordings, experiments, _ = experiments_of(recording, believed, progress)
@@ -257,6 +263,8 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     ----------
     recording : path or DataFrame
     simulation : path, mapping or Simulation
+        Effects included. Those that change the noise alone (quantisation, outliers, …) leave the expected output as
+        it is.
 
     Returns
     -------
@@ -335,7 +343,8 @@ def _simulated_with_effects(recording: Recording, simulation: Simulation) -> Arr
     from camid.identification.predictor import Structure
     from camid.physics.declared import effects_of
 
-    effects = effects_of(simulation)
+    # The output is the expected one, and effects that change the noise alone do not change it.
+    effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
     try:
         if not simulation.estimates_initial_state:
             signal = (

@@ -302,12 +302,10 @@ def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, rep
     Of several recordings the last one validates, unless the simulation says which rows do.
     """
     from camid.api import diagnose as run
-    from camid.diagnosis.files import FILES, prepare, write_diagnosis
+    from camid.diagnosis.files import check_folder, write_diagnosis
     from camid.identification.result import without_infinities
 
-    prepare(output)
-    for name in FILES:
-        _check_output(output / name, [*recording, simulation])
+    check_folder(output, [*recording, simulation])
     with _progress(as_json) as progress:
         result = run(list(recording), simulation, progress=progress)
         written = write_diagnosis(result, output, report=report)
@@ -349,5 +347,5 @@ def main(arguments: list[str] | None = None) -> int:
         click.echo(f"camid: error: {_message(error)}", err=True)
         return 2
     except (click.Abort, KeyboardInterrupt):
-        click.echo("camid: interrupted; nothing was written", err=True)
+        click.echo("camid: interrupted; no file is half-written", err=True)
         return INTERRUPTED

@@ -8,33 +8,51 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, sample, time_scale
-from camid.integrator import Mechanics, integrate
+from camid.forces import Forces, Mechanics
+from camid.integrator import integrate
 from camid.motion import Motion
 from camid.physics.effect import Effect
+from camid.physics.plant import motion_sign
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
 
 # Length of a step of the integrator in radians of the fastest motion that forces can excite. Smooth forces leave an
 # error of the fourth power of it; the parts of steps that events split are more sensitive.
-STEP_SMOOTH = 0.35
-STEP_EVENTS = 0.2
+STEP_SMOOTH = 0.25
+STEP_EVENTS = 0.25
 FEWEST_STEPS = 2
-FEWEST_STEPS_EVENTS = 4
+FEWEST_STEPS_EVENTS = 3
 MOST_STEPS = 400
-# Steps a frame where the input is no straight line within it although the plant is linear.
+MOST_STEPS_ASTRAY = 64
+# Change of the motion from half as many steps, in its standard deviations, that is none.
+SETTLED = 2e-5
+# How much finer than at first the steps become where a simulation doubts itself.
+MOST_FINER = 16
+# Steps a frame, and their length in radians, where an actuator bends the input within a frame: the kinks lie anywhere.
 INPUT_STEPS = 24
+# Length of a step where the velocity follows from the force at once.
+STEP_IMPLICIT = 0.06
+STEP_INPUT = 0.022
+# Difference of two forces that should be the same, as a share of the largest force or input, above which a motion is
+# integrated again with half the step; the error of the output is a tenth of it. Where a force depends on the velocity
+# it is of second order in the step and not of third, and the error a hundredth of it.
+MOST_DOUBT = 2e-4
+MOST_DOUBT_VELOCITY = 4e-3
+MOST_DOUBT_EVENTS = 1e-3
+# Share of the largest speed below which friction that acts with a lag grows in proportion to the speed.
+SLIP = 0.01
 # Periods that the motion goes on past the last frame, for exposures that effects shift.
 MARGIN = 2
 
 
-class NotApplicable(ValueError):
+class NotApplicable(ValueError):  # noqa: N818 - it says what the effect is here
     """An effect that has no meaning with this plant."""
 
 
@@ -53,6 +71,9 @@ class Chain:
         Companion state of the plant in units of its time scale, at the time that ``state_before_record`` says.
     state_before_record : bool
         Whether that is the begin of the interval in which the first frame's exposure begins, or the first sample.
+    steps : int, optional
+        Steps of the integrator in a period; where it is not given they follow the plant, and become finer until the
+        motion no longer changes.
 
     Raises
     ------
@@ -67,6 +88,7 @@ class Chain:
     effects: tuple[Effect, ...] = ()
     initial_state: Array | None = None
     state_before_record: bool = True
+    steps: int | None = None
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""
@@ -154,32 +176,79 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
         If an effect has no meaning with this plant.
     """
     acquisition = chain.declared() if acquisition is None else acquisition
-    mechanics, order = _mechanics(chain)
+    mechanics, order = _mechanics(chain, signal)
     period = acquisition.period
     delay = acquisition.window()[0] if chain.initial_state is not None and chain.state_before_record else 0
-    steps = _steps(chain, acquisition)
-    step = period / steps
-    start, end = _grid_input(signal, acquisition.hold, delay, steps)
-    for effect in chain.effects:
-        start, end = effect.transform(start, end, step)
     initial = np.zeros(len(mechanics.input_vector))
     if chain.initial_state is not None:
         initial[order[0] : order[1]] = chain.initial_state
     begin = float(time[0]) - delay * period
     breaks = np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float)
     impulses = sorted(i for e in chain.effects for i in e.impulses())
-    position, velocity, integral = integrate(
-        mechanics,
-        initial,
-        np.ascontiguousarray(start),
-        np.ascontiguousarray(end),
-        begin,
-        step,
-        breaks,
-        np.array([t for t, _ in impulses], dtype=float),
-        np.array([s for _, s in impulses], dtype=float),
-    )
-    return Motion(begin, step, position, velocity, integral)
+    times = np.array([t for t, _ in impulses], dtype=float)
+    sizes = np.array([s for _, s in impulses], dtype=float)
+    steps = _first_steps(chain, acquisition, mechanics) if chain.steps is None else chain.steps
+    most_steps = steps if chain.steps is not None else min(MOST_FINER * steps, MOST_STEPS)
+    most_doubt = MOST_DOUBT
+    if any(e.uses_velocity for e in chain.effects):
+        most_doubt = MOST_DOUBT_VELOCITY
+    elif any(e.switch is not None for e in chain.effects):
+        most_doubt = MOST_DOUBT_EVENTS
+    coarser: Array | None = None
+    while True:
+        step = period / steps
+        start, end = _grid_input(signal, acquisition.hold, delay, steps)
+        for effect in chain.effects:
+            start, end = effect.transform(start, end, step)
+        start, end = np.ascontiguousarray(start), np.ascontiguousarray(end)
+        position, velocity, integral, velocity_end, doubt = integrate(
+            mechanics, initial, start, end, begin, step, breaks, times, sizes
+        )
+        # A motion that runs away may do so with any step, so that not much is spent on it.
+        if doubt <= most_doubt or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):
+            break
+        if coarser is not None and np.max(np.abs(position[::2] - coarser)) <= SETTLED * np.std(position):
+            break
+        coarser = position
+        steps = 2 * steps
+    jumps = np.outer(sizes, _jump(mechanics)) if impulses else np.zeros((0, 3))
+    return Motion(begin, step, position, velocity, integral, velocity_end, times, jumps)
+
+
+def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -> int:
+    """Steps in a period by the plant and the effects, before anything is simulated."""
+    steps = _steps(chain, acquisition)
+    if mechanics.forces.implicit:
+        fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
+        steps = max(steps, min(ceil(acquisition.period * fastest / STEP_IMPLICIT), MOST_STEPS))
+    return steps
+
+
+def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool) -> int:
+    """Steps in a period with which a chain is simulated, for other chains that are to be compared with it.
+
+    Parameters
+    ----------
+    chain : Chain
+    signal, time : ndarray, shape (N,)
+    finest : bool
+        Whether they become finer until the motion no longer changes, at the cost of a simulation or more.
+    """
+    acquisition = chain.declared()
+    if _exactly(chain, signal, acquisition) is not None:
+        return FEWEST_STEPS
+    if finest:
+        return round(acquisition.period / move(chain, signal, time, acquisition).step)
+    return _first_steps(chain, acquisition, _mechanics(chain, signal)[0])
+
+
+def _jump(mechanics: Mechanics) -> Array:
+    """Jump of motion, velocity and acceleration before the sensor at an impulse of one, in seconds; shape (3,)."""
+    row, jump = mechanics.measured, np.empty(3)
+    for i in range(3):
+        jump[i] = row @ mechanics.force_vector / mechanics.time_unit ** (i + 1)
+        row = row @ mechanics.state_matrix
+    return jump
 
 
 def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -> Array:
@@ -219,7 +288,7 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
     events = any(e.friction_level is not None or e.switch is not None for e in chain.effects)
     steps = ceil(acquisition.period * fastest / (STEP_EVENTS if events else STEP_SMOOTH))
     if any(_overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects):
-        steps = max(steps, INPUT_STEPS)
+        steps = max(steps, INPUT_STEPS, ceil(acquisition.period * fastest / STEP_INPUT))
     return min(max(steps, FEWEST_STEPS_EVENTS if events else FEWEST_STEPS), MOST_STEPS)
 
 
@@ -233,7 +302,7 @@ def _block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array]:
     return companion(denominator), row[:order], row[order:]
 
 
-def _mechanics(chain: Chain) -> tuple[Mechanics, tuple[int, int]]:
+def _mechanics(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int]]:
     """The chain as the integrator takes it, and where the plant's states lie."""
     unit = time_scale(chain.plant.monic.denominator)
     before = [p for e in chain.effects if (p := e.before_plant()) is not None]
@@ -260,34 +329,49 @@ def _mechanics(chain: Chain) -> tuple[Mechanics, tuple[int, int]]:
         row[offset : offset + order] += output
         offset += order
         if i == len(before):
-            position, direct = row.copy(), np.array([direct_input, direct_force])
-            _refuse_direct(chain, direct)
+            position = row.copy()
+            _refuse_direct(chain, np.array([direct_input, direct_force]))
     if direct_input or direct_force:
         raise NotApplicable("the input passes the plant without delay: its motion jumps")
     matrix[size] = row
     velocity = position @ matrix
-    jumps = [float(position @ input_vector), float(position @ force_vector)]
-    # A force that acts on the velocity itself (as many zeros as poles but one) would have to depend on its own effect.
-    scale = float(np.max(np.abs(position), initial=0.0)) or 1.0
-    if any(abs(j) > 1e-12 * scale for j in jumps):
-        for effect in chain.effects:
-            if effect.uses_velocity or effect.friction_level is not None:
-                raise NotApplicable(
-                    f"{effect.identifier} depends on a velocity that jumps with the input: "
-                    "the plant has one pole more than zeros"
-                )
-    acceleration = float(velocity @ force_vector)
+    at_once = np.array([position @ input_vector, position @ force_vector]) / unit
+    at_once[np.abs(at_once) <= 1e-12 * float(np.max(np.abs(position), initial=0.0)) / unit] = 0.0
     count = len(chain.effects)
     addresses = np.zeros((4, count), np.int64)
     values = np.zeros((count, 8))
     for i, effect in enumerate(chain.effects):
-        for kind, part in enumerate((effect.force, effect.friction_level, effect.memory_rate, effect.switch)):
+        for kind, part in enumerate((effect.force, effect.friction_level, effect.memory_after, effect.switch)):
             addresses[kind, i] = 0 if part is None else part.address
         numbers = effect.force_values(chain.plant)
         values[i, : len(numbers)] = numbers
-    sticks = abs(acceleration) > 1e-9 * (float(np.max(np.abs(velocity), initial=0.0)) or 1.0)
-    mechanics = Mechanics(matrix, input_vector, force_vector, row, position, velocity, sticks, *addresses, values, unit)
+    dry = any(e.friction_level is not None for e in chain.effects)
+    implicit = at_once[1] != 0.0 and (dry or any(e.uses_velocity for e in chain.effects))
+    acceleration = float(velocity @ force_vector)
+    sticks = at_once[1] == 0.0 and abs(acceleration) > 1e-9 * float(np.max(np.abs(velocity), initial=0.0))
+    slip = _slip(chain, signal) if dry and not sticks and not implicit else 0.0
+    forces = Forces(
+        addresses,
+        values,
+        values.ctypes.data,
+        values.shape[1] * 8,
+        float(at_once[1]),
+        bool(implicit),
+        motion_sign(chain.plant),
+        slip,
+    )
+    mechanics = Mechanics(
+        matrix, input_vector, force_vector, row, position, velocity, float(at_once[0]), bool(sticks), forces, unit
+    )
     return mechanics, where
+
+
+def _slip(chain: Chain, signal: Array) -> float:
+    """Speed in y/s below which dry friction is taken to grow in proportion: a part of what the input can cause."""
+    poles = np.abs(chain.plant.poles())
+    frequencies = poles[poles > 0.0] if np.any(poles > 0.0) else np.ones(1)
+    reached = np.max(frequencies * np.abs(chain.plant.frequency_response(frequencies)))
+    return SLIP * float(reached) * (float(np.max(np.abs(signal), initial=0.0)) or 1.0)
 
 
 def _refuse_direct(chain: Chain, direct: Array) -> None:

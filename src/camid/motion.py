@@ -21,7 +21,16 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 @njit(cache=True, nogil=True)
 def _interpolate(
-    begin: float, step: float, integral: Array, position: Array, velocity: Array, times: Array, derivative: int
+    begin: float,
+    step: float,
+    integral: Array,
+    position: Array,
+    velocity: Array,
+    velocity_end: Array,
+    jump_times: Array,
+    jumps: Array,
+    times: Array,
+    derivative: int,
 ) -> Array:
     """Integral (derivative 0) or motion (derivative 1) at any times; constant motion outside the grid."""
     result = np.empty(len(times))
@@ -42,14 +51,28 @@ def _interpolate(
         # Quintic Hermite basis in s with p = values, d = step·motion, a = step²·velocity.
         rise = integral[i + 1] - integral[i]
         d0, d1 = step * position[i], step * position[i + 1]
-        a0, a1 = step * step * velocity[i], step * step * velocity[i + 1]
+        a0, a1 = step * step * velocity[i], step * step * velocity_end[i]
+        # Jumps within the step are taken off its end, and put back behind them.
+        jumped = 0.0
+        for j in range(len(jump_times)):
+            since = begin + (i + 1) * step - jump_times[j]
+            if 0.0 < since < step:
+                p, v, a = jumps[j, 0], jumps[j, 1], jumps[j, 2]
+                rise -= since * (p + since * (v / 2.0 + since * a / 6.0))
+                d1 -= step * (p + since * (v + since * a / 2.0))
+                a1 -= step * step * (v + since * a)
+                since = times[k] - jump_times[j]
+                if since > 0.0 and derivative == 0:
+                    jumped += since * (p + since * (v / 2.0 + since * a / 6.0))
+                elif since > 0.0:
+                    jumped += p + since * (v + since * a / 2.0)
         c3 = 10.0 * rise - 6.0 * d0 - 4.0 * d1 - 1.5 * a0 + 0.5 * a1
         c4 = -15.0 * rise + 8.0 * d0 + 7.0 * d1 + 1.5 * a0 - a1
         c5 = 6.0 * rise - 3.0 * d0 - 3.0 * d1 - 0.5 * a0 + 0.5 * a1
         if derivative == 0:
-            result[k] = integral[i] + s * (d0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
+            result[k] = jumped + integral[i] + s * (d0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
         else:
-            result[k] = (d0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / step
+            result[k] = jumped + (d0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / step
     return result
 
 
@@ -63,6 +86,12 @@ class Motion:
         Seconds.
     position, velocity, integral : ndarray, shape (M + 1,)
         Motion, its derivative and its integral over time in seconds.
+    velocity_end : ndarray, shape (M,)
+        Derivative at the end of each step, where it jumps to that at the begin of the next.
+    jump_times : ndarray, shape (j,)
+        Times in seconds at which the motion jumps within a step.
+    jumps : ndarray, shape (j, 3)
+        By how much it, its first and its second derivative jump then.
     """
 
     begin: float
@@ -70,13 +99,16 @@ class Motion:
     position: Array
     velocity: Array
     integral: Array
+    velocity_end: Array
+    jump_times: Array
+    jumps: Array
 
     def at(self, times: Array) -> Array:
         """Motion at times in seconds, in their shape."""
         return self._read(times, 1)
 
     def mean(self, start: Array, end: Array) -> Array:
-        """Mean over exposures that begin and end at the given times in seconds, shape (N,); their value if start = end."""
+        """Mean over exposures that begin and end at given times in seconds, shape (N,); the value if start = end."""
         length = end - start
         instant = length <= 1e-9 * self.step
         if np.all(instant):
@@ -92,6 +124,16 @@ class Motion:
     def _read(self, times: Array, derivative: int) -> Array:
         times = np.asarray(times, dtype=float)
         flat = np.ascontiguousarray(times.ravel())
-        return _interpolate(
-            self.begin, self.step, self.integral, self.position, self.velocity, flat, derivative
-        ).reshape(times.shape)
+        found = _interpolate(
+            self.begin,
+            self.step,
+            self.integral,
+            self.position,
+            self.velocity,
+            self.velocity_end,
+            self.jump_times,
+            self.jumps,
+            flat,
+            derivative,
+        )
+        return found.reshape(times.shape)

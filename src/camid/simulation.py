@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -102,9 +103,8 @@ class Simulation:
         if not isinstance(self.plant, TransferFunction):
             object.__setattr__(self, "plant", _continuous_plant(self.plant, "simulation, plant"))
         if self.free_numerator.size == 0 and self.free_denominator.size == 0:
-            numerator, denominator = default_freedom(self.plant)
-            object.__setattr__(self, "free_numerator", numerator)
-            object.__setattr__(self, "free_denominator", denominator)
+            for name, free in zip(("free_numerator", "free_denominator"), default_freedom(self.plant), strict=True):
+                object.__setattr__(self, name, free)
 
     @property
     def estimates_initial_state(self) -> bool:
@@ -141,10 +141,8 @@ class Simulation:
                 "denominator": [float(c) for c in self.plant.denominator],
             }
         }
-        if self.standard_deviations is not None:
-            plant["standard_deviations"] = self.standard_deviations
-        if self.covariance is not None:
-            plant["covariance"] = self.covariance
+        accuracy = {"standard_deviations": self.standard_deviations, "covariance": self.covariance}
+        plant.update({key: value for key, value in accuracy.items() if value is not None})
         plant["free"] = {
             "numerator": [bool(f) for f in self.free_numerator],
             "denominator": [bool(f) for f in self.free_denominator],
@@ -169,8 +167,7 @@ def default_freedom(plant: TransferFunction) -> tuple[NDArray[np.bool_], NDArray
     Every coefficient but the leading one of the denominator, and but the zeros at the end of a polynomial: they are
     structure (an integrator, a differentiator), which a belief of exactly zero damping is not.
     """
-    free_numerator = np.ones(len(plant.numerator), bool)
-    free_denominator = np.ones(len(plant.denominator), bool)
+    free_numerator, free_denominator = (np.ones(len(c), bool) for c in (plant.numerator, plant.denominator))
     for free, coefficients in ((free_numerator, plant.numerator), (free_denominator, plant.denominator)):
         for i in range(len(coefficients) - 1, -1, -1):
             if coefficients[i] != 0.0:
@@ -186,14 +183,12 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     Parameters
     ----------
     source : path, mapping or Simulation
-        YAML 1.2 file, or its content. In a mapping, ``plant`` or its ``transfer_function`` may be a continuous-time
-        python-control system with one input and one output.
+        YAML 1.2 file, or its content; there, ``plant`` or its ``transfer_function`` may be a python-control system.
 
     Raises
     ------
     InputError
-        With file, line and key: no such file, no YAML, unknown or missing keys, values out of range, an unstable or
-        improper plant, a part of the chain that this version cannot simulate.
+        With file, line and key: no YAML, unknown or missing keys, values out of range, an unstable or improper plant.
     """
     if isinstance(source, Simulation):
         return source
@@ -208,7 +203,7 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     else:
         content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
-        raise InputError("this is no mapping of keys to values", where=name, mend="see the example in README.md")
+        raise InputError("this is no mapping of keys to values", where=name, mend="see README.md")
     _refuse_several(content, name)
     refuse_schema_errors(content, "simulation.schema.json", name)
     for key, part in (("pendulum", content["plant"]), ("controller", content)):
@@ -226,23 +221,13 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
 def _is_system(value: Any) -> bool:
     """Whether this is a system of python-control (which is not loaded here: who has such a system has loaded it)."""
     library = sys.modules.get("control")
-    kinds = tuple(
-        getattr(library, name)
-        for name in ("InputOutputSystem", "FrequencyResponseData", "TransferFunction", "StateSpace")
-        if hasattr(library, name)
-    )
+    names = ("InputOutputSystem", "FrequencyResponseData", "TransferFunction", "StateSpace")
+    kinds = tuple(getattr(library, name) for name in names if hasattr(library, name))
     return isinstance(value, (TransferFunction, *kinds))
 
 
 def _continuous_plant(system: Any, where: str) -> TransferFunction:
-    """Plant of a python-control system.
-
-    Raises
-    ------
-    InputError
-        If it is in discrete time, has several inputs or outputs, is no transfer function or state-space model, or is
-        improper.
-    """
+    """Plant of a python-control system; InputError if it is not continuous, proper, and of one input and output."""
     if isinstance(system, TransferFunction):
         return system
     kinds = tuple(
@@ -358,24 +343,25 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
         free_denominator=free_denominator,
         standard_deviations=deviations,
         covariance=covariance,
-        effects=tuple(
-            DeclaredEffect(
-                str(effect["id"]),
-                {str(k): _plain(v) for k, v in effect["parameters"].items()},
-                {str(k): _plain(v) for k, v in effect.get("standard_deviations", {}).items()} or None,
-                where("effects", i),
-            )
-            for i, effect in enumerate(content.get("effects", []))
-        ),
+        effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(content.get("effects", []))),
         source=name,
     )
+
+
+def _declared(effect: Mapping[str, Any], where: str) -> DeclaredEffect:
+    parameters, deviations = (
+        {str(k): _plain(v) for k, v in effect.get(key, {}).items()} for key in ("parameters", "standard_deviations")
+    )
+    return DeclaredEffect(str(effect["id"]), parameters, deviations or None, where)
 
 
 def _plain(value: Any) -> Any:
     """A value as Python has it, without what YAML remembers of it."""
     if isinstance(value, list | tuple):
         return [_plain(v) for v in value]
-    return str(value) if isinstance(value, str) else float(value) if isinstance(value, int | float) else value
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return value
+    return str(value) if isinstance(value, str) else float(value)
 
 
 def _check_shape(given: Mapping[str, Any], raw: Mapping[str, Array], where: str) -> None:
@@ -393,18 +379,21 @@ def _check_shape(given: Mapping[str, Any], raw: Mapping[str, Array], where: str)
             )
 
 
-def write_simulation(simulation: Simulation, path: str | os.PathLike[str], comment: str = "") -> None:
-    """Write the YAML file, whole or not at all; ``comment`` goes to its head, a line each."""
+def simulation_text(simulation: Simulation, comment: str = "") -> str:
+    """The YAML file as text; ``comment`` goes to its head, a line each."""
     from ruamel.yaml import YAML
 
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
     yaml.width = 120
+    stream = StringIO()  # YAML forbids control characters, which a file's name may hold
+    stream.writelines(f"# {''.join(c if c.isprintable() else '?' for c in line)}\n" for line in comment.splitlines())
+    yaml.dump(simulation.to_mapping(), stream)
+    return stream.getvalue()
 
-    def write(temporary: Path) -> None:
-        with temporary.open("w", encoding="utf-8") as stream:
-            stream.writelines(f"# {line}\n" for line in comment.splitlines())
-            yaml.dump(simulation.to_mapping(), stream)
 
-    write_whole(path, write)
+def write_simulation(simulation: Simulation, path: str | os.PathLike[str], comment: str = "") -> None:
+    """Write the YAML file, whole or not at all; ``comment`` goes to its head, a line each."""
+    content = simulation_text(simulation, comment).encode("utf-8", errors="replace")
+    write_whole(path, lambda temporary: temporary.write_bytes(content))

@@ -94,7 +94,7 @@ def finding():
         equation=r"f = f_c\,\mathrm{sgn}(\dot{y})",
         reference="Armstrong-Hélouvry, Dupont & Canudas de Wit, Automatica 30(7), 1994",
         parameters={"force": ParameterEstimate(FORCE, 0.0021, "u")},
-        evidence={"share": 0.953, "delta_bic": 4321.7, "validation_gain": 0.948, "starts_agreeing": 3},
+        evidence={"share": 0.953, "delta_bic": 4321.7, "validation_gain": 0.948, "false_alarm_probability": 1e-12},
         weight=0.88,
         alternatives=[("hysteresis", 0.11), ("unlisted", 0.01)],
         separating_experiment="a free decay, or slow small reversals: hysteresis yields before it slides.",
@@ -114,7 +114,7 @@ def second_finding():
             "frequency": ParameterEstimate(7.5612, 0.0019, "rad/s"),
             "phase": ParameterEstimate(0.42, 0.05, "rad"),
         },
-        evidence={"share": 0.021, "delta_bic": 44.0, "validation_gain": 0.019},
+        evidence={"share": 0.021, "delta_bic": 44.0, "validation_gain": 0.019, "false_alarm_probability": 3e-6},
     )
 
 
@@ -185,7 +185,7 @@ def diagnosis(verdict, *, seed=7, **changes):
     ]
     coefficients = [
         Coefficient("b0", 100.0, 93.21, 1.1, 100.07, 0.42),
-        Coefficient("a1 · s", 0.84, 3.62, 0.21, 1.203, 0.034),
+        Coefficient("a1", 0.84, 3.62, 0.21, 1.203, 0.034),
         Coefficient("a0", 100.0, 97.8, 0.9, 100.11, 0.19),
     ]
     content |= {"undetectable": UNDETECTABLE, "coefficients": coefficients, "tests": tests, "signals": shown}

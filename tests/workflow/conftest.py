@@ -42,12 +42,16 @@ class Copy:
         return printed
 
     def lighten(self) -> None:
-        """Few noise seeds in the costliest ablations, for tests that ask for other numbers."""
-        path = self.folder / "config/ablations.yaml"
-        text = path.read_text(encoding="utf-8")
-        lighter = re.sub(r"( seeds(_without_nominal)?): \d+", r"\1: 2", text)
-        assert lighter != text
-        path.write_text(lighter, encoding="utf-8")
+        """Few noise seeds in the costliest ablations and few concealed recordings, for tests of other numbers."""
+        for name, pattern in (
+            ("ablations", r"( seeds(_without_nominal)?): \d+"),
+            ("concealed", r"( (recordings)): \d+"),
+        ):
+            path = self.folder / f"config/{name}.yaml"
+            text = path.read_text(encoding="utf-8")
+            lighter = re.sub(pattern, r"\1: 2", text)
+            assert lighter != text
+            path.write_text(lighter, encoding="utf-8")
 
     def planned(self, *arguments: str) -> set[str]:
         """Rules that a dry run would run."""

@@ -24,11 +24,14 @@ Progress = Callable[[str], None] | None
 
 # Probability of naming an effect where nothing is missing, for the whole catalogue together.
 FALSE_ALARM = 0.002
+# The same for an effect beside others, whose law may not be exact.
+FALSE_ALARM_BESIDE = 1e-4
 MOST_EFFECTS = 3
-MOST_EXCHANGES = 6
+MOST_EXCHANGES = 4
 WORTH_AN_EXCHANGE = 2.0
 # Candidates that are fitted, and evaluations for a first and for a thorough fit.
 MOST_CANDIDATES = 12
+MOST_RIVALS = 7
 FIRST_STEPS = 10
 ALL_STEPS = 30
 # Candidates whose screened gain is below this share of the best, or chance with this probability, are not fitted.
@@ -41,6 +44,11 @@ OTHER_LAW = 0.3
 LAW_ERROR = 0.04
 # Standard errors by which errors on validation rows may grow before an effect is refused.
 WORSE = 2.0
+# Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that has
+# to show there, if the difference is beyond so many standard errors.
+MUCH_WORSE = 1.5
+LEAST_GAIN = 0.15
+FAR = 4.0
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
 LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4
@@ -88,16 +96,30 @@ def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) ->
     """Bound on the probability that an effect improves the likelihood as much where it is not."""
     from scipy.stats import chi2
 
-    effect = known_effects()[identifier]
+    freedom = max(len(known_effects()[identifier].numeric()), 1)
     ratio = before.noise.deviance - after.noise.deviance
-    freedom = max(len(effect.numeric()), 1)
+    return min(float(chi2.sf(ratio, freedom)) * searched(problem, identifier), 1.0)
+
+
+def searched(problem: Problem, identifier: str) -> float:
+    """How many hypotheses a search through the catalogue amounts to, from the view of one effect."""
     count = sum(not e.noise_like for e in known_effects().values())
-    return min(float(chi2.sf(ratio, freedom)) * trials(effect, problem) * count, 1.0)
+    return trials(known_effects()[identifier], problem) * count
 
 
-def hypotheses(problem: Problem, base: Fitted, screened: Sequence[Candidate]) -> list[Hypothesis]:
-    """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first."""
-    starts = _shortlist(problem, screened)
+def hypotheses(
+    problem: Problem,
+    base: Fitted,
+    screened: Sequence[Candidate],
+    nominal: Model | None = None,
+    most: int = MOST_CANDIDATES,
+) -> list[Hypothesis]:
+    """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first.
+
+    With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
+    """
+    starts = _shortlist(problem, screened, most)
+    gross = [] if nominal is None else [c.effect for c in screened if not c.effect.parameters]
 
     def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
@@ -105,6 +127,9 @@ def hypotheses(problem: Problem, base: Fitted, screened: Sequence[Candidate]) ->
 
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(lambda c: fitted(c, FIRST_STEPS), starts) if h is not None]
+        if nominal is not None:
+            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), ALL_STEPS), gross)
+            first += [h for h in tried if h is not None]
         best: dict[str, Hypothesis] = {}
         for hypothesis in first:
             known = best.get(hypothesis.identifier)
@@ -124,7 +149,7 @@ def _fitted(
     problem: Problem, identifier: str, start: Model, steps: int, base: Fitted | None = None
 ) -> Hypothesis | None:
     try:
-        result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3)
+        result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
     if not np.isfinite(result.noise.deviance):
@@ -133,7 +158,7 @@ def _fitted(
     return Hypothesis(identifier, result, result.criterion + penalty)
 
 
-def _shortlist(problem: Problem, screened: Sequence[Candidate]) -> list[Candidate]:
+def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int) -> list[Candidate]:
     """The two likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
     from scipy.stats import chi2
 
@@ -148,7 +173,7 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate]) -> list[Candidat
             known = shapes.setdefault(candidate.effect.identifier, [])
             if len(known) < 2:
                 known.append(candidate)
-    return [c for known in list(shapes.values())[:MOST_CANDIDATES] for c in known]
+    return [c for known in list(shapes.values())[:most] for c in known]
 
 
 def decide(
@@ -157,6 +182,7 @@ def decide(
     screened: Sequence[Candidate] | None = None,
     validation: Sequence[NDArray[np.bool_]] | None = None,
     progress: Progress = None,
+    nominal: Model | None = None,
 ) -> Decision:
     """Take in effects as long as each is called for, then test each against what could stand in its place.
 
@@ -170,17 +196,21 @@ def decide(
     validation : sequence of ndarray of bool, optional
         Rows of each recording on which an effect must not make the errors larger.
     progress : callable, optional
+    nominal : Model, optional
+        As the simulation says, without effects.
     """
     current, rivals = base, []
     known = len(base.model.effects)
     while len(current.model.effects) - known < MOST_EFFECTS:
         if progress:
-            found = ", ".join(e.identifier for e in current.model.effects)
-            progress(f"fitting what may be missing{' besides ' + found if found else ''}")
-        ranked = hypotheses(problem, current, screen(problem, current) if screened is None else screened)
+            names = ", ".join(e.identifier for e in current.model.effects)
+            progress(f"fitting what may be missing{' besides ' + names if names else ''}")
+        found = screen(problem, current) if screened is None else screened
+        ranked = hypotheses(problem, current, found, None if current.model.effects else nominal)
         screened = None
         ranked = [h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)]
-        if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= FALSE_ALARM:
+        level = FALSE_ALARM_BESIDE if len(current.model.effects) > known else FALSE_ALARM
+        if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
             break
         current = ranked[0].fitted
         rivals.append(ranked)
@@ -199,7 +229,9 @@ def _refuted(
         [(e.output - s)[r] for e, s, r in zip(problem.experiments, problem.simulate(model), validation, strict=True)]
         for model in (current.model, hypothesis.fitted.model)
     ]
-    return worsens(*errors)
+    effect = hypothesis.fitted.model.effects[-1]
+    expected = (current.cost - hypothesis.fitted.cost) / len(current.residual)
+    return refuted(expected, *errors, one_off=bool(effect.breaks() or effect.impulses()))
 
 
 def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
@@ -220,10 +252,10 @@ def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progre
                 current,
                 current.criterion + 2.0 * float(np.log(trials(known_effects()[identifier], problem))),
             )
-            if p_value(problem, others, current, identifier) >= FALSE_ALARM or own.criterion >= others.criterion:
+            if p_value(problem, others, current, identifier) >= FALSE_ALARM_BESIDE or own.criterion >= others.criterion:
                 current, changed = others, True
                 break
-            ranked = hypotheses(problem, others, screen(problem, others))
+            ranked = hypotheses(problem, others, screen(problem, others), most=MOST_RIVALS)
             ranked = sorted([own, *(h for h in ranked if h.identifier != identifier)], key=lambda h: h.criterion)
             if ranked[0].criterion < own.criterion - WORTH_AN_EXCHANGE:
                 current, changed = ranked[0].fitted, True
@@ -269,10 +301,23 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
     return [(name, w / total) for name, w in kept]
 
 
-def worsens(before: Sequence[Array], after: Sequence[Array]) -> bool:
-    """Whether errors on rows that were not fitted are larger after than before, beyond chance."""
-    difference = np.concatenate([a**2 - b**2 for a, b in zip(after, before, strict=True)])
-    if len(difference) < 2:
+def refuted(expected: float, before: Sequence[Array], after: Sequence[Array], one_off: bool) -> bool:
+    """Whether errors on rows that were not fitted speak against an effect.
+
+    Parameters
+    ----------
+    expected : float
+        Fall of the mean square error on the fitted rows.
+    before, after : sequence of ndarray
+        Errors without and with the effect.
+    one_off : bool
+        Whether the effect may leave those rows alone.
+    """
+    first, second = (np.concatenate(e) ** 2 for e in (before, after))
+    if len(first) < 2:
         return False
-    spread = float(np.std(difference)) / float(np.sqrt(len(difference)))
-    return float(np.mean(difference)) > WORSE * spread
+    gain = first - second
+    mean, spread = float(np.mean(gain)), float(np.std(gain)) / float(np.sqrt(len(gain)))
+    if mean < -WORSE * spread or float(np.mean(second)) > MUCH_WORSE * float(np.mean(first)):
+        return True
+    return not one_off and mean < LEAST_GAIN * expected and expected - mean > FAR * spread

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from camid.chain import Acquisition
 from camid.diagnosis import locate as location_step
-from camid.diagnosis.decide import Decision, decide
+from camid.diagnosis.decide import FALSE_ALARM, MOST_EFFECTS, Decision, decide, searched
 from camid.diagnosis.fit import Fitted, at_best_start, fit, refit
 from camid.diagnosis.limits import undetectable
 from camid.diagnosis.problem import Model, Problem
-from camid.diagnosis.recognise import noise_findings, spoiled_rows
+from camid.diagnosis.recognise import depends_on_position, force_like, noise_findings, spoiled_rows
 from camid.diagnosis.result import Coefficient, Finding, Fit, Location, Signals, Test, Undetectable
 from camid.diagnosis.screen import screen
 from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
@@ -29,6 +29,10 @@ STRUCTURE = 2e-4
 # Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave behind.
 UNLISTED_SCALE = 3.0
 MOST_UNLISTED = 0.95
+# Errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many standard errors.
+UNEXPECTED = 1.2
+BEYOND = 5.0
+LONGEST_CORRELATION = 200
 
 
 @dataclass(frozen=True)
@@ -106,26 +110,29 @@ def investigate(
     problem, base = _without_spoiled(problem, base, start, known)
     say("screening the catalogue")
     screened = screen(problem, base)
-    decision = decide(problem, base, screened, validation, progress)
+    decision = decide(problem, base, screened, validation, progress, start if not known else None)
     say("testing what is left")
-    decision = _with_noise(problem, decision)
+    decision = _with_noise(problem, decision, len(known))
     final = decision.fitted
     before = location_step.places(problem, base)
     after = before if final is base else location_step.places(problem, final)
     recognised, noise_effects = noise_findings(whole, problem, final, nominal.effects)
-    structured = min((t.p_value for t in after), default=1.0) < STRUCTURE
+    fits = _errors(problem, start, decision, validation, chosen, [])
+    reasons = _structure(problem, final, after, validation, {f.identifier for f in recognised})
+    structured = bool(reasons)
     if structured:  # what looks like jitter, outliers or colour may be the structure
         recognised = [f for f in recognised if f.identifier in {"quantisation", "dropped-frames"}]
         noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in recognised}]
-    left = _left(base, final, after) if structured else 0.0
-    unlisted = min(UNLISTED_SCALE * float(np.sqrt(left)), MOST_UNLISTED) if structured else 0.0
+    unlisted = _unlisted(base, final, after, reasons, fits)
     removed = _shares(base, decision)
-    fits = _errors(problem, start, decision, validation, chosen, after if structured else [])
+    if structured:
+        fits = _errors(problem, start, decision, validation, chosen, after)
     gains = _gains(problem, decision, validation)
     found = findings(problem, decision, len(known), removed, gains, unlisted) + recognised
     verdict = verdict_of(bool(found), structured)
     strongest = max(before, key=lambda t: t.gain)
-    place = found[0].place if found else (strongest.place if structured else None)
+    elsewhere = "noise" if reasons == ["variance"] else strongest.place
+    place = found[0].place if found else (elsewhere if structured else None)
     location = location_step.locate(problem, base, place, location_step.shares(before))
     say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in nominal.effects}
@@ -164,13 +171,97 @@ def _without_spoiled(problem: Problem, base: Fitted, start: Model, known: tuple[
     return problem, _base(problem, at_best_start(problem, start), known)
 
 
-def _with_noise(problem: Problem, decision: Decision) -> Decision:
-    """The decision's model fitted anew in the metric of its noise, if that is coloured."""
-    final = decision.fitted
-    if len(final.noise.whitening) == 1:
-        return decision
-    again = fit(problem, final.model, steps=15, whitening=final.noise.whitening)
-    return replace(decision, fitted=again)
+def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
+    """The decision's model fitted anew in the metric of its noise, if that is coloured, and without what it refutes."""
+    from scipy.stats import chi2
+
+    for _ in range(MOST_EFFECTS + 1):
+        final = decision.fitted
+        whitening = final.noise.whitening
+        if len(whitening) == 1:
+            return decision
+        again = fit(problem, final.model, steps=15, whitening=whitening)
+        cost = _whitened_cost(problem, again, whitening)
+        refuted = None
+        for i, effect in enumerate(again.model.effects[known:]):
+            without = fit(problem, again.model.without(known + i), steps=15, whitening=whitening)
+            ratio = len(again.residual) * float(np.log(_whitened_cost(problem, without, whitening) / cost))
+            chance = float(chi2.sf(ratio, max(len(effect.numeric()), 1))) * searched(problem, effect.identifier)
+            if chance >= FALSE_ALARM:
+                refuted = i, without
+        if refuted is None:
+            return replace(decision, fitted=again)
+        index, fitted = refuted
+        decision = replace(
+            decision,
+            fitted=fitted,
+            rivals=decision.rivals[:index] + decision.rivals[index + 1 :],
+            without=[fitted] * (len(decision.without) - 1),
+        )
+        if not decision.rivals:
+            return replace(decision, fitted=decision.base)
+    return decision
+
+
+def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
+    innovations = problem.whitened(fitted.residual, whitening)
+    return max(float(innovations @ innovations), 1e-300)
+
+
+def _structure(
+    problem: Problem,
+    final: Fitted,
+    after: Sequence[location_step.PlaceTest],
+    validation: Sequence[NDArray[np.bool_]],
+    recognised: set[str],
+) -> list[str]:
+    """Which tests say that what is left is more than noise."""
+    reasons = [t.place for t in after if t.p_value < STRUCTURE]
+    if "coloured-noise" in recognised and force_like(problem, final):
+        reasons.append("resonance")
+    if _unexpected(problem, final, validation):
+        reasons.append("validation")
+    explained = {"timestamp-jitter", "quantisation", "outliers"} & recognised
+    if not explained and depends_on_position(problem, final) < STRUCTURE / 2.0:
+        reasons.append("variance")
+    return reasons
+
+
+def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether errors on rows that were not fitted are larger than on those that were, beyond chance.
+
+    Medians are compared, so that a few outliers do not count.
+    """
+    simulated = problem.simulate(final.model)
+    errors = np.concatenate(
+        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
+    )
+    residual = final.residual
+    ratio = float(np.median(errors**2)) / max(float(np.median(residual**2)), 1e-300)
+    if ratio < UNEXPECTED:
+        return False
+    spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
+    correlations = np.fft.irfft(spectrum)[: min(len(residual) - 1, LONGEST_CORRELATION) + 1]
+    correlations = correlations / correlations[0]
+    effective = 1.0 + 2.0 * float(correlations[1:] @ correlations[1:])
+    # The median of a squared Gaussian scatters by 2.33/√n of itself.
+    spread = 2.33 * np.sqrt(effective * (1.0 / len(errors) + 1.0 / len(residual)))
+    return bool(ratio - 1.0 > BEYOND * spread)
+
+
+def _unlisted(
+    base: Fitted, final: Fitted, after: Sequence[location_step.PlaceTest], reasons: Sequence[str], fits: Fit
+) -> float:
+    """Weight of physics outside of the catalogue."""
+    if not reasons or reasons == ["variance"]:
+        return 0.0
+    left = _left(base, final, after)
+    if "resonance" in reasons:
+        left = 1.0
+    if "validation" in reasons and fits.refitted > fits.noise_floor:
+        excess = fits.improved**2 - fits.noise_floor**2
+        left = max(left, min(max(excess / (fits.refitted**2 - fits.noise_floor**2), 0.0), 1.0))
+    return min(UNLISTED_SCALE * float(np.sqrt(left)), MOST_UNLISTED)
 
 
 def _left(base: Fitted, final: Fitted, after: Sequence[location_step.PlaceTest]) -> float:

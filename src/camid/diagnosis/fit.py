@@ -283,6 +283,7 @@ def fit(
     fixed: int = 0,
     base: Fitted | None = None,
     refreshes: int = 10,
+    finest: bool = True,
 ) -> Fitted:
     """Least squares from one start.
 
@@ -300,6 +301,8 @@ def fit(
         A fit of the same model without its last effect, whose sensitivities begin this one.
     refreshes : int
         How often the sensitivities may be taken anew by differences.
+    finest : bool
+        Whether the integrator's steps are as fine as the start needs, or only what its plant suggests.
 
     Raises
     ------
@@ -308,6 +311,7 @@ def fit(
     """
     from scipy.optimize import least_squares
 
+    problem = problem.pinned(start, finest=finest)
     packing = Packing.of(problem, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
     worst = HOPELESS * (float(np.std(problem.output)) or 1.0)

@@ -112,4 +112,6 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Candida
     others = [p for p in numeric if p.name != parameter.name]
     shape = ", ".join(f"{p.name.replace('_', ' ')} {effect.values[p.name]:.3g} {p.unit}".strip() for p in others)
     reason = f"{share} below this size{' (at ' + shape + ')' if shape else ''}"
-    return Undetectable(kind.identifier, reason, parameter.name, float(effect.values[parameter.name]), parameter.unit)
+    rest = {name: value for name, value in effect.values.items() if name != parameter.name}
+    value = float(effect.values[parameter.name])
+    return Undetectable(kind.identifier, reason, parameter.name, value, parameter.unit, rest)

@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 
 # Directions of a regression that are smaller than this share of the largest say nothing.
 SMALLEST_DIRECTION = 1e-4
-KNOTS = 5
+# Knots of piecewise linear functions.
+FEW, MANY = 5, 14
 WINDOWS = 16
 # Span of time or band of frequency that is worth naming: most of the energy in less than half of the range.
 MOST_ENERGY = 0.8
@@ -65,9 +66,9 @@ def _scaled(values: Array) -> Array:
     return (values - float(np.mean(values))) / spread
 
 
-def _hinges(values: Array) -> list[Array]:
-    """Piecewise linear functions of a signal with knots at its quantiles."""
-    knots = np.quantile(values, np.linspace(0.0, 1.0, KNOTS + 2)[1:-1])
+def _hinges(values: Array, count: int) -> list[Array]:
+    """Piecewise linear functions of a signal with so many knots at its quantiles."""
+    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, count + 2)[1:-1]))
     return [np.maximum(values - k, 0.0) for k in knots]
 
 
@@ -88,17 +89,20 @@ def regressors(problem: Problem, fitted: Fitted) -> dict[str, Array]:
         signal = experiment.signal / (float(np.max(np.abs(experiment.signal), initial=0.0)) or 1.0)
         straight = replace(acquisition, hold="foh")
         count = len(signal)
-        held = [*_hinges(signal), np.abs(signal), np.sign(signal), signal**3]
+        held = [*_hinges(signal, FEW), np.abs(signal), np.sign(signal), signal**3]
         earlier = np.concatenate([[0.0], signal[:-1]])
         held += [earlier, np.concatenate([[0.0, 0.0], signal[:-2]]), np.abs(signal) * earlier]
         y, v = position, velocity
+        # A gain that depends on position or velocity: a motor's poles, its back electromotive force.
+        held += [signal * f for f in (*_hinges(y, MANY), y**2, v, v**2, np.abs(v), np.abs(y))]
         moved = [y**2, y**3, v**2, v**3, y * v, y**2 * v, y * v**2, np.abs(v) * v, np.tanh(5.0 * v), np.tanh(30.0 * v)]
-        moved += [*_hinges(y), *_hinges(v), np.abs(y) * v, np.abs(y), y**4 * v, np.sign(v) * y]
+        moved += [*_hinges(y, MANY), *_hinges(v, MANY), np.abs(y) * v, np.abs(y), y**4 * v, np.sign(v) * y]
+        moved += [f * g for f in _hinges(y, FEW) for g in _hinges(v, FEW)]
         slow = _polynomials(count, 10)
         output = _scaled(problem.simulate(fitted.model)[index])
         rate = np.gradient(output)
         rate = rate / (float(np.std(rate)) or 1.0)
-        seen = [np.ones(count), output**2, output**3, *_hinges(output), output * rate, rate, rate**2]
+        seen = [np.ones(count), output**2, output**3, *_hinges(output, MANY), output * rate, rate, rate**2]
         seen += [np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, count) * rate, np.gradient(rate)]
         columns = {
             "actuator": [sample(plant, s, acquisition) for s in held],

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import companion, time_scale
-from camid.engine import Chain, move, run
+from camid.engine import Chain, move, run, steps_of
 from camid.identification.predictor import Experiment, Structure
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
 from camid.physics.effect import Effect, Situation
@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 LARGEST_LAG = 25
 LARGEST_ORDER = 12
 ROWS_A_COEFFICIENT = 20
+# Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak effect
+# would else be mistaken for colour, which the test of whiteness would not confirm.
+COLOURED = 12.0
 ROWS_A_LAG = 8
 
 
@@ -77,12 +80,17 @@ class Problem:
         ``used`` marks the rows that are fitted.
     times : list of ndarray, each of shape (N,)
         Recorded times in seconds.
+    unit : float
+        Time in seconds that makes the plant's coefficients of the order of one.
+    steps : tuple of int, optional
+        Steps of the integrator in a period of each recording; see :meth:`pinned`.
     """
 
     structure: Structure
     experiments: list[Experiment]
     times: list[Array]
     unit: float = field(default=1.0)
+    steps: tuple[int, ...] | None = None
 
     @cached_property
     def output(self) -> Array:
@@ -106,7 +114,19 @@ class Problem:
     def with_used(self, used: Sequence[NDArray[np.bool_]]) -> Problem:
         """The same with other rows fitted."""
         experiments = [replace(e, used=u) for e, u in zip(self.experiments, used, strict=True)]
-        return Problem(self.structure, experiments, self.times, self.unit)
+        return replace(self, experiments=experiments)
+
+    def pinned(self, model: Model, *, finest: bool) -> Problem:
+        """The same with the steps of the integrator that suit a model.
+
+        Differences of simulations are derivatives only if all take the same steps.
+        """
+        free = replace(self, steps=None)
+        counts = tuple(
+            steps_of(free.chain(model, i), e.signal, t, finest=finest)
+            for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True))
+        )
+        return replace(self, steps=counts)
 
     # -- models ----------------------------------------------------------------------------------------------------
 
@@ -119,6 +139,7 @@ class Problem:
             model.effects,
             model.initial[index] if model.initial else None,
             experiment.free_motion_before_record,
+            None if self.steps is None else self.steps[index],
         )
 
     def simulate(self, model: Model) -> list[Array]:
@@ -181,7 +202,7 @@ class Problem:
         # The sums over fewer pairs are not corrected for it, so that the correlations are those of a process.
         order = min(LARGEST_ORDER, count // ROWS_A_COEFFICIENT)
         filters, left = levinson(sums[: order + 1] / sums[0])
-        penalties = np.log(count) * np.arange(len(filters))
+        penalties = np.log(count) * np.arange(len(filters)) + np.where(np.arange(len(filters)) > 0, COLOURED, 0.0)
         best = int(np.argmin(count * np.log(left) + penalties))
         variance = sums[0] * size**2 / max(count - fitted, 1) * left[best]
         return Noise(filters[best], float(count * np.log(variance) + penalties[best]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,14 @@ from camid.diagnosis.problem import Problem
 from camid.diagnosis.result import Finding
 from camid.diagnosis.verdict import recognised
 from camid.physics import known_effects
-from camid.physics.effect import Effect, Recognition
-from camid.physics.noise import ColouredNoise
+from camid.physics.effect import Effect, Recognition, Situation
+from camid.physics.noise import ColouredNoise, tail, variance_regression
 
 # A noise-like effect is named where its absence would show as much in fewer recordings than this.
 RECOGNISED = 1e-4
+# A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
+RESONANCE = 4.0
+NEAR = 0.2
 # Those whose rows say nothing of the motion, whatever the model.
 SPOILING = ("dropped-frames", "outliers")
 
@@ -52,11 +56,13 @@ def noise_findings(
     known = {e.identifier for e in declared}
     situation = whole.situation(final.model)
     found: list[Recognition] = []
-    for identifier, effect in sorted(known_effects().items()):
+    for identifier, effect in sorted(known_effects().items()):  # repeated frames stand before outliers
         if effect.noise_like and identifier not in known and effect is not ColouredNoise:
             recognition = effect.recognise(situation)
             if recognition is not None and recognition.p_value < RECOGNISED:
                 found.append(recognition)
+                situation = replace(situation, used=situation.used & ~recognition.spoiled)
+    found = _without_imitations(situation, found)
     if ColouredNoise.identifier not in known:
         p_value = problem.whiteness(final.residual, final.sensitivities)
         if p_value < RECOGNISED and len(final.noise.whitening) > 1:
@@ -64,6 +70,24 @@ def noise_findings(
     findings = [recognised(r) for r in found]
     effects: list[tuple[Effect, dict[str, float | None]]] = [(r.effect, dict(r.standard_deviations)) for r in found]
     return findings, [*((e, {}) for e in declared if e.noise_like), *effects]
+
+
+def _without_imitations(situation: Situation, found: list[Recognition]) -> list[Recognition]:
+    """Without outliers that are the tails of noise whose variance follows the speed."""
+    kinds = {type(r.effect).identifier: r for r in found}
+    if not {"outliers", "timestamp-jitter"} <= set(kinds):
+        return found
+    jitter = kinds["timestamp-jitter"].effect.values["std"]
+    outliers = known_effects()["outliers"]
+    used = situation.used | kinds["outliers"].spoiled
+    variance = np.mean(situation.residual[situation.used] ** 2)
+    moving = (jitter * situation.velocity) ** 2
+    rest = max(float(variance - np.mean(moving[situation.used])), 0.05 * float(variance))
+    scaled = replace(situation, residual=situation.residual / np.sqrt(rest + moving), used=used)
+    again = outliers.recognise(scaled)
+    if again is not None and again.p_value < RECOGNISED:
+        return found
+    return [r for r in found if r.effect.identifier != "outliers"]
 
 
 def _coloured(problem: Problem, final: Fitted, p_value: float) -> Recognition:
@@ -77,3 +101,33 @@ def _coloured(problem: Problem, final: Fitted, p_value: float) -> Recognition:
     effect = ColouredNoise(spectrum=coefficients.tolist())
     spoiled = np.zeros(len(problem.times[0]), bool)
     return Recognition(effect, {"spectrum": deviations.tolist()}, p_value, spoiled)  # type: ignore[dict-item]
+
+
+def depends_on_position(problem: Problem, final: Fitted) -> float:
+    """Probability that the noise's variance changes as much with the position, if it does not (Breusch & Pagan 1979)."""
+    situation = problem.situation(final.model)
+    square = situation.residual[situation.used] ** 2
+    regressor = situation.position[situation.used] ** 2
+    score = variance_regression(square, regressor)[3]
+    return min(2.0 * tail(abs(score)), 1.0)
+
+
+def force_like(problem: Problem, final: Fitted) -> bool:
+    """Whether coloured noise has the plant's own resonance: then it is rather a force that nobody modelled.
+
+    The spectrum of the fitted autoregression is held against what a white force leaves behind plant and camera.
+    """
+    if len(final.noise.whitening) < 3:
+        return False
+    plant = problem.structure.plant(final.model.coefficients)
+    period = problem.acquisition.period
+    angular = np.linspace(0.02, 0.98, 200) * np.pi / period
+    response = np.abs(plant.frequency_response(angular)) ** 2
+    peak = int(np.argmax(response))
+    if peak in {0, len(angular) - 1} or response[peak] < RESONANCE * float(np.median(response)):
+        return False
+    shift = np.exp(-1j * np.outer(angular * period, np.arange(len(final.noise.whitening))))
+    spectrum = 1.0 / np.abs(shift @ final.noise.whitening) ** 2
+    highest = int(np.argmax(spectrum))
+    near = abs(np.log(angular[highest] / angular[peak])) < NEAR
+    return bool(near and spectrum[highest] > RESONANCE * float(np.median(spectrum)))

@@ -78,6 +78,8 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     strongest = diagnosis.findings[0].identifier if diagnosis.findings else None
     if location.place is not None:
         flags["hold" if strongest == "input-hold" else location.place] = "here"
+    # Where there is no mismatch, or the noise is all of it, no place has a share of it.
+    shares = {} if location.place in {None, "noise"} else location.places
     sensor = "instant"
     if simulation.sensor == "camera":
         exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
@@ -86,7 +88,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         sensor += f", latency {summary.plain(1e3 * simulation.latency, unit='ms')}"
 
     def box(place: str, detail: str, kind: str = "box") -> Box:
-        return Box(place, detail, kind, location.places.get(place), flags.get(place, ""), place)
+        return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
 
     order = simulation.plant.order
     return [
@@ -110,6 +112,8 @@ def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, st
         unit = summary.unit_of(parameter.unit, *names)
         if isinstance(parameter.value, str):
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
+        elif isinstance(parameter.value, list | tuple):
+            value, interval = summary.with_deviation(parameter.value, parameter.standard_deviation), "–"
         else:
             value = summary.with_deviation(parameter.value, parameter.standard_deviation)
             interval = summary.interval(parameter.value, parameter.standard_deviation)
@@ -196,6 +200,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "rows": len(diagnosis.signals.time),
         "version": camid.__version__,
         "structure_below": STRUCTURE_BELOW,
+        "likely": summary.LIKELY,
         "number": summary.number,
         "plain": summary.plain,
         "span": summary.span,

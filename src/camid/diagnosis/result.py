@@ -156,6 +156,8 @@ class Undetectable:
     parameter, unit : str or None
     value : float or None
         Detected in about 95 % of recordings like this one; None where no size would have shown.
+    others : dict
+        Values of the effect's other parameters at which this holds.
     """
 
     identifier: str
@@ -163,11 +165,12 @@ class Undetectable:
     parameter: str | None = None
     value: float | None = None
     unit: str | None = None
+    others: dict[str, Any] = field(default_factory=dict)
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
         smallest = None if self.value is None else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
-        return {"id": self.identifier, "reason": self.reason, "smallest_detectable": smallest}
+        return {"id": self.identifier, "reason": self.reason, "smallest_detectable": smallest, "at": self.others}
 
 
 @dataclass(frozen=True)

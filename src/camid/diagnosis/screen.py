@@ -75,7 +75,8 @@ def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> 
 def signature(problem: Problem, base: Fitted, effect: Effect) -> Array | None:
     """Change of the simulated output on the fitted rows, shape (M,); None where the effect has no meaning here."""
     try:
-        simulated = problem.fitted(problem.simulate(base.model.plus(effect)))
+        model = base.model.plus(effect)
+        simulated = problem.fitted(problem.pinned(model, finest=False).simulate(model))
     except (ValueError, ArithmeticError):
         return None
     change = simulated - (problem.output - base.residual)

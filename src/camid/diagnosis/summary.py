@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ VERDICT_WORDS = {
 }
 UNLISTED = "unlisted"
 NORMAL_95 = 1.959964  # half the width of a 95 % interval in standard deviations
+LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 SCIENTIFIC_ABOVE, SCIENTIFIC_BELOW = 5, -4
 SMALLEST_PROBABILITY = 1e-4
 SPACE = "\u00a0"  # between a number and its unit: no line breaks there
@@ -68,8 +70,11 @@ def plain(value: float, digits: int = 4, unit: str = "") -> str:
     return head + power + tail + (SPACE + unit if unit else "")
 
 
-def with_deviation(value: float, deviation: float | None) -> str:
-    """``value ± deviation``, cut where the deviation has two significant digits."""
+def with_deviation(value: Any, deviation: Any) -> str:
+    """``value ± deviation``, cut where the deviation has two significant digits; one behind the other for lists."""
+    if isinstance(value, list | tuple):
+        spreads = deviation if isinstance(deviation, list | tuple) else [deviation] * len(value)
+        return "; ".join(with_deviation(v, d) for v, d in zip(value, spreads, strict=True))
     if deviation is None or not math.isfinite(deviation) or deviation <= 0.0 or not math.isfinite(value):
         return number(value, 4)
     deviation = float(f"{deviation:.1e}")
@@ -123,19 +128,35 @@ def estimate_text(parameter: ParameterEstimate, input_name: str | None, output_n
     return f"{text} {unit_of(parameter.unit, input_name, output_name)}".rstrip()
 
 
+def is_noise_only(evidence: dict[str, Any]) -> bool:
+    """Whether an effect changes the noise and not the expected output, so that it removes no error."""
+    return evidence.get("share") == 0.0 and evidence.get("validation_gain") is None
+
+
 def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
     """Pairs of what was measured and its value: first the known kinds of evidence, then the others as they come."""
     lines = []
-    known = {
+    known: dict[str, tuple[str, Callable[[float], str]]] = {
         "share": ("error that it removes, fitted rows", percentage),
         "validation_gain": ("error that it removes, held-out rows", percentage),
+        "false_alarm_probability": ("probability of as much by chance", probability),
         "delta_bic": ("ΔBIC against leaving it out", number),
+        "delta_bic_to_next_best": ("ΔBIC to the next best", number),
     }
+    noise_only = is_noise_only(evidence)
+    if noise_only:
+        lines.append(("error that it removes", "none: it changes the noise"))
     for key, (words, text) in known.items():
+        if key == "share" and noise_only:
+            continue
         if isinstance(evidence.get(key), int | float):
             lines.append((words, text(float(evidence[key]))))
     for key, value in evidence.items():
-        if key in known and isinstance(value, int | float):
+        if key in known and (value is None or isinstance(value, int | float)):
+            continue
+        if key == "next_best":
+            if isinstance(value, str):
+                lines.append(("next best", title_of(value)))
             continue
         if isinstance(value, bool) or value is None:
             shown = {True: "yes", False: "no", None: "–"}[value]
@@ -165,7 +186,7 @@ def place_text(diagnosis: Diagnosis) -> str:
     """Place, time, band and region of the mismatch in a line."""
     location, names = diagnosis.location, diagnosis.improved
     if location.place is None and diagnosis.verdict == "adequate":
-        return "nowhere: nothing is left out"
+        return "nowhere"
     parts = [location.place or "no place of the chain stands out"]
     if location.time is not None:
         parts.append(span(location.time, "s"))
@@ -213,7 +234,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
         for heading in ("effect", "place", "parameter", "value", "error removed"):
             table.add_column(heading, overflow="fold")
         for finding in diagnosis.findings:
-            removed = percentage(finding.evidence.get("share"))
+            noise_only = is_noise_only(finding.evidence)
+            removed = "– (noise)" if noise_only else percentage(finding.evidence.get("share"))
             rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
             for i, (name, parameter) in enumerate(rows):
                 head = (finding.title, finding.place) if i == 0 else ("", "")
@@ -222,8 +244,9 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
         console.print(table)
     for finding in diagnosis.findings:
         if finding.alternatives:
-            line = f"{finding.title} ({percentage(finding.weight, 2)}) cannot be told apart from: "
-            console.print(line + alternatives_text(finding), soft_wrap=True)
+            relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
+            line = f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {alternatives_text(finding)}"
+            console.print(line, soft_wrap=True)
         if finding.separating_experiment:
             console.print(f"  what would: {finding.separating_experiment}", soft_wrap=True)
     fit = diagnosis.fit

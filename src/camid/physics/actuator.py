@@ -16,7 +16,7 @@ from camid.plant import TransferFunction
 SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)
 LARGE_SHARES = (0.97, 0.9, 0.75, 0.55, 0.3)
 DELAYS = (0.05, 0.3, 1.0, 3.0)
-NEARLY_ONE = 1e-9
+LEAST_FACTOR = 1e-9
 
 
 def levels(signal: Array) -> int:
@@ -39,7 +39,7 @@ class DeadZone(Effect):
     place = "actuator"
     title = "Dead zone of the actuator"
     equation = r"u' = \mathrm{sgn}(u)\,\max(|u| - d,\ 0)"
-    reference = "Nordin & Gutman (2002), Automatica 38, 1633-1649 (review of gear and actuator nonlinearities)"
+    reference = "Tao & Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities"
     parameters = (Parameter("half_width", "u", "command d that has no effect", 0.0),)
     strength = "half_width"
     keeps_hold = True
@@ -81,7 +81,7 @@ class Saturation(Effect):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Several shares of the largest input."""
         for share in LARGE_SHARES:
-            yield cls(limit=share * situation.largest("signal"))
+            yield cls(limit=share * situation.largest("signal")).measured_from(situation.largest("signal"))
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
@@ -175,6 +175,10 @@ class RateLimit(Effect):
         """Follow at a limited rate, from zero."""
         return _follow(np.ascontiguousarray(start), np.ascontiguousarray(end), step, self.values["rate"])
 
+    def scaled(self, factor: float) -> RateLimit:
+        """Another time for the same change: the effect is proportional to the inverse of the rate."""
+        return self.with_vector(self.vector / max(factor, LEAST_FACTOR))
+
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Rates at which the largest change takes from a tenth of a period to many periods."""
@@ -221,6 +225,11 @@ class GainAsymmetry(Effect):
         """Scale negative commands."""
         ratio = self.values["ratio"]
         return _both(lambda u: np.where(u < 0.0, ratio * u, u), start, end)
+
+    @property
+    def one_sided(self) -> bool:
+        """The negative gain may be smaller or larger."""
+        return False
 
     def scaled(self, factor: float) -> GainAsymmetry:
         """The distance of the ratio from one, scaled."""

@@ -1,5 +1,8 @@
 """Forces at the plant's input that do not depend on the motion: functions of the recorded time."""
 
+# Compiled parts are functions that stand in a class body: they have no self, and Compiled says what they get.
+# ruff: noqa: D102, N805
+
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -32,7 +35,7 @@ class PeriodicDisturbance(Effect):
     trials = "frequencies"
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return -values[0] * sin(values[1] * time + values[2])
 
     def frequency(self, plant: object) -> float:
@@ -102,7 +105,7 @@ class StepDisturbance(Effect):
     trials = "frames"
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return -values[0] if time >= values[1] else 0.0
 
     def breaks(self) -> tuple[float, ...]:

@@ -158,7 +158,7 @@ class Effect:
     noise_like : bool
         Whether the effect changes the noise and not the expected output, so that no simulation shows it.
     uses_velocity : bool
-        Whether the force depends on the velocity, so that the plant must not let a force through to it.
+        Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
 
     Raises
     ------
@@ -176,14 +176,15 @@ class Effect:
     trials: ClassVar[str] = "shapes"
     keeps_hold: ClassVar[bool] = False
     noise_like: ClassVar[bool] = False
-    uses_velocity: ClassVar[bool] = False
+    uses_velocity: bool = False
     # Compiled parts; see :class:`Compiled` for their arguments.
     force: ClassVar[Compiled | None] = None
     """Force against the motion, in units of u."""
     friction_level: ClassVar[Compiled | None] = None
     """Dry friction at a speed ≥ 0, in units of u; at speed zero what holds a body that sticks."""
-    memory_rate: ClassVar[Compiled | None] = None
-    """Rate of an inner state that the force depends on, per second."""
+    memory_after: ClassVar[Compiled | None] = None
+    """Inner state, zero at first, that the force depends on: what becomes of ``memory`` over a displacement, which
+    stands in the place of ``position``."""
     switch: ClassVar[Compiled | None] = None
     """Function whose change of sign marks a kink of the force."""
 
@@ -200,6 +201,7 @@ class Effect:
             if name not in known:
                 raise ValueError(f"{self.identifier} has no parameter '{name}' (known: {', '.join(known) or 'none'})")
         self.values: dict[str, Any] = {}
+        self._neutral: tuple[float, ...] | None = None
         for parameter in self.parameters:
             if parameter.name not in values:
                 raise ValueError(f"{self.identifier} needs the parameter '{parameter.name}'")
@@ -223,7 +225,14 @@ class Effect:
     def with_vector(self, vector: Array) -> Self:
         """The same effect with other numbers, moved to the nearest allowed value."""
         changed = {p.name: float(min(max(v, p.lower), p.upper)) for p, v in zip(self.numeric(), vector, strict=True)}
-        return type(self)(**{**self.values, **changed})
+        moved = type(self)(**{**self.values, **changed})
+        moved._neutral = self._neutral
+        return moved
+
+    def measured_from(self, *neutral: float) -> Self:
+        """The same effect, told at which values of its parameters this recording shows nothing of it."""
+        self._neutral = neutral
+        return self
 
     @property
     def one_sided(self) -> bool:
@@ -233,12 +242,15 @@ class Effect:
         return next(p.lower for p in self.parameters if p.name == self.strength) >= 0.0
 
     def scaled(self, factor: float) -> Self:
-        """The same effect with its strength multiplied."""
-        if self.strength is None:
-            return self
-        vector = self.vector
-        vector[[p.name for p in self.numeric()].index(self.strength)] *= factor
-        return self.with_vector(vector)
+        """The same effect, changing the output by about ``factor`` ≥ 0 times as much; the same where it has no size."""
+        if self.strength is not None:
+            vector = self.vector
+            vector[[p.name for p in self.numeric()].index(self.strength)] *= factor
+            return self.with_vector(vector)
+        if self._neutral is not None:
+            neutral = np.asarray(self._neutral)
+            return self.with_vector(neutral + max(factor, 0.0) * (self.vector - neutral))
+        return self
 
     # -- what the effect does; a class overrides what it needs -----------------------------------------------------
 
@@ -319,7 +331,7 @@ def _checked(identifier: str, parameter: Parameter, value: Any) -> Any:
         if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
             raise ValueError(f"{identifier}, {parameter.name}: {value!r} is no list of finite numbers")
         return numbers.tolist()
-    if isinstance(value, str) or isinstance(value, bool) or not isfinite(float(value)):
+    if isinstance(value, str | bool) or not isfinite(float(value)):
         raise ValueError(f"{identifier}, {parameter.name}: {value!r} is no finite number")
     number = float(value)
     if not parameter.lower <= number <= parameter.upper:

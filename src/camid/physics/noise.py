@@ -11,14 +11,24 @@ from camid.physics.effect import Array, Effect, Parameter, Recognition, Situatio
 
 # A lattice whose rounding error has less than this share of the residual's variance does not matter.
 NEGLIGIBLE_ROUNDING = 0.02
-# Residuals beyond so many robust standard deviations are outliers: one in 1.7 million of Gaussian noise.
-OUTLYING = 5.0
+# Residuals beyond so many robust standard deviations are outliers: one in 16,000 and in 1.7 million of Gaussian noise.
+OUTLYING = (4.0, 5.0, 7.0)
 FEWEST = 1
+# Values that differ by less than this share of their range are the same.
+SAME_VALUE = 1e-10
+# Residuals beyond so many robust standard deviations count as these in a regression of the variance.
+HEAVY = 6.0
+# Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
+CERTAIN = 1e-4
+# Residuals fewer than these show no spread.
+FEWEST_ROWS = 8
 
 
 def lattice_step(values: Array) -> float | None:
     """Step of the lattice on which all values lie, None where there is none or it is finer than what they show."""
     distinct = np.unique(values)
+    # Values that differ by the rounding of the arithmetic that made them are the same.
+    distinct = distinct[np.append(True, np.diff(distinct) > SAME_VALUE * max(float(np.ptp(values)), 1e-300))]
     if len(distinct) < 3 or len(distinct) > 0.9 * len(values):
         return None
     gaps = np.diff(distinct)
@@ -72,7 +82,9 @@ class Quantisation(Effect):
     def recognise(cls, situation: Situation) -> Recognition | None:
         """All values lie on a lattice that is coarse beside the residual."""
         step = lattice_step(situation.recorded)
-        if step is None or step**2 / 12.0 < NEGLIGIBLE_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2)):
+        if step is None or step**2 / 12.0 < NEGLIGIBLE_ROUNDING * float(
+            np.mean(situation.residual[situation.used] ** 2)
+        ):
             return None
         # Values without a lattice would lie on it by chance only.
         return Recognition(cls(step=step), {"step": 1e-3 * step}, 1e-12, np.zeros(len(situation.time), bool))
@@ -114,6 +126,24 @@ class DroppedFrames(Effect):
         )
 
 
+def _repeated(situation: Situation) -> NDArray[np.bool_]:
+    """Rows that repeat the last frame, where that is recognised."""
+    found = DroppedFrames.recognise(situation)
+    return found.spoiled if found is not None and found.p_value < CERTAIN else np.zeros(len(situation.time), bool)
+
+
+def _spread_over_speed(residual: Array, velocity: Array) -> Array:
+    """Relative standard deviation of each row: one, or that of a noise that grows with the speed where it does."""
+    # Single outliers would bend the regression, so that the largest residuals count as less.
+    limit = HEAVY * 1.4826 * float(np.median(np.abs(residual)))
+    square, speed = np.clip(residual, -limit, limit) ** 2, velocity**2
+    _, slope, _, score = variance_regression(square, speed)
+    if 2.0 * tail(score) >= CERTAIN or slope <= 0.0:
+        return np.ones(len(residual))
+    base = max(float(np.mean(square) - slope * np.mean(speed)), 0.05 * float(np.mean(square)))
+    return np.asarray(np.sqrt((base + slope * speed) / (base + slope * float(np.median(speed)))))
+
+
 class Outliers(Effect):
     """Single frames in which something else than the marker was found."""
 
@@ -128,12 +158,24 @@ class Outliers(Effect):
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """Isolated residuals far outside of the robust spread of the others."""
-        known = situation.residual[situation.used]
-        residual = np.where(situation.used, situation.residual - np.median(known), 0.0)
-        spread = 1.4826 * float(np.median(np.abs(residual[situation.used])))
+        # Neither a repeated frame nor the wide noise of a jittering clock at high speed is an outlier.
+        usable = situation.used & ~_repeated(situation)
+        known = situation.residual[usable]
+        if len(known) < FEWEST_ROWS:
+            return None
+        residual = np.where(usable, situation.residual - np.median(known), 0.0)
+        residual[usable] /= _spread_over_speed(residual[usable], situation.velocity[usable])
+        spread = 1.4826 * float(np.median(np.abs(residual[usable])))
         if spread <= 0.0:
             return None
-        far: NDArray[np.bool_] = np.abs(residual) > OUTLYING * spread
+        total = len(known)
+        rarest = 1.0
+        far: NDArray[np.bool_] = np.zeros(len(residual), bool)
+        for threshold in OUTLYING:  # a few far ones, or many that are not so far
+            beyond = np.abs(residual) > threshold * spread
+            chance = rare_count(int(np.sum(beyond)), total, 2.0 * tail(0.97 * threshold)) * len(OUTLYING)
+            if np.sum(beyond) >= 2 and chance < rarest:
+                rarest, far = chance, beyond
         count = int(np.sum(far))
         if count < 2:
             return None
@@ -142,12 +184,11 @@ class Outliers(Effect):
         neighbours[:-1] |= far[1:]
         if np.sum(far & ~neighbours) < 0.7 * count or count > 0.2 * len(far):
             return None
-        total = len(known)
         share = count / total
         return Recognition(
             cls(fraction=share),
             {"fraction": sqrt(share * (1.0 - share) / total)},
-            rare_count(count, total, 2.0 * tail(OUTLYING * 0.97)),
+            min(rarest, 1.0),
             far,
         )
 
@@ -166,10 +207,13 @@ class TimestampJitter(Effect):
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """The residual's variance grows with the square of the speed, and not rather with that of the position."""
-        square = situation.residual[situation.used] ** 2
-        speed, position = situation.velocity[situation.used] ** 2, situation.position[situation.used] ** 2
-        gain, jitter, deviation, score = _variance_regression(square, speed)
-        other = _variance_regression(square, position)
+        usable = situation.used & ~_repeated(situation)
+        if np.sum(usable) < FEWEST_ROWS:
+            return None
+        square = situation.residual[usable] ** 2
+        speed, position = situation.velocity[usable] ** 2, situation.position[usable] ** 2
+        gain, jitter, deviation, score = variance_regression(square, speed)
+        other = variance_regression(square, position)
         if jitter <= 0.0 or other[0] > gain:
             return None
         timing = sqrt(jitter)
@@ -177,7 +221,7 @@ class TimestampJitter(Effect):
         return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
 
 
-def _variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
+def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
     """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
     mean = float(np.mean(square))
     centred = regressor - np.mean(regressor)

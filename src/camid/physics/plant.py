@@ -1,9 +1,13 @@
 """Effects of the plant: forces at its input, in units of u, that depend on its motion, and dynamics that it lacks."""
 
+# Compiled parts are functions that stand in a class body: they have no self, and Compiled says what they get.
+# ruff: noqa: D102, N805
+
 from __future__ import annotations
 
 from collections.abc import Iterator
 from math import exp, sin, sqrt
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,6 +16,8 @@ from camid.plant import TransferFunction, second_order
 
 # Force of a first guess as a share of the largest input: small, but above the rounding of the integrator.
 GUESS = 0.02
+# Smallest factor of a change of size; the effect is then below any noise.
+LEAST_FACTOR = 1e-9
 
 
 def static_stiffness(plant: TransferFunction) -> float:
@@ -34,6 +40,21 @@ def mobility(plant: TransferFunction) -> float:
     return abs(monic.numerator[0]) if len(monic.denominator) - len(monic.numerator) == 2 else 0.0
 
 
+def motion_sign(plant: TransferFunction) -> float:
+    """1 where a positive force moves the plant to positive y at first, -1 where the sign of y or u is the other way."""
+    return 1.0 if plant.monic.numerator[0] > 0.0 else -1.0
+
+
+class _AgainstMotion(Effect):
+    """A force that acts against the motion whatever the signs of input and output: its first value is signed."""
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """The parameters, the size of the force with the sign of the plant's gain."""
+        return [motion_sign(plant) * p if i == self.signed else p for i, p in enumerate(self.vector)]
+
+    signed: ClassVar[int] = 0
+
+
 class CoulombFriction(Effect):
     """Dry friction of constant size, which also holds the body at rest."""
 
@@ -47,12 +68,12 @@ class CoulombFriction(Effect):
     uses_velocity = True
 
     @compiled
-    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0]
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small, and half of the input, at which bodies stick."""
+        """Small, and large enough that the body sticks at times."""
         for share in (GUESS, 0.1, 0.3):
             yield cls(force=share * situation.largest("signal"))
 
@@ -73,18 +94,18 @@ class StribeckFriction(Effect):
     uses_velocity = True
 
     @compiled
-    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         share = velocity / values[2]
         return values[0] + (values[1] - values[0]) * exp(-share * share)
 
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
-        return self.with_vector(self.vector * np.array([factor, factor, 1.0]))
+        return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the fall of friction with speed, which pushes the body."""
         slope = abs(self.values["breakaway"] - self.values["coulomb"]) / self.values["velocity"]
-        return min(mobility(plant) * slope, 1e3 * float(np.max(np.abs(plant.poles()), initial=1.0)))
+        return min(3.0 * mobility(plant) * slope, 1e3 * float(np.max(np.abs(plant.poles()), initial=1.0)))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -96,7 +117,7 @@ class StribeckFriction(Effect):
                 yield cls(coulomb=level * force, breakaway=level * 1.6 * force, velocity=velocity)
 
 
-class QuadraticDrag(Effect):
+class QuadraticDrag(_AgainstMotion):
     """Resistance that grows with the square of the speed."""
 
     identifier = "quadratic-drag"
@@ -109,7 +130,7 @@ class QuadraticDrag(Effect):
     uses_velocity = True
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] * abs(velocity) * velocity
 
     @classmethod
@@ -119,7 +140,7 @@ class QuadraticDrag(Effect):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("velocity") ** 2)
 
 
-class CubicStiffness(Effect):
+class CubicStiffness(_AgainstMotion):
     """A spring that hardens, or softens, with the cube of the displacement."""
 
     identifier = "cubic-stiffness"
@@ -131,7 +152,7 @@ class CubicStiffness(Effect):
     strength = "coefficient"
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] * position * position * position
 
     @classmethod
@@ -141,7 +162,7 @@ class CubicStiffness(Effect):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("position") ** 3)
 
 
-class QuadraticStiffness(Effect):
+class QuadraticStiffness(_AgainstMotion):
     """A spring that is stiffer to one side than to the other."""
 
     identifier = "quadratic-stiffness"
@@ -153,7 +174,7 @@ class QuadraticStiffness(Effect):
     strength = "coefficient"
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] * position * position
 
     @classmethod
@@ -174,12 +195,16 @@ class PendulumGravity(Effect):
     parameters = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[1] * (values[0] * sin(position / values[0]) - position)
 
     def force_values(self, plant: TransferFunction) -> list[float]:
         """Amplitude and static stiffness."""
         return [self.values["amplitude"], static_stiffness(plant)]
+
+    def scaled(self, factor: float) -> PendulumGravity:
+        """Another amplitude: the force is proportional to the inverse of its square while the angle is small."""
+        return self.with_vector(self.vector / sqrt(max(factor, LEAST_FACTOR)))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -188,7 +213,7 @@ class PendulumGravity(Effect):
             yield cls(amplitude=situation.largest("position") / angle)
 
 
-class EndStop(Effect):
+class EndStop(_AgainstMotion):
     """A stop that pushes back beyond a position."""
 
     identifier = "end-stop"
@@ -201,15 +226,16 @@ class EndStop(Effect):
         Parameter("stiffness", "u/y", "stiffness k_s of the contact", 0.0),
     )
     strength = "stiffness"
+    signed = 1
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         if values[0] >= 0.0:
             return values[1] * max(position - values[0], 0.0)
         return values[1] * min(position - values[0], 0.0)
 
     @compiled
-    def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return position - values[0]
 
     def frequency(self, plant: TransferFunction) -> float:
@@ -230,7 +256,7 @@ class EndStop(Effect):
                         yield cls(position=float(share * edge), stiffness=factor * stiffness)
 
 
-class Hysteresis(Effect):
+class Hysteresis(_AgainstMotion):
     """Bouc–Wen hysteresis: a force that follows the motion and saturates, whichever way it goes."""
 
     identifier = "hysteresis"
@@ -243,18 +269,25 @@ class Hysteresis(Effect):
         Parameter("shape", "1/y", "inverse κ of the displacement that saturates it", 1e-300),
     )
     strength = "strength"
-    uses_velocity = True
 
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] * memory
 
     @compiled
-    def memory_rate(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
-        return values[1] * (velocity - 0.5 * abs(velocity) * memory - 0.5 * velocity * abs(memory))
+    def memory_after(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        # Exact: dz/dx = κ against the present sign of z, and κ (1 - |z|) along it.
+        way = values[1] * position
+        side = 1.0 if way >= 0.0 else -1.0
+        along, way = side * memory, side * way
+        if along < 0.0:
+            if way <= -along:
+                return side * (along + way)
+            way, along = way + along, 0.0
+        return side * (1.0 - (1.0 - along) * exp(-way))
 
     @compiled
-    def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return velocity
 
     def frequency(self, plant: TransferFunction) -> float:
@@ -287,6 +320,11 @@ class ExtraMode(Effect):
         """The mode, with a static gain of one."""
         return second_order(1.0, self.values["natural_frequency"], self.values["damping"])
 
+    def scaled(self, factor: float) -> ExtraMode:
+        """Both terms of the mode's denominator, s²/ω₁² and 2 ξ₁ s/ω₁, scaled."""
+        root = sqrt(max(factor, LEAST_FACTOR))
+        return self.with_vector(self.vector * np.array([1.0 / root, root]))
+
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Frequencies from a third of the plant's to three times the Shannon limit."""
@@ -311,8 +349,12 @@ class ParameterDrift(Effect):
     )
     strength = "rate"
 
+    def __init__(self, **values: Any) -> None:
+        super().__init__(**values)
+        self.uses_velocity = self.values["coefficient"] == "damping"
+
     @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def,misc] # noqa: N805
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] * time * (values[1] * position + values[2] * velocity - values[3] * signal)
 
     def force_values(self, plant: TransferFunction) -> list[float]:

@@ -39,10 +39,11 @@ class Exposure(Effect):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Several shares of the period, away from the declared one."""
         acquisition = situation.acquisition
-        declared = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0) / acquisition.period
+        declared = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
         for share in (0.05, 0.25, 0.5, 0.75, 1.0):
-            if abs(share - declared) > 0.02:
-                yield cls(exposure=share * acquisition.period)
+            exposure = share * acquisition.period
+            if abs(exposure - declared) > 0.02 * acquisition.period:
+                yield cls(exposure=exposure).measured_from(declared)
 
 
 class Delay(Effect):
@@ -103,7 +104,7 @@ class ClockSkew(Effect):
     place = "sensor"
     title = "Clock skew between camera and input"
     equation = r"w_k = w((1 + \epsilon)\,t_k)"
-    reference = "Kay (1993), Fundamentals of Statistical Signal Processing, section 3.9 (time-scale errors)"
+    reference = "Moon, Skelly & Towsley (1999), Proc. IEEE INFOCOM, 227-234"
     parameters = (Parameter("skew", "", "relative rate ε", -0.5, 0.5),)
     strength = "skew"
 
@@ -165,15 +166,20 @@ class Clipping(Effect):
         """Edges inside the simulated range, at either side or both, and where the recorded values end."""
         position, recorded = situation.position, situation.recorded
         low, high = float(np.min(position)), float(np.max(position))
-        span = high - low
+        span = (high - low) or 1.0
         far_low, far_high = low - span, high + span
-        yield cls(low=float(np.quantile(recorded, 0.01)), high=float(np.quantile(recorded, 0.99)))
-        yield cls(low=float(np.quantile(recorded, 0.005)), high=far_high)
-        yield cls(low=far_low, high=float(np.quantile(recorded, 0.995)))
+        edges = [
+            (float(np.quantile(recorded, 0.01)), float(np.quantile(recorded, 0.99))),
+            (float(np.quantile(recorded, 0.005)), far_high),
+            (far_low, float(np.quantile(recorded, 0.995))),
+        ]
         for share in (0.95, 0.85, 0.7):
-            yield cls(low=share * low, high=share * high)
-            yield cls(low=far_low, high=share * high)
-            yield cls(low=share * low, high=far_high)
+            near_low, near_high = high - share * span, low + share * span
+            edges += [(near_low, near_high), (far_low, near_high), (near_low, far_high)]
+        for edge_low, edge_high in edges:
+            # An edge outside of the motion does nothing, wherever it is.
+            neutral = (min(low, edge_low), max(high, edge_high))
+            yield cls(low=edge_low, high=edge_high).measured_from(*neutral)
 
 
 class SensorOffset(Effect):
@@ -244,7 +250,7 @@ class SpeedWeightedCentroid(Effect):
     identifier = "speed-weighted-centroid"
     place = "sensor"
     title = "Speed-weighted centroid"
-    equation = r"w_k = \int y\,|\dot y|\,\mathrm{d}t \,\Big/ \int |\dot y|\,\mathrm{d}t"
+    equation = r"w_k = \int y\,|\dot y|\,\mathrm{d}t \ /\ \int |\dot y|\,\mathrm{d}t"
     reference = "Laroche & Delavigne, equation (2)"
     parameters = ()
 

@@ -1,0 +1,217 @@
+"""What ``camid diagnose`` refuses: one line, exit code 2, and nothing half-written."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import camid
+from camid.cli import INTERRUPTED, main
+from camid.diagnosis.files import FILES, write_diagnosis
+from camid.errors import InputError
+from tests import rig
+from tests.diagnosis import synthetic
+from tests.diagnosis.recordings import record, simulation
+
+COMMAND = ["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "found"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The current folder, with a recording and the simulation that fits it."""
+    monkeypatch.chdir(tmp_path)
+    record(count=200).to_csv("recording.csv", index=False)
+    rig.write_yaml(simulation(), tmp_path / "S.yaml")
+    return tmp_path
+
+
+def everything():
+    """Content of all files below the current folder."""
+    return {str(p): p.read_bytes() if p.is_file() else None for p in sorted(Path().rglob("*"))}
+
+
+def refusal(capsys, arguments=COMMAND):
+    """Message of a command that has to fail and to leave everything as it was."""
+    before = everything()
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("camid: error: ")
+    assert (err.count("\n"), err[-1]) == (1, "\n")
+    assert everything() == before
+    return err
+
+
+def known(identifier, **parameters):
+    return {"effects": [{"id": identifier, "parameters": parameters}]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (known("coulomb-fricton", force=0.1), "no effect 'coulomb-fricton'; did you mean 'coulomb-friction'?"),
+        (known("magic", force=0.1), "no effect 'magic'; known here: "),
+        (known("coulomb-friction", forces=0.1), "no parameter 'forces'; did you mean 'force'?"),
+        (known("absolute-value", size=0.1), "absolute-value has no parameter 'size'; it has none"),
+        (known("coulomb-friction"), "coulomb-friction needs the parameter 'force'"),
+        (known("coulomb-friction", force=-0.1), "coulomb-friction, force = -0.1; it must be at least 0"),
+        (known("dropped-frames", fraction=1.5), "fraction = 1.5; it must be from 0 to 1"),
+        (known("coulomb-friction", force="big"), "'big' is no finite number"),
+        (known("coulomb-friction", force=[1.0]), "[1.0] is no finite number"),
+        (known("coulomb-friction", force=None), "None is no finite number"),
+        (known("coulomb-friction", force=True), "True is no finite number"),
+        (known("input-hold", hold="cubic"), "input-hold, hold: 'cubic' is none of zoh, foh"),
+        ({"effects": 2 * known("dead-zone", half_width=0.1)["effects"]}, "the effect 'dead-zone' stands twice"),
+    ],
+)
+@pytest.mark.parametrize("command", ["diagnose", "simulate"])
+def test_wrong_effects(folder, capsys, command, changes, said):
+    rig.write_yaml(simulation(**changes), folder / "S.yaml")
+    message = refusal(capsys, [command, *COMMAND[1:]])
+    assert said in message
+    assert message.startswith("camid: error: S.yaml, line ")
+
+
+@pytest.mark.parametrize("command", ["diagnose", "simulate"])
+def test_an_effect_without_meaning_for_the_plant(folder, capsys, command):
+    """Friction on a plant whose motion jumps with the input."""
+    plant = rig.plant([1.0, 2.0, 100.0], [1.0, 2.0, 100.0])
+    rig.write_yaml(simulation(plant=plant, **known("coulomb-friction", force=0.1)), folder / "S.yaml")
+    message = refusal(capsys, [command, *COMMAND[1:]])
+    assert "coulomb-friction depends on a motion that jumps with the input" in message
+    assert "S.yaml, line" in message
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"plant": rig.plant([2.0], [1.0])}, "S.yaml: the plant has no dynamics"),
+        ({"plant": rig.plant([2.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
+        ({"input": None}, "S.yaml: without input and at rest nothing moves; set initial_state: estimate"),
+        ({"validation": {"start": 90.0, "end": 99.0}}, "no row of the recording lies between 90 s and 99 s"),
+        ({"validation": {"start": 0.0, "end": 99.0}}, "samples are too few"),
+        ({"sensor": {"column": "y", "kind": "camera", "exposure": 0.03}}, "longer than the period"),
+        ({"sensor": {"column": "z", "kind": "camera"}}, "no column 'z'"),
+        ({"time": {"column": "u"}, "input": {"column": "u", "hold": "zoh"}}, "time and input are the same column"),
+    ],
+)
+def test_wrong_simulations(folder, capsys, changes, said):
+    rig.write_yaml(simulation(**changes), folder / "S.yaml")
+    assert said in refusal(capsys)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda t: t.iloc[:99], "99 samples are too few to diagnose a plant of 3 unknowns; record at least 100"),
+        (lambda t: t.assign(y=2.0), "column 'y' is constant"),
+        (lambda t: t.assign(u=0.0), "column 'u' is zero throughout"),
+        (lambda t: t.assign(y=t["y"].where(t.index != 7)), "column 'y'"),
+        (lambda t: t.assign(u=t["u"].where(t.index != 7)), "recording.csv, line 9, column 'u'"),
+        (lambda t: t.drop(index=7), "a row seems to be missing"),
+        (lambda t: t.assign(t=t["t"].iloc[::-1].to_numpy()), "the time goes back"),
+        (lambda t: t.assign(y=np.inf), "column 'y'"),
+    ],
+)
+def test_wrong_recordings(folder, capsys, change, said):
+    change(pd.read_csv("recording.csv")).to_csv("recording.csv", index=False)
+    message = refusal(capsys)
+    assert said in message
+    assert "recording.csv" in message
+
+
+@pytest.mark.parametrize(
+    ("output", "said"),
+    [
+        ("S.yaml", "S.yaml: this is a file; name a folder for the results"),
+        ("no/folder", "no: no such folder; make it, or write elsewhere"),
+        ("occupied", "report.html: this is a folder"),
+        ("own", "diagnosis.json would overwrite what it is made from"),
+    ],
+)
+def test_wrong_outputs(folder, capsys, output, said):
+    (folder / "occupied" / "report.html").mkdir(parents=True)
+    (folder / "own").mkdir()
+    (folder / "own" / "diagnosis.json").write_bytes((folder / "S.yaml").read_bytes())
+    arguments = [*COMMAND[:-1], output]
+    if output == "own":
+        arguments[3] = "own/diagnosis.json"
+    assert said in refusal(capsys, arguments)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
+def test_a_folder_without_the_right_to_write(folder, capsys):
+    (folder / "found").mkdir(mode=0o500)
+    assert "found: no right to write here" in refusal(capsys)
+
+
+def test_the_same_recording_twice(folder, capsys):
+    arguments = [*COMMAND[:2], "./recording.csv", *COMMAND[2:]]
+    assert "the same recording is named twice" in refusal(capsys, arguments)
+
+
+def test_recordings_of_different_columns(folder, capsys):
+    pd.read_csv("recording.csv").rename(columns={"y": "z"}).to_csv("second.csv", index=False)
+    assert "second.csv: no column 'y'" in refusal(capsys, [*COMMAND[:2], "second.csv", *COMMAND[2:]])
+
+
+def test_no_file_is_written_if_one_cannot_be_made(tmp_path, monkeypatch):
+    def broken(diagnosis):
+        raise RuntimeError("no picture")
+
+    monkeypatch.setattr("camid.diagnosis.report.render", broken)
+    with pytest.raises(RuntimeError):
+        write_diagnosis(synthetic.diagnosis("explained"), tmp_path / "found")
+    assert not (tmp_path / "found").exists()
+
+
+def test_a_full_disk_is_said_with_what_was_written_before(tmp_path, monkeypatch):
+    """The third file fails: the first two are whole, the others are those of before."""
+    folder = tmp_path / "found"
+    folder.mkdir()
+    for name in FILES:
+        (folder / name).write_text("older result")
+    written = Path.write_bytes
+
+    def full(path, data):
+        if path.suffix == ".csv":
+            written(path, data[:10])
+            raise OSError(28, "No space left on device")
+        return written(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError) as caught:
+        write_diagnosis(synthetic.diagnosis("explained"), folder)
+    assert "No space left on device" in str(caught.value)
+    assert "written before: diagnosis.json, improved.yaml" in str(caught.value)
+    assert sorted(p.name for p in folder.iterdir()) == sorted(FILES)
+    assert [(folder / name).read_text() == "older result" for name in FILES] == [False, False, True, True]
+
+
+def test_no_report_of_an_earlier_diagnosis_stays(tmp_path):
+    for report, expected in ((True, FILES), (False, FILES[:3])):
+        written = write_diagnosis(synthetic.diagnosis("explained"), tmp_path / "found", report=report)
+        assert [p.name for p in written] == list(expected)
+        assert sorted(p.name for p in (tmp_path / "found").iterdir()) == sorted(expected)
+
+
+def test_the_recording_is_a_table_or_a_path():
+    with pytest.raises(InputError, match="no recording is given"):
+        camid.diagnose([], simulation())
+
+
+@pytest.mark.parametrize("step", ["investigate", "residuals", "write_whole"])
+def test_an_interrupt_leaves_nothing_half_written(folder, capsys, monkeypatch, step):
+    """Ctrl-C while it is computed, while the files are made and while they are written."""
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"camid.diagnosis.files.{step}", interrupted)
+    assert main(COMMAND) == INTERRUPTED
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.strip() == "camid: interrupted; no file is half-written"
+    assert [p for p in folder.rglob("*") if p.is_file() and p.parent != folder] == []
