@@ -1,7 +1,8 @@
 """Camera-aware identification of machine dynamics.
 
-``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose`` finds
-what it leaves out. They mirror the commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
+``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose``
+finds what it leaves out. They mirror the commands of the same name. Importing this package is cheap: each name is
+loaded when it is first used.
 """
 
 from importlib import import_module

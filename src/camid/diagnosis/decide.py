@@ -31,21 +31,27 @@ MOST_EXCHANGES = 4
 WORTH_AN_EXCHANGE = 2.0
 # Candidates that are fitted, and evaluations for a first and for a thorough fit.
 MOST_CANDIDATES = 12
-MOST_RIVALS = 7
-FIRST_STEPS = 10
+MOST_BESIDE = 7
+MOST_RIVALS = 5
+FIRST_STEPS = 8
 ALL_STEPS = 30
 # Candidates whose screened gain is below this share of the best, or chance with this probability, are not fitted.
 LEAST_SHARE = 0.01
 MOST_CHANCE = 0.1
 # Hypotheses that stay behind the best by more than this are not fitted thoroughly.
-BEHIND = 80.0
+BEHIND = 50.0
+MOST_THOROUGH = 6
+# Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
+BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
 # Prior probability that a law is another one of the same name, and the share of the mismatch that it then leaves.
 OTHER_LAW = 0.3
 LAW_ERROR = 0.04
+# The same where the hypothesis is a special case of the likeliest law.
+KIN_ERROR = 0.3
 # Standard errors by which errors on validation rows may grow before an effect is refused.
 WORSE = 2.0
-# Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that has
-# to show there, if the difference is beyond so many standard errors.
+# Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that
+# has to show there, if the difference is beyond so many standard errors.
 MUCH_WORSE = 1.5
 LEAST_GAIN = 0.15
 FAR = 4.0
@@ -130,19 +136,60 @@ def hypotheses(
         if nominal is not None:
             tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), ALL_STEPS), gross)
             first += [h for h in tried if h is not None]
+        first += _simpler(problem, base, first)
         best: dict[str, Hypothesis] = {}
         for hypothesis in first:
             known = best.get(hypothesis.identifier)
             if known is None or hypothesis.criterion < known.criterion:
                 best[hypothesis.identifier] = hypothesis
         ranked = sorted(best.values(), key=lambda h: h.criterion)
-        near = [h for h in ranked if h.criterion <= ranked[0].criterion + BEHIND] if ranked else []
-        again = pool.map(lambda h: _fitted(problem, h.identifier, h.fitted.model, ALL_STEPS), near)
+        near = [h for h in ranked[:MOST_THOROUGH] if h.criterion <= ranked[0].criterion + BEHIND]
+        again = pool.map(lambda h: _fitted(problem, h.identifier, _start(problem, h, near[0]), ALL_STEPS), near)
         thorough = [
             new if new is not None and new.criterion < old.criterion else old
             for old, new in zip(near, again, strict=True)
         ]
     return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
+
+
+def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Special cases of what was fitted, from where that fit ended."""
+    present = {e.identifier for e in base.model.effects}
+    found = []
+    for hypothesis in fitted:
+        model = hypothesis.fitted.model
+        effect = model.effects[-1].simplified()
+        if effect is not None and effect.identifier not in present:
+            start = Model(model.coefficients, (*model.effects[:-1], effect), model.initial)
+            found.append(_fitted(problem, effect.identifier, start, FIRST_STEPS))
+    return [h for h in found if h is not None]
+
+
+def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
+    """Where a thorough fit starts: where the first one ended, or from coefficients and states of the best hypothesis.
+
+    A first fit may have stopped in a local minimum in which the coefficients imitate what the effect should do.
+    """
+    own = hypothesis.fitted.model
+    if hypothesis is best:
+        return own
+    borrowed = best.fitted.model
+    starts = [own]
+    for factor in BORROWED_SIZES:
+        try:
+            effect = own.effects[-1].scaled(factor)
+        except ValueError:
+            continue
+        starts.append(Model(borrowed.coefficients, (*borrowed.effects[:-1], effect), borrowed.initial))
+    costs = []
+    for start in starts:
+        try:
+            pinned = problem.pinned(start, finest=False)
+            residual = problem.output - problem.fitted(pinned.simulate(start))
+            costs.append(float(residual @ residual))
+        except (ValueError, ArithmeticError):
+            costs.append(np.inf)
+    return starts[int(np.argmin(np.nan_to_num(costs, nan=np.inf)))]
 
 
 def _fitted(
@@ -159,7 +206,10 @@ def _fitted(
 
 
 def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int) -> list[Candidate]:
-    """The two likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
+    """The likeliest shapes of each of the likeliest effects, of those that may be more than chance.
+
+    Two of each at first, and one where other effects are known already.
+    """
     from scipy.stats import chi2
 
     if not screened:
@@ -171,7 +221,7 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int) -> li
         chance = float(chi2.sf(candidate.gain, 1)) * trials(type(candidate.effect), problem) * count
         if candidate.gain >= least and chance < MOST_CHANCE:
             known = shapes.setdefault(candidate.effect.identifier, [])
-            if len(known) < 2:
+            if len(known) < (2 if most == MOST_CANDIDATES else 1):
                 known.append(candidate)
     return [c for known in list(shapes.values())[:most] for c in known]
 
@@ -206,10 +256,15 @@ def decide(
             names = ", ".join(e.identifier for e in current.model.effects)
             progress(f"fitting what may be missing{' besides ' + names if names else ''}")
         found = screen(problem, current) if screened is None else screened
-        ranked = hypotheses(problem, current, found, None if current.model.effects else nominal)
+        beside = len(current.model.effects) > known
+        ranked = hypotheses(
+            problem, current, found, None if beside else nominal, MOST_BESIDE if beside else MOST_CANDIDATES
+        )
         screened = None
-        ranked = [h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)]
-        level = FALSE_ALARM_BESIDE if len(current.model.effects) > known else FALSE_ALARM
+        ranked = [
+            h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)
+        ]
+        level = FALSE_ALARM_BESIDE if beside else FALSE_ALARM
         if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
             break
         current = ranked[0].fitted
@@ -225,13 +280,13 @@ def _refuted(
     """Whether the rows that were not fitted speak against an effect."""
     if validation is None:
         return False
-    errors = [
+    before, after = (
         [(e.output - s)[r] for e, s, r in zip(problem.experiments, problem.simulate(model), validation, strict=True)]
         for model in (current.model, hypothesis.fitted.model)
-    ]
+    )
     effect = hypothesis.fitted.model.effects[-1]
     expected = (current.cost - hypothesis.fitted.cost) / len(current.residual)
-    return refuted(expected, *errors, one_off=bool(effect.breaks() or effect.impulses()))
+    return refuted(expected, before, after, bool(effect.breaks() or effect.impulses()))
 
 
 def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
@@ -290,10 +345,14 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
     raw = []
+    kin = lead.fitted.model.effects[-1].simplified() if lead.fitted.model.effects else None
     for hypothesis in ranked:
+        # Dahl's friction is friction, and fits Bouc and Wen's hysteresis best.
+        related = kin is not None and hypothesis.identifier == kin.identifier
+        error = KIN_ERROR if related else LAW_ERROR
         left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
         exact = float(np.exp(-0.5 * max(hypothesis.criterion - lead.criterion, 0.0)))
-        raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / LAW_ERROR))))
+        raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))))
     total = sum(w for _, w in raw)
     raw.sort(key=lambda item: -item[1])
     kept = [(name, w / total) for name, w in raw if w / total >= LEAST_WEIGHT][:LARGEST_CLASS]

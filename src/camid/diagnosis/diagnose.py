@@ -29,7 +29,8 @@ STRUCTURE = 2e-4
 # Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave behind.
 UNLISTED_SCALE = 3.0
 MOST_UNLISTED = 0.95
-# Errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many standard errors.
+# Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many
+# standard errors.
 UNEXPECTED = 1.2
 BEYOND = 5.0
 LONGEST_CORRELATION = 200

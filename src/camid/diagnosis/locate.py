@@ -68,7 +68,7 @@ def _scaled(values: Array) -> Array:
 
 def _hinges(values: Array, count: int) -> list[Array]:
     """Piecewise linear functions of a signal with so many knots at its quantiles."""
-    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, count + 2)[1:-1]))
+    knots = np.quantile(values, np.linspace(0.0, 1.0, count + 2)[1:-1])
     return [np.maximum(values - k, 0.0) for k in knots]
 
 
@@ -128,6 +128,8 @@ def _place_test(problem: Problem, view: Metric, place: str, table: Array, energy
 
     whitened = problem.whitened(table, view.whitening)
     lengths = np.linalg.norm(whitened, axis=0)
+    if not np.any(lengths > 0.0):
+        return PlaceTest(place, QUESTIONS[place], 1.0, 0.0, 0.0)
     whitened = whitened[:, lengths > 0.0] / lengths[lengths > 0.0]
     whitened = whitened - view.basis @ (view.basis.T @ whitened)
     left, singular, _ = np.linalg.svd(whitened, full_matrices=False)

@@ -21,9 +21,12 @@ Array = NDArray[np.float64]
 LARGEST_LAG = 25
 LARGEST_ORDER = 12
 ROWS_A_COEFFICIENT = 20
-# Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak effect
-# would else be mistaken for colour, which the test of whiteness would not confirm.
+# Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak
+# effect would else be mistaken for colour, which the test of whiteness would not confirm.
 COLOURED = 12.0
+# Steps in a period of simulations that rank hypotheses, and of those that decide.
+MOST_COARSE_STEPS = 12
+MOST_STEPS = 100
 ROWS_A_LAG = 8
 
 
@@ -123,7 +126,7 @@ class Problem:
         """
         free = replace(self, steps=None)
         counts = tuple(
-            steps_of(free.chain(model, i), e.signal, t, finest=finest)
+            min(steps_of(free.chain(model, i), e.signal, t, finest=finest), MOST_STEPS if finest else MOST_COARSE_STEPS)
             for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True))
         )
         return replace(self, steps=counts)
@@ -267,7 +270,7 @@ def companion_state(structure: Structure, coefficients: Array, polynomial: Array
         wanted[k] = free @ state
         row = row @ matrix
         state = matrix @ state
-    return np.linalg.lstsq(observed, wanted, rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(observed, wanted, rcond=None)[0], dtype=np.float64)
 
 
 def plant_of(problem: Problem, model: Model) -> TransferFunction:

@@ -1,4 +1,4 @@
-"""Recognise effects that change the noise: repeated frames, outliers, jitter, quantisation, and noise that is coloured."""
+"""Recognise effects that change the noise: repeated frames, outliers, jitter, quantisation, coloured noise."""
 
 from __future__ import annotations
 
@@ -100,11 +100,11 @@ def _coloured(problem: Problem, final: Fitted, p_value: float) -> Recognition:
     deviations = np.sqrt(np.diag(covariance))[::-1]
     effect = ColouredNoise(spectrum=coefficients.tolist())
     spoiled = np.zeros(len(problem.times[0]), bool)
-    return Recognition(effect, {"spectrum": deviations.tolist()}, p_value, spoiled)  # type: ignore[dict-item]
+    return Recognition(effect, {"spectrum": deviations.tolist()}, p_value, spoiled)
 
 
 def depends_on_position(problem: Problem, final: Fitted) -> float:
-    """Probability that the noise's variance changes as much with the position, if it does not (Breusch & Pagan 1979)."""
+    """P-value of a variance of the noise that does not change with the position (Breusch & Pagan 1979)."""
     situation = problem.situation(final.model)
     square = situation.residual[situation.used] ** 2
     regressor = situation.position[situation.used] ** 2

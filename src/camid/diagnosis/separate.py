@@ -8,14 +8,14 @@ from collections.abc import Sequence
 EXPERIMENTS: tuple[tuple[frozenset[str], str], ...] = (
     (
         frozenset({"delay", "actuator-lag", "exposure", "input-hold", "extra-mode", "rate-limit"}),
-        "Input and output of one camera cannot tell these apart at first order. Flash a light with the command to measure "
-        "the latency, shorten the exposure at the same frame rate, or record at twice the frame rate with an input that "
-        "has energy up to half of it.",
+        "Input and output of one camera cannot tell these apart at first order. Flash a light with the command to "
+        "measure the latency, shorten the exposure at the same frame rate, or record at twice the frame rate with "
+        "an input that has energy up to half of it.",
     ),
     (
         frozenset({"input-bias", "sensor-offset", "gain-asymmetry", "quadratic-stiffness", "step-disturbance"}),
-        "Record the rig at rest with zero input, then repeat the recording with the input's sign reversed and with half "
-        "of its amplitude: an offset stays, an asymmetry scales with the input.",
+        "Record the rig at rest with zero input, then repeat the recording with the input's sign reversed and "
+        "with half of its amplitude: an offset stays, an asymmetry scales with the input.",
     ),
     (
         frozenset({"dead-zone", "saturation", "backlash"}),
@@ -23,13 +23,14 @@ EXPERIMENTS: tuple[tuple[frozenset[str], str], ...] = (
     ),
     (
         frozenset({"coulomb-friction", "stribeck-friction", "hysteresis", "quadratic-drag", "backlash"}),
-        "Record a free decay from a large amplitude, and slow reversals of small amplitude: dry friction stops the motion "
-        "linearly and holds it, hysteresis closes loops, drag fades with the amplitude.",
+        "Record a free decay from a large amplitude, and slow reversals of small amplitude: dry friction stops "
+        "the motion linearly and holds it, hysteresis closes loops, drag fades with the amplitude.",
     ),
     (
         frozenset({"cubic-stiffness", "pendulum-gravity", "quadratic-stiffness", "end-stop", "lens-distortion"}),
-        "Repeat the recording at half and at twice the amplitude, and hold the rig still at several positions: the camera's "
-        "distortion shows at rest, a spring's law in the force that holds it, a stop beyond its position only.",
+        "Repeat the recording at half and at twice the amplitude, and hold the rig still at several positions: "
+        "the camera's distortion shows at rest, a spring's law in the force that holds it, a stop beyond its "
+        "position only.",
     ),
     (
         frozenset({"clipping", "lens-distortion", "saturation", "absolute-value"}),

@@ -123,19 +123,21 @@ def explanation(verdict: str, found: Sequence[Finding], fit: Fit, location: Loca
     if verdict == "adequate":
         return (
             f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
-            f"leaves {before:.3g} % of the output's standard deviation on rows that were not fitted, and the noise alone "
-            f"{floor:.3g} %. What the recording could not have shown is listed."
+            f"leaves {before:.3g} % of the output's standard deviation on rows that were not fitted, and the noise "
+            f"alone {floor:.3g} %. What the recording could not have shown is listed."
         )
     where = f" The mismatch sits at the {location.place}." if location.place else ""
     if verdict == "unexplained":
         return (
             f"Something is left out, and no effect of the catalogue explains it: re-estimating the coefficients leaves "
-            f"{before:.3g} % of the output's standard deviation, of which noise would account for {floor:.3g} %.{where}"
+            f"{before:.3g} % of the output's standard deviation on rows that were not fitted (the noise in the fitted "
+            f"ones is estimated as {floor:.3g} %), and what is left is structured.{where}"
         )
     names = " and ".join(_described(f) for f in found)
     sentence = (
-        f"The simulation leaves out: {names}. On rows that were not fitted the error falls from {before:.3g} % (coefficients "
-        f"re-estimated) to {after:.3g} % of the output's standard deviation; noise alone is {floor:.3g} %.{where}"
+        f"The simulation leaves out: {names}. On rows that were not fitted the error falls from {before:.3g} % "
+        f"(coefficients re-estimated) to {after:.3g} % of the output's standard deviation; noise alone is {floor:.3g} "
+        f"%.{where}"
     )
     if verdict == "partly-explained":
         sentence += " What is left is still structured, so something else is missing, too, or the law is another."

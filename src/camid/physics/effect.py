@@ -107,8 +107,14 @@ class Situation:
     used: NDArray[np.bool_]
 
     def largest(self, name: str, share: float = 1.0) -> float:
-        """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero."""
-        return float(np.quantile(np.abs(getattr(self, name)), share)) or 1.0
+        """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
+
+        Without input the force that would hold the plant where it moves stands for it.
+        """
+        found = float(np.quantile(np.abs(getattr(self, name)), share))
+        if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
+            found = abs(self.plant.denominator[-1] / self.plant.numerator[-1]) * self.largest("position", share)
+        return found or 1.0
 
     @property
     def duration(self) -> float:
@@ -240,6 +246,10 @@ class Effect:
         if self.strength is None:
             return True
         return next(p.lower for p in self.parameters if p.name == self.strength) >= 0.0
+
+    def simplified(self) -> Effect | None:
+        """A simpler effect of about the same size that is a special case of this one; None if there is none."""
+        return None
 
     def scaled(self, factor: float) -> Self:
         """The same effect, changing the output by about ``factor`` ≥ 0 times as much; the same where it has no size."""

@@ -98,6 +98,10 @@ class StribeckFriction(Effect):
         share = velocity / values[2]
         return values[0] + (values[1] - values[0]) * exp(-share * share)
 
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the larger of both levels."""
+        return CoulombFriction(force=max(self.values["coulomb"], self.values["breakaway"]))
+
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
         return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
@@ -289,6 +293,10 @@ class Hysteresis(_AgainstMotion):
     @compiled
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return velocity
+
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the saturated force."""
+        return CoulombFriction(force=self.values["strength"])
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the unsaturated hysteretic spring."""
