@@ -14,10 +14,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.fit import Fitted, fit
+from camid.diagnosis.fit import Fitted, evaluate, fit
 from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.screen import WORKERS, Candidate, screen, trials
+from camid.diagnosis.weigh import Hypothesis, refuted
 from camid.physics import known_effects
+from camid.physics.effect import Effect
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None] | None
@@ -31,6 +33,7 @@ MOST_EXCHANGES = 4
 WORTH_AN_EXCHANGE = 2.0
 # Candidates that are fitted, and evaluations for a first and for a thorough fit.
 MOST_CANDIDATES = 12
+MOST_FROM_NOMINAL = 7
 MOST_BESIDE = 7
 MOST_RIVALS = 5
 FIRST_STEPS = 8
@@ -43,39 +46,6 @@ BEHIND = 50.0
 MOST_THOROUGH = 6
 # Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
 BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
-# Prior probability that a law is another one of the same name, and the share of the mismatch that it then leaves.
-OTHER_LAW = 0.3
-LAW_ERROR = 0.04
-# The same where the hypothesis is a special case of the likeliest law.
-KIN_ERROR = 0.3
-# Standard errors by which errors on validation rows may grow before an effect is refused.
-WORSE = 2.0
-# Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that
-# has to show there, if the difference is beyond so many standard errors.
-MUCH_WORSE = 1.5
-LEAST_GAIN = 0.15
-FAR = 4.0
-# Weight from which an alternative is worth naming, and how many effects a class may hold.
-LEAST_WEIGHT = 0.01
-LARGEST_CLASS = 4
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """An effect beside a base model, fitted.
-
-    Attributes
-    ----------
-    identifier : str
-    fitted : Fitted
-        Its effect is the last of the model.
-    criterion : float
-        Bayes's criterion, with a penalty for a search over times or frequencies.
-    """
-
-    identifier: str
-    fitted: Fitted
-    criterion: float
 
 
 @dataclass(frozen=True)
@@ -125,7 +95,7 @@ def hypotheses(
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
     """
     starts = _shortlist(problem, screened, most)
-    gross = [] if nominal is None else [c.effect for c in screened if not c.effect.parameters]
+    gross = [] if nominal is None else _from_nominal(problem, nominal, screened)
 
     def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
@@ -134,7 +104,7 @@ def hypotheses(
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(lambda c: fitted(c, FIRST_STEPS), starts) if h is not None]
         if nominal is not None:
-            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), ALL_STEPS), gross)
+            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), gross)
             first += [h for h in tried if h is not None]
         first += _simpler(problem, base, first)
         best: dict[str, Hypothesis] = {}
@@ -150,6 +120,20 @@ def hypotheses(
             for old, new in zip(near, again, strict=True)
         ]
     return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
+
+
+def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[Candidate]) -> list[Effect]:
+    """Effects that a fit should start with from the nominal coefficients, which they may have bent beyond repair.
+
+    Those without parameters, and those that the residual of the nominal model speaks for.
+    """
+    effects = [c.effect for c in screened if not c.effect.parameters]
+    present = {e.identifier for e in effects}
+    for candidate in screen(problem, evaluate(problem, nominal)):
+        if candidate.effect.identifier not in present and len(effects) < MOST_FROM_NOMINAL:
+            present.add(candidate.effect.identifier)
+            effects.append(candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect)
+    return effects
 
 
 def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
@@ -286,7 +270,8 @@ def _refuted(
     )
     effect = hypothesis.fitted.model.effects[-1]
     expected = (current.cost - hypothesis.fitted.cost) / len(current.residual)
-    return refuted(expected, before, after, bool(effect.breaks() or effect.impulses()))
+    noise = hypothesis.fitted.cost / len(current.residual)
+    return refuted(expected, noise, before, after, bool(effect.breaks() or effect.impulses()))
 
 
 def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
@@ -324,59 +309,3 @@ def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progre
         identifier = current.model.effects[index].identifier
         rivals.append([Hypothesis(identifier, current, current.criterion)])
     return Decision(base, current, rivals, without)
-
-
-def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, float]]:
-    """Posterior weights of a class, the likeliest first: at most four effects that the data do not rule out.
-
-    Bayes's criterion takes every law as exact, and no rig's friction is. A name stands for laws like the catalogue's, so
-    a hypothesis that leaves a small share of the mismatch is not ruled out by many samples: with the prior probability
-    ``OTHER_LAW`` the law is another one of the same name, which leaves a share of the order of ``LAW_ERROR`` behind.
-
-    Parameters
-    ----------
-    ranked : sequence of Hypothesis
-        In the place of one effect.
-    without : Fitted
-        The model without that effect.
-    """
-    if not ranked:
-        return []
-    lead = ranked[0]
-    mismatch = max(without.cost - lead.fitted.cost, 1e-300)
-    raw = []
-    kin = lead.fitted.model.effects[-1].simplified() if lead.fitted.model.effects else None
-    for hypothesis in ranked:
-        # Dahl's friction is friction, and fits Bouc and Wen's hysteresis best.
-        related = kin is not None and hypothesis.identifier == kin.identifier
-        error = KIN_ERROR if related else LAW_ERROR
-        left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
-        exact = float(np.exp(-0.5 * max(hypothesis.criterion - lead.criterion, 0.0)))
-        raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))))
-    total = sum(w for _, w in raw)
-    raw.sort(key=lambda item: -item[1])
-    kept = [(name, w / total) for name, w in raw if w / total >= LEAST_WEIGHT][:LARGEST_CLASS]
-    total = sum(w for _, w in kept)
-    return [(name, w / total) for name, w in kept]
-
-
-def refuted(expected: float, before: Sequence[Array], after: Sequence[Array], one_off: bool) -> bool:
-    """Whether errors on rows that were not fitted speak against an effect.
-
-    Parameters
-    ----------
-    expected : float
-        Fall of the mean square error on the fitted rows.
-    before, after : sequence of ndarray
-        Errors without and with the effect.
-    one_off : bool
-        Whether the effect may leave those rows alone.
-    """
-    first, second = (np.concatenate(e) ** 2 for e in (before, after))
-    if len(first) < 2:
-        return False
-    gain = first - second
-    mean, spread = float(np.mean(gain)), float(np.std(gain)) / float(np.sqrt(len(gain)))
-    if mean < -WORSE * spread or float(np.mean(second)) > MUCH_WORSE * float(np.mean(first)):
-        return True
-    return not one_off and mean < LEAST_GAIN * expected and expected - mean > FAR * spread

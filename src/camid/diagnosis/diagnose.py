@@ -14,7 +14,8 @@ from camid.diagnosis.decide import FALSE_ALARM, MOST_EFFECTS, Decision, decide, 
 from camid.diagnosis.fit import Fitted, at_best_start, fit, refit
 from camid.diagnosis.limits import undetectable
 from camid.diagnosis.problem import Model, Problem
-from camid.diagnosis.recognise import depends_on_position, force_like, noise_findings, spoiled_rows
+from camid.diagnosis.recognise import noise_findings, spoiled_rows
+from camid.diagnosis.remainder import reasons_for_structure, unlisted_weight
 from camid.diagnosis.result import Coefficient, Finding, Fit, Location, Signals, Test, Undetectable
 from camid.diagnosis.screen import screen
 from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
@@ -22,18 +23,6 @@ from camid.physics.effect import Effect
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None] | None
-
-# A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
-# recordings in a thousand alarm although nothing is missing.
-STRUCTURE = 2e-4
-# Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave behind.
-UNLISTED_SCALE = 3.0
-MOST_UNLISTED = 0.95
-# Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many
-# standard errors.
-UNEXPECTED = 1.2
-BEYOND = 5.0
-LONGEST_CORRELATION = 200
 
 
 @dataclass(frozen=True)
@@ -117,14 +106,15 @@ def investigate(
     final = decision.fitted
     before = location_step.places(problem, base)
     after = before if final is base else location_step.places(problem, final)
-    recognised, noise_effects = noise_findings(whole, problem, final, nominal.effects)
+    every = [e.used | v for e, v in zip(whole.experiments, validation, strict=True)]
+    recognised, noise_effects = noise_findings(whole.with_used(every), problem, final, nominal.effects)
     fits = _errors(problem, start, decision, validation, chosen, [])
-    reasons = _structure(problem, final, after, validation, {f.identifier for f in recognised})
+    reasons = reasons_for_structure(problem, final, after, validation, {f.identifier for f in recognised})
     structured = bool(reasons)
     if structured:  # what looks like jitter, outliers or colour may be the structure
         recognised = [f for f in recognised if f.identifier in {"quantisation", "dropped-frames"}]
         noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in recognised}]
-    unlisted = _unlisted(base, final, after, reasons, fits)
+    unlisted = unlisted_weight(base, final, after, reasons, fits)
     removed = _shares(base, decision)
     if structured:
         fits = _errors(problem, start, decision, validation, chosen, after)
@@ -207,69 +197,6 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
 def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
     innovations = problem.whitened(fitted.residual, whitening)
     return max(float(innovations @ innovations), 1e-300)
-
-
-def _structure(
-    problem: Problem,
-    final: Fitted,
-    after: Sequence[location_step.PlaceTest],
-    validation: Sequence[NDArray[np.bool_]],
-    recognised: set[str],
-) -> list[str]:
-    """Which tests say that what is left is more than noise."""
-    reasons = [t.place for t in after if t.p_value < STRUCTURE]
-    if "coloured-noise" in recognised and force_like(problem, final):
-        reasons.append("resonance")
-    if _unexpected(problem, final, validation):
-        reasons.append("validation")
-    explained = {"timestamp-jitter", "quantisation", "outliers"} & recognised
-    if not explained and depends_on_position(problem, final) < STRUCTURE / 2.0:
-        reasons.append("variance")
-    return reasons
-
-
-def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
-    """Whether errors on rows that were not fitted are larger than on those that were, beyond chance.
-
-    Medians are compared, so that a few outliers do not count.
-    """
-    simulated = problem.simulate(final.model)
-    errors = np.concatenate(
-        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
-    )
-    residual = final.residual
-    ratio = float(np.median(errors**2)) / max(float(np.median(residual**2)), 1e-300)
-    if ratio < UNEXPECTED:
-        return False
-    spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
-    correlations = np.fft.irfft(spectrum)[: min(len(residual) - 1, LONGEST_CORRELATION) + 1]
-    correlations = correlations / correlations[0]
-    effective = 1.0 + 2.0 * float(correlations[1:] @ correlations[1:])
-    # The median of a squared Gaussian scatters by 2.33/√n of itself.
-    spread = 2.33 * np.sqrt(effective * (1.0 / len(errors) + 1.0 / len(residual)))
-    return bool(ratio - 1.0 > BEYOND * spread)
-
-
-def _unlisted(
-    base: Fitted, final: Fitted, after: Sequence[location_step.PlaceTest], reasons: Sequence[str], fits: Fit
-) -> float:
-    """Weight of physics outside of the catalogue."""
-    if not reasons or reasons == ["variance"]:
-        return 0.0
-    left = _left(base, final, after)
-    if "resonance" in reasons:
-        left = 1.0
-    if "validation" in reasons and fits.refitted > fits.noise_floor:
-        excess = fits.improved**2 - fits.noise_floor**2
-        left = max(left, min(max(excess / (fits.refitted**2 - fits.noise_floor**2), 0.0), 1.0))
-    return min(UNLISTED_SCALE * float(np.sqrt(left)), MOST_UNLISTED)
-
-
-def _left(base: Fitted, final: Fitted, after: Sequence[location_step.PlaceTest]) -> float:
-    """Share of the refitted mismatch, noise taken off, that the model found leaves behind."""
-    structured = max(t.share for t in after) * final.cost
-    noise = final.cost - structured
-    return float(min(max(structured / max(base.cost - noise, 1e-300), 0.0), 1.0))
 
 
 def _shares(base: Fitted, decision: Decision) -> list[float]:

@@ -18,6 +18,8 @@ from camid.physics.noise import ColouredNoise, tail, variance_regression
 
 # A noise-like effect is named where its absence would show as much in fewer recordings than this.
 RECOGNISED = 1e-4
+# Rows are left out already where they are suspect: few rows more or less cost nothing.
+SUSPECT = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE = 4.0
 NEAR = 0.2
@@ -33,7 +35,7 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
         rows = np.zeros(len(situation.time), bool)
         for identifier in SPOILING:
             found = known_effects()[identifier].recognise(situation)
-            if found is not None and found.p_value < RECOGNISED:
+            if found is not None and found.p_value < SUSPECT:
                 rows |= found.spoiled
         result.append(rows)
     return result

@@ -8,11 +8,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.decide import Decision, p_value, weights
+from camid.diagnosis.decide import Decision, p_value
 from camid.diagnosis.fit import Fitted
 from camid.diagnosis.problem import Problem
 from camid.diagnosis.result import Finding, Fit, Location, ParameterEstimate
 from camid.diagnosis.separate import separating_experiment
+from camid.diagnosis.weigh import weights
 from camid.physics.effect import Effect, Recognition
 
 Array = NDArray[np.float64]

@@ -174,10 +174,10 @@ class Outliers(Effect):
         for threshold in OUTLYING:  # a few far ones, or many that are not so far
             beyond = np.abs(residual) > threshold * spread
             chance = rare_count(int(np.sum(beyond)), total, 2.0 * tail(0.97 * threshold)) * len(OUTLYING)
-            if np.sum(beyond) >= 2 and chance < rarest:
+            if np.any(beyond) and chance < rarest:
                 rarest, far = chance, beyond
         count = int(np.sum(far))
-        if count < 2:
+        if count == 0:
             return None
         neighbours = np.zeros(len(far), bool)
         neighbours[1:] |= far[:-1]

@@ -1,0 +1,91 @@
+"""What is left of a residual: whether it is more than noise, and the weight of unlisted physics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.fit import Fitted
+from camid.diagnosis.locate import PlaceTest
+from camid.diagnosis.problem import Problem
+from camid.diagnosis.recognise import depends_on_position, force_like
+from camid.diagnosis.result import Fit
+
+# A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
+# recordings in a thousand alarm although nothing is missing.
+STRUCTURE = 2e-4
+# Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave behind.
+UNLISTED_SCALE = 3.0
+MOST_UNLISTED = 0.95
+# Noise whose variance changes with the position is common in images and called structure only beyond this p-value.
+UNEVEN = 1e-8
+# Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many
+# standard errors.
+UNEXPECTED = 1.2
+BEYOND = 5.0
+LONGEST_CORRELATION = 200
+
+
+def reasons_for_structure(
+    problem: Problem,
+    final: Fitted,
+    after: Sequence[PlaceTest],
+    validation: Sequence[NDArray[np.bool_]],
+    recognised: set[str],
+) -> list[str]:
+    """Which tests say that what is left is more than noise."""
+    reasons = [t.place for t in after if t.p_value < STRUCTURE]
+    if "coloured-noise" in recognised and force_like(problem, final):
+        reasons.append("resonance")
+    if _unexpected(problem, final, validation):
+        reasons.append("validation")
+    explained = {"timestamp-jitter", "quantisation", "outliers"} & recognised
+    if not explained and depends_on_position(problem, final) < UNEVEN:
+        reasons.append("variance")
+    return reasons
+
+
+def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether errors on rows that were not fitted are larger than on those that were, beyond chance.
+
+    Medians are compared, so that a few outliers do not count.
+    """
+    simulated = problem.simulate(final.model)
+    errors = np.concatenate(
+        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
+    )
+    residual = final.residual
+    ratio = float(np.median(errors**2)) / max(float(np.median(residual**2)), 1e-300)
+    if ratio < UNEXPECTED:
+        return False
+    spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
+    correlations = np.fft.irfft(spectrum)[: min(len(residual) - 1, LONGEST_CORRELATION) + 1]
+    correlations = correlations / correlations[0]
+    effective = 1.0 + 2.0 * float(correlations[1:] @ correlations[1:])
+    # The median of a squared Gaussian scatters by 2.33/√n of itself.
+    spread = 2.33 * np.sqrt(effective * (1.0 / len(errors) + 1.0 / len(residual)))
+    return bool(ratio - 1.0 > BEYOND * spread)
+
+
+def unlisted_weight(
+    base: Fitted, final: Fitted, after: Sequence[PlaceTest], reasons: Sequence[str], fits: Fit
+) -> float:
+    """Weight of physics outside of the catalogue."""
+    if not reasons or reasons == ["variance"]:
+        return 0.0
+    left = _left(base, final, after)
+    if "resonance" in reasons:
+        left = 1.0
+    if "validation" in reasons and fits.refitted > fits.noise_floor:
+        excess = fits.improved**2 - fits.noise_floor**2
+        left = max(left, min(max(excess / (fits.refitted**2 - fits.noise_floor**2), 0.0), 1.0))
+    return min(UNLISTED_SCALE * float(np.sqrt(left)), MOST_UNLISTED)
+
+
+def _left(base: Fitted, final: Fitted, after: Sequence[PlaceTest]) -> float:
+    """Share of the refitted mismatch, noise taken off, that the model found leaves behind."""
+    structured = max(t.share for t in after) * final.cost
+    noise = final.cost - structured
+    return float(min(max(structured / max(base.cost - noise, 1e-300), 0.0), 1.0))

@@ -1,0 +1,111 @@
+"""Weigh hypotheses against each other, and against rows that none of them was fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.fit import Fitted
+
+Array = NDArray[np.float64]
+
+# Prior probability that a law is another one of the same name, and the share of the mismatch that it then leaves.
+OTHER_LAW = 0.3
+LAW_ERROR = 0.04
+# The same where the hypothesis is a special case of the likeliest law.
+KIN_ERROR = 0.3
+# Standard errors by which errors on validation rows may grow before an effect is refused.
+WORSE = 2.0
+# Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that
+# has to show there, if the difference is beyond so many standard errors.
+MUCH_WORSE = 1.5
+LEAST_GAIN = 0.15
+FAR = 4.0
+NEAR_NOISE = 1.5
+# Weight from which an alternative is worth naming, and how many effects a class may hold.
+LEAST_WEIGHT = 0.01
+LARGEST_CLASS = 4
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """An effect beside a base model, fitted.
+
+    Attributes
+    ----------
+    identifier : str
+    fitted : Fitted
+        Its effect is the last of the model.
+    criterion : float
+        Bayes's criterion, with a penalty for a search over times or frequencies.
+    """
+
+    identifier: str
+    fitted: Fitted
+    criterion: float
+
+
+def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, float]]:
+    """Posterior weights of a class, the likeliest first: at most four effects that the data do not rule out.
+
+    Bayes's criterion takes every law as exact, and no rig's friction is. A name stands for laws like the catalogue's,
+    so a hypothesis that leaves a small share of the mismatch is not ruled out by many samples: with the prior
+    probability ``OTHER_LAW`` the law is another one of the same name, which leaves a share of the order of
+    ``LAW_ERROR`` behind.
+
+    Parameters
+    ----------
+    ranked : sequence of Hypothesis
+        In the place of one effect.
+    without : Fitted
+        The model without that effect.
+    """
+    if not ranked:
+        return []
+    lead = ranked[0]
+    mismatch = max(without.cost - lead.fitted.cost, 1e-300)
+    raw = []
+    kin = lead.fitted.model.effects[-1].simplified() if lead.fitted.model.effects else None
+    for hypothesis in ranked:
+        # Dahl's friction is friction, and fits Bouc and Wen's hysteresis best.
+        related = kin is not None and hypothesis.identifier == kin.identifier
+        error = KIN_ERROR if related else LAW_ERROR
+        left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
+        exact = float(np.exp(-0.5 * max(hypothesis.criterion - lead.criterion, 0.0)))
+        raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))))
+    total = sum(w for _, w in raw)
+    raw.sort(key=lambda item: -item[1])
+    kept = [(name, w / total) for name, w in raw if w / total >= LEAST_WEIGHT][:LARGEST_CLASS]
+    total = sum(w for _, w in kept)
+    return [(name, w / total) for name, w in kept]
+
+
+def refuted(expected: float, noise: float, before: Sequence[Array], after: Sequence[Array], one_off: bool) -> bool:
+    """Whether errors on rows that were not fitted speak against an effect.
+
+    Parameters
+    ----------
+    expected : float
+        Fall of the mean square error on the fitted rows.
+    noise : float
+        Mean square error that is left there.
+    before, after : sequence of ndarray
+        Errors without and with the effect.
+    one_off : bool
+        Whether the effect may leave those rows alone.
+    """
+    first, second = (np.concatenate(e) ** 2 for e in (before, after))
+    if len(first) < 2:
+        return False
+    gain = first - second
+    mean, spread = float(np.mean(gain)), float(np.std(gain)) / float(np.sqrt(len(gain)))
+    if float(np.mean(second)) > MUCH_WORSE * float(np.mean(first)):
+        return True
+    if mean < -WORSE * spread and mean < -0.5 * expected:
+        return True
+    # Where the errors are at the noise already there is nothing to gain.
+    idle = one_off or float(np.mean(first)) < NEAR_NOISE * noise
+    return not idle and mean < LEAST_GAIN * expected and expected - mean > FAR * spread
