@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from camid.errors import InputError
+from camid.reading import Reading
 from camid.recording import read_recording, write_table, write_whole
 
 ROWS = ["0.0,1,0.5", "0.1,2,0.25", "0.2,3,-1e-3", "0.3,4,0"]
@@ -19,13 +20,13 @@ def csv_file(folder, *lines, name="recording.csv", ending="\n", encoding="utf-8"
     return path
 
 
-def read(source):
-    return read_recording(source, "t", ["u", "y"])
+def read(source, reading=None):
+    return read_recording(source, "t", ["u", "y"], reading=reading, holds={"u": "zoh"})
 
 
-def refusal(source):
+def refusal(source, reading=None):
     with pytest.raises(InputError) as caught:
-        read(source)
+        read(source, reading)
     message = str(caught.value)
     assert "\n" not in message
     return message
@@ -95,12 +96,115 @@ def test_missing_column_offers_the_nearest_name(tmp_path):
     assert "no column 't'; did you mean 't1'?" in refusal(csv_file(tmp_path, "t1,u,y", *ROWS))
 
 
-@pytest.mark.parametrize(("separator", "word"), [(";", "semicolons"), ("\t", "tabs")])
-def test_other_separators_are_named(tmp_path, separator, word):
-    lines = [line.replace(",", separator) for line in (HEADER, *ROWS)]
-    assert f"separated by {word}" in refusal(csv_file(tmp_path, *lines))
-    decimal_commas = csv_file(tmp_path, *[line.replace(".", ",") for line in lines])
-    assert "more cells than the header" in refusal(decimal_commas)
+def separated(lines, separator, decimal="."):
+    return [line.replace(",", "\0").replace(".", decimal).replace("\0", separator) for line in lines]
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " ", "   ", "; ", " \t", ";;"])
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("quoted", [False, True])
+def test_separator_and_decimal_mark_are_found(tmp_path, separator, decimal, quoted):
+    """Whatever stands between the cells; a decimal comma is found unless commas stand there, too."""
+    if separator == ";;":  # a separator at the end of every line, and of the rows only
+        lines = [line + ";" for line in separated([HEADER, *ROWS], ";", decimal)]
+        assert read(csv_file(tmp_path, lines[0][:-1], *lines[1:])).period == pytest.approx(0.1)
+    else:
+        header = HEADER.replace(",", separator)
+        if quoted:
+            header = '"' + header.replace(separator, f'"{separator}"') + '"'
+        lines = [header, *separated(ROWS, separator, decimal)]
+    path = csv_file(tmp_path, *lines)
+    if decimal == separator == ",":
+        assert "more cells than the header" in refusal(path)
+        return
+    recording = read(path)
+    np.testing.assert_array_equal(recording.time, [0.0, 0.1, 0.2, 0.3])
+    np.testing.assert_array_equal(recording.columns["y"], [0.5, 0.25, -0.001, 0.0])
+
+
+def test_rows_of_blanks_and_decimal_commas_are_no_rows_of_commas(tmp_path):
+    path = csv_file(tmp_path, "0,0 1 0,5", "0,1 2 0,25", "0,2 3 -1e-3", "0,3 4 0")
+    reading = Reading(header=False, columns=("t", "u", "y"))
+    np.testing.assert_array_equal(read(path, reading).columns["y"], [0.5, 0.25, -0.001, 0.0])
+    dated = csv_file(tmp_path, "when,t,u,y", *[f"2024-01-01 10:00:0{k},{row}" for k, row in enumerate(ROWS)])
+    np.testing.assert_array_equal(read(dated).time, [0.0, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("head", [["# made by hand", "% 1,2;3", ""], ["sep=;"], ["#", "", "sep=;"]])
+def test_lines_before_the_header_are_skipped_and_counted(tmp_path, head):
+    lines = [*head, *separated([HEADER, *ROWS], ";")]
+    np.testing.assert_array_equal(read(csv_file(tmp_path, *lines)).columns["u"], [1, 2, 3, 4])
+    lines[-1] = "0.3;4;broken"
+    assert f"line {len(lines)}, column 'y': 'broken'" in refusal(csv_file(tmp_path, *lines))
+
+
+def test_latin_letters_in_the_header_only(tmp_path):
+    path = csv_file(tmp_path, "# 20 °C", "t,u,y,Winkel in °", *[row + ",1" for row in ROWS], encoding="latin-1")
+    assert read(path).columns["u"].tolist() == [1, 2, 3, 4]
+    assert "no UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS[:3], "0.3,4,°", encoding="latin-1"))
+
+
+def test_no_header_line(tmp_path):
+    for name in ("recording.csv", "recording.txt"):
+        path = csv_file(tmp_path, *ROWS, name=name)
+        reading = Reading(header=False, columns=("t", "u", "y"))
+        assert read(path, reading).columns["y"].tolist() == [0.5, 0.25, -0.001, 0.0]
+        assert read(csv_file(tmp_path, *[r + "," for r in ROWS], name=name), reading).period == pytest.approx(0.1)
+    assert "line 1: the first line holds numbers and no names; say header: false and columns:" in refusal(path)
+    assert "line 1: a line of names (t, u, y) in a file that is said to have none; remove header" in refusal(
+        csv_file(tmp_path, HEADER, *ROWS), reading
+    )
+    for columns in (("t", "u"), ("t", "u", "y", "z")):
+        message = refusal(csv_file(tmp_path, *ROWS), Reading(header=False, columns=columns))
+        assert f"line 1: 3 cells, and {len(columns)} columns are named" in message
+    assert "line 3, column 'y': 'x'" in refusal(csv_file(tmp_path, *ROWS[:2], "0.2,3,x", ROWS[3]), reading)
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["t;u;y", *ROWS], "line 1: semicolons between the cells, where most lines have commas"),
+        ([HEADER, *ROWS[:2], "0.2;3;0.1", ROWS[3]], "line 4: semicolons between the cells, where most lines have com"),
+        (["t;u;y", "0,0;1;0,5", "0,1;2;0,5", "0,2,3,0,5"], "line 4: commas between the cells, where most lines have s"),
+        ([HEADER, *ROWS[:2], "0.2\t3\t0.1", ROWS[3]], "line 4: tabs between the cells, where most lines have commas"),
+        ([HEADER, *ROWS[:3], '0.3,"4,5",0'], "line 5, column 'u': '4,5' where a number should be; write all numbers"),
+        (["t;u;y", "0.1;1;0,5", "0.2;1;0,5", "0.3;1;0,5"], "line 2, column 'y': '0,5' where a number should be; write"),
+        (["t;u;y", "0,1;1;5", "0,2;1;0.5", "0,3;1;0,5"], "line 2, column 't': '0,1' where a number should be; write a"),
+    ],
+)
+def test_mixed_separators_and_decimal_marks(tmp_path, lines, said):
+    assert said in refusal(csv_file(tmp_path, *lines))
+
+
+def test_a_late_line_with_other_separators(tmp_path):
+    lines = [f"{0.1 * k:.1f},1,2" for k in range(400)]
+    lines[350] = lines[350].replace(",", ";")
+    message = refusal(csv_file(tmp_path, HEADER, *lines))
+    assert "line 352, column 't': '35.0;1;2'" in message
+    assert "separate the cells as in the other lines" in message
+
+
+def test_quoted_decimal_commas_between_commas_if_told(tmp_path):
+    lines = [HEADER, *[",".join(f'"{cell}"' for cell in row.replace(".", "_").split(",")) for row in ROWS]]
+    path = csv_file(tmp_path, *[line.replace("_", ",") for line in lines])
+    assert "'0,0' where a number should be" in refusal(path)
+    recording = read(path, Reading(decimal=","))
+    np.testing.assert_array_equal(recording.columns["y"], [0.5, 0.25, -0.001, 0.0])
+
+
+def test_what_is_told_counts(tmp_path):
+    path = csv_file(tmp_path, *separated([HEADER, *ROWS], "|"))
+    assert "no column 't'" in refusal(path)
+    assert read(path, Reading(separator="|")).columns["u"].tolist() == [1, 2, 3, 4]
+    assert "no column 't'" in refusal(csv_file(tmp_path, HEADER, *ROWS), Reading(separator=";"))
+    for key in ({"separator": ";"}, {"decimal": ","}, {"header": False}, {"group": "run1"}):
+        assert f"a DataFrame has no {next(iter(key))}" in refusal(pd.DataFrame({"t": [1.0]}), Reading(**key))
+    assert "a text file has no group" in refusal(path, Reading(group="run1"))
+
+
+def test_empty_columns(tmp_path):
+    assert "column 'y' is empty; fill it" in refusal(csv_file(tmp_path, HEADER, *[f"{k},1," for k in range(5)]))
+    assert "column 'y' is empty" in refusal(csv_file(tmp_path, HEADER, *[f"{k},1" for k in range(5)]))
 
 
 @pytest.mark.parametrize(
@@ -207,10 +311,11 @@ def test_irregular_times(tmp_path):
     )
     assert "line 12" in (message := refusal(recorded(np.delete(time, [10, 11, 12]), tmp_path)))
     assert "3 rows seem to be missing" in message
-    jittered = time + np.where(np.arange(20) == 7, 1.23e-5, 0.0)
-    assert "line 9, column 't': a step of 0.100012 s" in (message := refusal(recorded(jittered, tmp_path)))
-    assert "the sampling is irregular" in message
-    assert read(recorded(time + np.where(np.arange(20) == 7, 5e-8, 0.0), tmp_path)).period == pytest.approx(0.1)
+    jittered = read(recorded(time + np.where(np.arange(20) == 7, 1.23e-3, 0.0), tmp_path))
+    assert "are off the regular grid of 0.099" in jittered.warnings[0]
+    assert jittered.recorded_time[7] == pytest.approx(0.70123)
+    assert jittered.time[7] == pytest.approx(0.7, abs=1e-4)
+    assert read(recorded(time + np.where(np.arange(20) == 7, 5e-8, 0.0), tmp_path)).warnings == ()
 
 
 @pytest.mark.parametrize("offset", [0.0, -5.0, 1.7e9])

@@ -1,20 +1,21 @@
 """Camera-aware identification of machine dynamics.
 
 ``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose``
-finds what it leaves out. They mirror the commands of the same name. Importing this package is cheap: each name is
-loaded when it is first used.
+finds what it leaves out, ``track`` makes a recording of a video. They mirror the commands of the same name. Importing
+this package is cheap: each name is loaded when it is first used.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from camid.api import diagnose, identify, select_order, simulate
+    from camid.api import diagnose, identify, select_order, simulate, track
     from camid.diagnosis.result import Diagnosis
     from camid.errors import InputError
     from camid.identification.result import Identification
     from camid.recording import Recording, read_recording
     from camid.simulation import Simulation, load_simulation, write_simulation
+    from camid.tracking.result import Track
 
 __version__ = "0.1.0"
 
@@ -24,12 +25,14 @@ _HOMES = {
     "InputError": "errors",
     "Recording": "recording",
     "Simulation": "simulation",
+    "Track": "tracking.result",
     "diagnose": "api",
     "identify": "api",
     "load_simulation": "simulation",
     "read_recording": "recording",
     "select_order": "api",
     "simulate": "api",
+    "track": "api",
     "write_simulation": "simulation",
 }
 
@@ -39,6 +42,7 @@ __all__ = [
     "InputError",
     "Recording",
     "Simulation",
+    "Track",
     "__version__",
     "diagnose",
     "identify",
@@ -46,6 +50,7 @@ __all__ = [
     "read_recording",
     "select_order",
     "simulate",
+    "track",
     "write_simulation",
 ]
 

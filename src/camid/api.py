@@ -1,4 +1,4 @@
-"""The Python API that the commands call: ``identify``, ``select_order``, ``simulate`` and ``diagnose``."""
+"""The Python API that the commands call: ``identify``, ``select_order``, ``simulate``, ``diagnose`` and ``track``."""
 
 from __future__ import annotations
 
@@ -11,18 +11,13 @@ from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.identification.result import Identification
-from camid.loading import (
-    RecordingSource,
-    SimulationSource,
-    acquisition_of,
-    experiment_of,
-    experiments_of,
-    load_recording,
-)
+from camid.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.recording import Recording
 from camid.simulation import Simulation, load_simulation
 
 if TYPE_CHECKING:
+    import os
+
     import pandas as pd
 
     from camid.diagnosis.result import Diagnosis
@@ -30,6 +25,7 @@ if TYPE_CHECKING:
     from camid.identification.order_selection import OrderSelection
     from camid.identification.predictor import Experiment, Structure
     from camid.plant import TransferFunction
+    from camid.tracking.result import Track
 
 Array = NDArray[np.float64]
 
@@ -183,6 +179,7 @@ def _identification(
         nrmse=nrmse(fitted),
         nrmse_validation=nrmse(held_out) if any(k.any() for k in held_out) else None,
         acquisition=experiments[0].acquisition,
+        recording_warnings=warnings_of(recordings),
     )
 
 
@@ -251,7 +248,8 @@ def select_order(
         raise InputError(f"the largest order is {largest}", mend="it takes at least one pole")
     recordings, experiments, _ = experiments_of(recording, believed, progress)
     try:
-        return run(experiments, largest, progress=progress)
+        selection = run(experiments, largest, progress=progress)
+        return replace(selection, recording_warnings=warnings_of(recordings))
     except (ValueError, ArithmeticError) as error:
         raise InputError(str(error), where=recordings[0].source, mend="record longer, or check the units") from None
 
@@ -269,101 +267,18 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     Returns
     -------
     DataFrame
-        One row a recorded row, in order: the time column, ``simulated`` and, where it is recorded, the output column.
+        One row a recorded row, in order and in SI units: the time column, ``simulated`` and, where it is recorded, the
+        output column; ``experiment`` before them where a file holds several. ``attrs["warnings"]`` says what was done
+        to the rows, if anything.
 
     Raises
     ------
     InputError
         If recording and simulation do not fit together, or the initial state is to be fitted and there is no output.
     """
-    import pandas as pd
+    from camid.simulated import simulated_table
 
-    believed = load_simulation(simulation)
-    loaded = load_recording(recording, believed, output_needed=believed.estimates_initial_state)
-    if "simulated" in {believed.time_column, believed.output_column}:
-        raise InputError(
-            "a recorded column is called 'simulated' like the result", where=believed.source, mend="rename the column"
-        )
-    table = {believed.time_column: loaded.time}
-    simulated = _simulated(loaded, believed)
-    if not np.all(np.isfinite(simulated)):
-        raise InputError(
-            "the simulated output exceeds every floating-point number",
-            where=believed.source,
-            mend="check the transfer function and the units of the input",
-        )
-    table["simulated"] = simulated
-    if believed.output_column in loaded.columns:
-        table[believed.output_column] = loaded.columns[believed.output_column]
-    return pd.DataFrame(table)
-
-
-def _simulated(recording: Recording, simulation: Simulation) -> Array:
-    from camid.chain import sample
-    from camid.identification.predictor import Predictor, Structure
-
-    if simulation.effects:
-        return _simulated_with_effects(recording, simulation)
-    if not simulation.estimates_initial_state or simulation.plant.order == 0:
-        acquisition = acquisition_of(recording, simulation)
-        signal = (
-            np.zeros(len(recording)) if simulation.input_column is None else recording.columns[simulation.input_column]
-        )
-        return sample(simulation.plant, signal, acquisition)
-    monic = simulation.plant.monic
-    structure = Structure.fixed(monic)
-    experiment = experiment_of(recording, simulation)
-    _refuse_few(experiment.used.sum(), structure.order, recording)
-    predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
-    simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
-    return _from_first_known(simulated, predictor.experiments[0])
-
-
-def _refuse_few(rows: int, states: int, recording: Recording) -> None:
-    if rows <= states:
-        raise InputError(
-            f"{rows} samples are fewer than needed for {states} initial states",
-            where=recording.source,
-            mend="record longer, or set initial_state: zero",
-        )
-
-
-def _from_first_known(simulated: Array, experiment: Experiment) -> Array:
-    """Frames exposed before the record saw an input that nobody wrote down: the first known value stands for them."""
-    if experiment.estimate_initial_state and not experiment.free_motion_before_record:
-        first = int(np.argmax(experiment.used))
-        simulated[:first] = simulated[first]
-    return simulated
-
-
-def _simulated_with_effects(recording: Recording, simulation: Simulation) -> Array:
-    from camid.diagnosis.fit import at_best_start, fit
-    from camid.diagnosis.problem import Model, Problem
-    from camid.engine import Chain, run
-    from camid.identification.predictor import Structure
-    from camid.physics.declared import effects_of
-
-    # The output is the expected one, and effects that change the noise alone do not change it.
-    effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
-    try:
-        if not simulation.estimates_initial_state:
-            signal = (
-                np.zeros(len(recording))
-                if simulation.input_column is None
-                else recording.columns[simulation.input_column]
-            )
-            return run(Chain(simulation.plant, acquisition_of(recording, simulation), effects), signal, recording.time)
-        experiment = experiment_of(recording, simulation)
-        structure = Structure.fixed(simulation.plant.monic)
-        _refuse_few(experiment.used.sum(), structure.order, recording)
-        problem = Problem(structure, [experiment], [recording.time])
-        start = at_best_start(problem, Model(structure.coefficients(), effects))
-        fitted = fit(problem, start, steps=40, fixed=len(effects))
-        return _from_first_known(problem.simulate(fitted.model)[0], experiment)
-    except InputError:
-        raise
-    except (ValueError, ArithmeticError) as error:
-        raise InputError(str(error), where=simulation.effects[0].where, mend="see docs/effects.md") from None
+    return simulated_table(recording, load_simulation(simulation))
 
 
 def diagnose(
@@ -397,3 +312,98 @@ def diagnose(
     from camid.diagnosis.files import diagnose as run_diagnosis
 
     return run_diagnosis(recording, simulation, progress)
+
+
+def track(
+    video: str | os.PathLike[str],
+    *,
+    colour: str | None = None,
+    bright: bool = False,
+    dark: bool = False,
+    region: tuple[int, int, int, int] | None = None,
+    method: str = "grey-level",
+    scale: float | None = None,
+    unit: str | None = None,
+    origin: tuple[float, float] = (0.0, 0.0),
+    upwards: bool = False,
+    frame_rate: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    longest_gap: int = 30,
+    allow_truncated: bool = False,
+    threads: int = 1,
+    preview: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Track:
+    """Measure the positions of a marker in a video.
+
+    Parameters
+    ----------
+    video : path
+        A file that FFmpeg decodes, or a folder of PNG images with a number in their names.
+    colour : str, optional
+        The marker is of this hue: a CSS name or ``#rrggbb``.
+    bright, dark : bool
+        It is the brightest or the darkest thing. Without a choice it is what moves.
+    region : (int, int, int, int), optional
+        x, y of the upper left corner, width and height in px: where the marker is in the first frame.
+    method : {"grey-level", "gradient"}
+        Whose position ``x`` and ``y`` are. The grey-level centroid is the mean of the position over the exposure,
+        which is what the camera of a simulation means; the gradient centroid is the paper's.
+    scale : float, optional
+        Units of length per pixel; with ``unit``.
+    unit : str, optional
+        Of length, e.g. ``m``.
+    origin : (float, float)
+        x, y in px of the point that becomes 0, 0; the centre of the upper left pixel by default.
+    upwards : bool
+        Whether y points up; in the image it points down.
+    frame_rate : float, optional
+        Frames per second, for what has no time stamps.
+    start, end : float, optional
+        Seconds: which part of the clip is used.
+    longest_gap : int
+        Frames in a row that may be without the marker.
+    allow_truncated : bool
+        Take what can be read of a file that ends in the middle.
+    threads : int
+        Threads that decode.
+    preview : path, optional
+        Where a picture of the result goes (PNG).
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Returns
+    -------
+    Track
+        ``table`` is the recording.
+
+    Raises
+    ------
+    InputError
+        If the options contradict each other, the video cannot be read, or the marker is nowhere, one of several,
+        lost, or leaves the image.
+    """
+    from pathlib import Path
+
+    from camid.tracking.options import Options
+    from camid.tracking.track import track_video
+
+    options = Options(
+        colour=colour,
+        bright=bright,
+        dark=dark,
+        region=region,
+        method=method,
+        scale=scale,
+        unit=unit,
+        origin=origin,
+        upwards=upwards,
+        frame_rate=frame_rate,
+        start=start,
+        end=end,
+        longest_gap=longest_gap,
+        allow_truncated=allow_truncated,
+        threads=threads,
+    )
+    return track_video(Path(video), options, preview=None if preview is None else Path(preview), progress=progress)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from camid.plant import TransferFunction
 
-HOLDS = ("zoh", "foh")
+HOLDS = ("zoh", "foh", "band-limited")
 SENSORS = ("camera", "instant")
 # Times that differ by less than this share of the period are the same instant.
 SAME_INSTANT = 1e-9
@@ -37,8 +37,9 @@ class Acquisition:
     ----------
     period : float
         Sampling period T in seconds.
-    hold : {"zoh", "foh"}
-        Intersample behaviour of the input.
+    hold : {"zoh", "foh", "band-limited"}
+        Intersample behaviour of the input. A band-limited one has passed a filter that leaves nothing above π/T; it is
+        run as straight lines whose part below that is the same (:func:`straight_line_corners`).
     sensor : {"camera", "instant"}
         Mean over the exposure, or the value at one instant.
     exposure : float, optional
@@ -255,6 +256,42 @@ def _run(
     return result
 
 
+def straight_line_corners(signal: Array) -> Array:
+    """Corners of straight lines that hold the same below π/T as the band-limited signal through the given samples.
+
+    Straight lines between samples attenuate by sinc²(ωT/2), so that the samples are amplified by the inverse of it, in
+    the cosine transform of the record (mirrored at its ends). What is left to be wrong are the images of the input
+    above π/T, of the relative size (ω/(2π/T - ω))², which a plant with more poles than zeros attenuates further.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N,)
+
+    Returns
+    -------
+    ndarray, shape (N,)
+    """
+    from scipy.fft import dct, idct
+
+    values = np.asarray(signal, dtype=float)
+    # np.sinc(x) is sin(πx)/(πx); the k-th cosine has ωT/2 = πk/(2N).
+    loss = np.sinc(0.5 * np.arange(len(values)) / len(values)) ** 2
+    return np.asarray(idct(dct(values) / loss), dtype=np.float64)
+
+
+def driven(signal: Array, hold: str) -> tuple[Array, bool]:
+    """Samples as the compiled code takes them, and whether straight lines join them.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N,)
+    hold : {"zoh", "foh", "band-limited"}
+    """
+    if hold == "band-limited":
+        return straight_line_corners(signal), True
+    return signal, hold == "foh"
+
+
 def respond(
     state_matrix: Array,
     input_vector: Array,
@@ -291,13 +328,14 @@ def respond(
         Row k belongs to frame k.
     """
     delay, start, length, straddles = acquisition.window()
+    signal, first_order = driven(signal, acquisition.hold)
     return _run(
         np.ascontiguousarray(state_matrix, dtype=np.float64),
         np.ascontiguousarray(input_vector, dtype=np.float64),
         np.ascontiguousarray(initial_state, dtype=np.float64),
         np.ascontiguousarray(selection, dtype=np.float64),
         np.ascontiguousarray(signal, dtype=np.float64),
-        acquisition.hold == "foh",
+        first_order,
         acquisition.period / time_unit,
         delay,
         start / time_unit,

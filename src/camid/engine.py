@@ -6,15 +6,16 @@ the compiled integrator on a grid of several steps a frame, and the sensor reads
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import Acquisition, companion, derivative_rows, sample, time_scale
+from camid.controller import Loop
 from camid.forces import Forces, Mechanics
+from camid.grid_input import feedback_of, grid_input
 from camid.integrator import integrate
 from camid.motion import Motion
 from camid.physics.effect import Effect
@@ -48,8 +49,6 @@ MOST_DOUBT_VELOCITY = 4e-3
 MOST_DOUBT_EVENTS = 1e-3
 # Share of the largest speed below which friction that acts with a lag grows in proportion to the speed.
 SLIP = 0.01
-# Periods that the motion goes on past the last frame, for exposures that effects shift.
-MARGIN = 2
 
 
 class NotApplicable(ValueError):  # noqa: N818 - it says what the effect is here
@@ -74,6 +73,10 @@ class Chain:
     steps : int, optional
         Steps of the integrator in a period; where it is not given they follow the plant, and become finer until the
         motion no longer changes.
+    loop : Loop, optional
+        A controller that makes the input. The recorded input then only tells what actuator effects do to it.
+    known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional
+        A force at the plant's input that is a function of time, and how it goes on between the samples.
 
     Raises
     ------
@@ -89,6 +92,8 @@ class Chain:
     initial_state: Array | None = None
     state_before_record: bool = True
     steps: int | None = None
+    loop: Loop | None = None
+    known_force: tuple[Array, str] | None = None
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""
@@ -121,12 +126,15 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
     Returns
     -------
     ndarray, shape (N,)
-        w_k, in units of y.
+        w_k, in units of y; in a closed loop what the controller puts out, in units of u: there the position follows the
+        reference whatever the plant is like, and the control is what tells of the plant.
     """
     acquisition = chain.declared()
     output = _exactly(chain, signal, acquisition)
     if output is None:
         motion = move(chain, signal, time, acquisition)
+        if motion.control is not None:
+            return motion.control
         output = _read(chain, motion, time, acquisition)
     for effect in chain.effects:
         output = effect.observe(output, time)
@@ -145,6 +153,8 @@ def _acts_on_motion(effect: Effect) -> bool:
 
 def _exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
     """Output of a chain that is linear behind a held or straight input, or None."""
+    if chain.loop is not None or chain.known_force is not None:
+        return None
     if any(_acts_on_motion(e) or _overrides(e, "windows", "measure") for e in chain.effects):
         return None
     shapes = [e for e in chain.effects if _overrides(e, "transform")]
@@ -178,7 +188,8 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     acquisition = chain.declared() if acquisition is None else acquisition
     mechanics, order = _mechanics(chain, signal)
     period = acquisition.period
-    delay = acquisition.window()[0] if chain.initial_state is not None and chain.state_before_record else 0
+    before = chain.initial_state is not None and chain.state_before_record and chain.loop is None
+    delay = acquisition.window()[0] if before else 0
     initial = np.zeros(len(mechanics.input_vector))
     if chain.initial_state is not None:
         initial[order[0] : order[1]] = chain.initial_state
@@ -197,12 +208,10 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     coarser: Array | None = None
     while True:
         step = period / steps
-        start, end = _grid_input(signal, acquisition.hold, delay, steps)
-        for effect in chain.effects:
-            start, end = effect.transform(start, end, step)
-        start, end = np.ascontiguousarray(start), np.ascontiguousarray(end)
+        start, end = grid_input(chain.effects, signal, acquisition, delay, steps, chain.loop, chain.known_force)
+        feedback = feedback_of(chain.loop, steps)
         position, velocity, integral, velocity_end, doubt = integrate(
-            mechanics, initial, start, end, begin, step, breaks, times, sizes
+            mechanics, initial, start, end, begin, step, breaks, times, sizes, feedback
         )
         # A motion that runs away may do so with any step, so that not much is spent on it.
         if doubt <= most_doubt or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):
@@ -212,7 +221,8 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
         coarser = position
         steps = 2 * steps
     jumps = np.outer(sizes, _jump(mechanics)) if impulses else np.zeros((0, 3))
-    return Motion(begin, step, position, velocity, integral, velocity_end, times, jumps)
+    control = None if chain.loop is None else feedback.control
+    return Motion(begin, step, position, velocity, integral, velocity_end, times, jumps, control)
 
 
 def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -> int:
@@ -265,22 +275,6 @@ def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -
     return motion.mean(start, end)
 
 
-def _grid_input(signal: Array, hold: str, delay: int, steps: int) -> tuple[Array, Array]:
-    """Input at the begin and end of each step, zero before the record and constant past it."""
-    signal = np.asarray(signal, dtype=float)
-    first = np.concatenate([np.zeros(delay), signal, np.full(MARGIN, signal[-1])])
-    if hold == "zoh":
-        start = np.repeat(first, steps)
-        return start, start
-    following = np.append(first[1:], first[-1])
-    if delay:
-        following[delay - 1] = 0.0  # the input begins with the record, without a ramp towards it
-    share = np.arange(steps) / steps
-    slope = (following - first)[:, None]
-    start = (first[:, None] + slope * share).ravel()
-    return start, (first[:, None] + slope * (share + 1.0 / steps)).ravel()
-
-
 def _steps(chain: Chain, acquisition: Acquisition) -> int:
     """Steps of the integrator in a period."""
     fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
@@ -292,7 +286,7 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
     return min(max(steps, FEWEST_STEPS_EVENTS if events else FEWEST_STEPS), MOST_STEPS)
 
 
-def _block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array]:
+def companion_block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array]:
     """Companion matrix, output row, and whether the input passes at once, in scaled time."""
     monic = plant.monic
     order, degree = monic.order, len(monic.numerator) - 1
@@ -307,7 +301,7 @@ def _mechanics(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int]]
     unit = time_scale(chain.plant.monic.denominator)
     before = [p for e in chain.effects if (p := e.before_plant()) is not None]
     behind = [p for e in chain.effects if (p := e.behind_plant()) is not None]
-    blocks = [_block(p, unit) for p in (*before, chain.plant, *behind)]
+    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *behind)]
     size = sum(len(b[0]) for b in blocks)
     matrix = np.zeros((size + 1, size + 1))
     input_vector, force_vector = np.zeros(size + 1), np.zeros(size + 1)
@@ -379,8 +373,3 @@ def _refuse_direct(chain: Chain, direct: Array) -> None:
         for effect in chain.effects:
             if effect.force is not None or effect.friction_level is not None:
                 raise NotApplicable(f"{effect.identifier} depends on a motion that jumps with the input")
-
-
-def with_effects(chain: Chain, effects: Sequence[Effect]) -> Chain:
-    """The same chain with other effects."""
-    return replace(chain, effects=tuple(effects))

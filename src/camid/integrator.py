@@ -19,7 +19,7 @@ from camid.chain import _exponential_and_integral
 from camid.events import careful_step
 from camid.forces import Mechanics, dot, force_at, force_in, remember, switches, switches_at
 
-__all__ = ["Mechanics", "integrate"]
+__all__ = ["Feedback", "Mechanics", "integrate"]
 
 Array = NDArray[np.float64]
 
@@ -197,6 +197,21 @@ def _direct_rate(
     return total / m.time_unit
 
 
+class Feedback(NamedTuple):
+    """A controller u_k = clip(k_v (k_p (r_k − y) − ẏ)) that acts on the plant's input and is held for a period.
+
+    ``steps`` is the number of integration steps in a period, 0 without a controller; ``control``, shape (N,), is filled
+    with what the controller did.
+    """
+
+    steps: int
+    reference: Array
+    position_gain: float
+    velocity_gain: float
+    limit: float
+    control: Array
+
+
 @njit(cache=True, nogil=True)
 def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost more than the arithmetic
     m: Mechanics,
@@ -208,6 +223,7 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
     breaks: Array,
     impulse_times: Array,
     impulse_sizes: Array,
+    feedback: Feedback,
 ) -> tuple[Array, Array, Array, Array, float]:
     """Run the system over a grid of equal steps.
 
@@ -224,6 +240,8 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
         Sorted times in seconds at which a force jumps.
     impulse_times, impulse_sizes : ndarray
         Sorted times in seconds, and sizes in units of u times seconds.
+    feedback : Feedback
+        What a controller adds to the input.
 
     Returns
     -------
@@ -261,6 +279,7 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
     direction, stuck = 0.0, False
     next_break, next_impulse = 0, 0
     largest, doubt = 0.0, 0.0
+    held, held_before = 0.0, 0.0
     if dry:
         velocity = dot(m.velocity, state)
         direction = 0.0 if velocity == 0.0 else (1.0 if velocity > 0.0 else -1.0)
@@ -276,16 +295,26 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
         if not abs(measured[k]) < ASTRAY:  # the motion runs away, and nothing that follows means anything
             measured[k:], rate[k:], integral[k:], rate_end[max(k - 1, 0) :] = np.nan, np.nan, np.nan, np.nan
             return measured, rate, integral, rate_end, np.inf
-        first = start[k] if k < steps else end[k - 1]
         rate[k] = dot(derivative, state) / m.time_unit
+        held_before = held
+        if feedback.steps > 0 and k % feedback.steps == 0 and k // feedback.steps < len(feedback.reference):
+            speed = rate[k]
+            if direct:
+                signal = (end[k - 1] if k > 0 else start[0]) + held
+                speed += _direct_rate(m, time, state, signal, memory, direction, direct_input, direct_force)
+            error = feedback.reference[k // feedback.steps] - measured[k]
+            wanted = feedback.velocity_gain * (feedback.position_gain * error - speed)
+            held = min(max(wanted, -feedback.limit), feedback.limit)
+            feedback.control[k // feedback.steps] = held
+        first = (start[k] if k < steps else end[k - 1]) + held
         if direct:
             # A jump of the input makes one of the velocity.
             slope = rate[k]
             rate[k] = slope + _direct_rate(m, time, state, first, memory, direction, direct_input, direct_force)
             if k > 0:
                 rate_end[k - 1] = rate[k]
-                if end[k - 1] != first:
-                    signal = end[k - 1]
+                if end[k - 1] + held_before != first:
+                    signal = end[k - 1] + held_before
                     rate_end[k - 1] = slope + _direct_rate(
                         m, time, state, signal, memory, direction, direct_input, direct_force
                     )
@@ -293,7 +322,7 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
             rate_end[k - 1] = rate[k]
         if k == steps:
             break
-        last = end[k]
+        last = end[k] + held
         largest = max(largest, abs(first))
         finish = time + step
         breaking = next_break < len(breaks) and breaks[next_break] <= finish

@@ -14,29 +14,44 @@ from numpy.typing import NDArray
 from camid.chain import Acquisition
 from camid.errors import InputError
 from camid.identification.predictor import Experiment
-from camid.recording import Recording, read_recording
+from camid.recording import Recording, read_recordings
 from camid.simulation import Simulation
 
 RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
 
-def load_recording(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> Recording:
-    """Columns that a simulation names, checked against each other."""
+def load_recordings(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> list[Recording]:
+    """Columns that a simulation names, checked against each other, of each experiment in a file."""
+    reading = simulation.reading
     roles = {
-        "time": simulation.time_column,
+        "time": simulation.time_column if reading.period is None else None,
         "input": simulation.input_column,
         "output": simulation.output_column,
+        "reference": None if simulation.controller is None else simulation.controller.reference,
+        "experiment": reading.experiment,
     }
     for (one, first), (other, second) in combinations(roles.items(), 2):
-        if first == second:
+        if first is not None and first == second:
             raise InputError(
                 f"{one} and {other} are the same column '{first}'", where=simulation.source, mend="name two columns"
             )
-    named = [simulation.input_column, simulation.output_column if output_needed else None]
+    named = [roles["input"], roles["reference"], simulation.output_column if output_needed else None]
     required = [column for column in named if column is not None]
     optional = [] if output_needed else [simulation.output_column]
-    return read_recording(recording, simulation.time_column, required, optional)
+    held = [column for column in (roles["input"], roles["reference"]) if column is not None]
+    conversions = {simulation.output_column: reading.output}
+    if roles["input"] is not None:
+        conversions[roles["input"]] = reading.input
+    return read_recordings(
+        recording,
+        simulation.time_column,
+        required,
+        optional,
+        reading,
+        dict.fromkeys(held, simulation.hold),
+        conversions,
+    )
 
 
 def acquisition_of(recording: Recording, simulation: Simulation) -> Acquisition:
@@ -61,24 +76,25 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
     if simulation.estimates_initial_state and simulation.input_column is not None:
         # What the input did before the record is unknown, so frames exposed before its beginning say nothing.
         used[: acquisition.window()[0]] = False
+    used &= ~recording.missing
+    used &= recording.time >= recording.time[0] + simulation.reading.leave_out
+    if not used.any():
+        raise InputError(
+            f"no row with an output is left to compare after {simulation.reading.leave_out:g} s",
+            where=recording.source,
+            mend=f"the recording lasts {recording.time[-1] - recording.time[0]:g} s: choose a shorter leave_out",
+        )
     return Experiment(
         signal, recording.columns[simulation.output_column], acquisition, used, simulation.estimates_initial_state
     )
 
 
 def validation_rows(recording: Recording, simulation: Simulation) -> NDArray[np.bool_]:
-    """Rows that the simulation keeps for validation, shape (N,); InputError if there are none."""
+    """Rows that the simulation keeps for validation, shape (N,)."""
     if simulation.validation is None:
         return np.zeros(len(recording), bool)
     start, end = simulation.validation
-    rows = (recording.time >= start) & (recording.time <= end)
-    if not rows.any():
-        raise InputError(
-            f"no row of the recording lies between {start:g} s and {end:g} s",
-            where=f"{simulation.source}, validation",
-            mend=f"the recording lasts from {recording.time[0]:g} s to {recording.time[-1]:g} s",
-        )
-    return rows
+    return (recording.time >= start) & (recording.time <= end)
 
 
 def experiments_of(
@@ -86,7 +102,7 @@ def experiments_of(
     believed: Simulation,
     progress: Callable[[str], None] | None,
 ) -> tuple[list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
-    """Recordings, what is fitted of them, and their validation rows."""
+    """Recordings, what is fitted of them, and their validation rows; a file may hold several of them."""
     sources = recording if isinstance(recording, list | tuple) else [recording]
     if not sources:
         raise InputError("no recording is given", mend="name at least one")
@@ -97,7 +113,7 @@ def experiments_of(
         )
     if progress:
         progress("reading the recording")
-    recordings = [load_recording(source, believed, output_needed=True) for source in sources]
+    recordings = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
     experiments, held_out = [], []
     for one in recordings:
         experiment = experiment_of(one, believed)
@@ -105,6 +121,12 @@ def experiments_of(
         held_out.append(rows & experiment.used)
         experiments.append(replace(experiment, used=experiment.used & ~rows))
         _refuse_constant(one, believed)
+    if believed.validation is not None and not any(rows.any() for rows in held_out):
+        raise InputError(
+            f"no row of the recording lies between {believed.validation[0]:g} s and {believed.validation[1]:g} s",
+            where=f"{believed.source}, validation",
+            mend=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
+        )
     if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
         raise InputError(
             f"column '{believed.input_column}' is zero throughout",
@@ -112,6 +134,11 @@ def experiments_of(
             mend="for a free decay say input: null in the simulation",
         )
     return recordings, experiments, held_out
+
+
+def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """What was done to the rows of recordings, a sentence each."""
+    return tuple(sentence for one in recordings for sentence in one.warnings)
 
 
 def _refuse_constant(recording: Recording, simulation: Simulation) -> None:

@@ -92,6 +92,8 @@ class Motion:
         Times in seconds at which the motion jumps within a step.
     jumps : ndarray, shape (j, 3)
         By how much it, its first and its second derivative jump then.
+    control : ndarray, shape (N,), optional
+        What the controller of a closed loop put out at the samples.
     """
 
     begin: float
@@ -102,6 +104,7 @@ class Motion:
     velocity_end: Array
     jump_times: Array
     jumps: Array
+    control: Array | None = None
 
     def at(self, times: Array) -> Array:
         """Motion at times in seconds, in their shape."""

@@ -20,7 +20,7 @@ rule silverbox:
         training=rules.silverbox_parts.output.training,
         multisine=rules.silverbox_parts.output.multisine,
         simulation="config/simulations/silverbox_{hold}.yaml",
-        sources=sources("src/camid/cli.py", "src/camid/api.py"),
+        sources=sources("src/camid/cli/__init__.py", "src/camid/api.py"),
     output:
         model="results/recordings/silverbox_{hold}.yaml",
         simulated="results/recordings/silverbox_{hold}_multisine.csv",

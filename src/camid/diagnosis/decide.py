@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,7 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
         model = hypothesis.fitted.model
         effect = model.effects[-1].simplified()
         if effect is not None and effect.identifier not in present:
-            start = Model(model.coefficients, (*model.effects[:-1], effect), model.initial)
+            start = replace(model, effects=(*model.effects[:-1], effect))
             found.append(_fitted(problem, effect.identifier, start, FIRST_STEPS))
     return [h for h in found if h is not None]
 
@@ -164,7 +164,7 @@ def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
             effect = own.effects[-1].scaled(factor)
         except ValueError:
             continue
-        starts.append(Model(borrowed.coefficients, (*borrowed.effects[:-1], effect), borrowed.initial))
+        starts.append(replace(borrowed, effects=(*borrowed.effects[:-1], effect)))
     costs = []
     for start in starts:
         try:

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from camid.chain import Acquisition
 from camid.diagnosis import locate as location_step
-from camid.diagnosis.decide import FALSE_ALARM, MOST_EFFECTS, Decision, decide, searched
+from camid.diagnosis.decide import ALL_STEPS, FALSE_ALARM, MOST_EFFECTS, Decision, decide, searched
 from camid.diagnosis.fit import Fitted, at_best_start, fit, refit
+from camid.diagnosis.horizon import fit_growing
 from camid.diagnosis.limits import undetectable
+from camid.diagnosis.parsimony import simplest
 from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.recognise import noise_findings, spoiled_rows
 from camid.diagnosis.remainder import reasons_for_structure, unlisted_weight
@@ -103,17 +105,15 @@ def investigate(
     decision = decide(problem, base, screened, validation, progress, start if not known else None)
     say("testing what is left")
     decision = _with_noise(problem, decision, len(known))
-    final = decision.fitted
     before = location_step.places(problem, base)
-    after = before if final is base else location_step.places(problem, final)
-    every = [e.used | v for e, v in zip(whole.experiments, validation, strict=True)]
-    recognised, noise_effects = noise_findings(whole.with_used(every), problem, final, nominal.effects)
+    judged = _judged(problem, whole, base, decision, before, validation, nominal.effects)
+    if judged.reasons and len(decision.rivals) > 0:
+        share = max((t.share for t in judged.after), default=0.0)
+        decision = simplest(problem, _unweighted(problem, decision), len(known), share, progress)
+        judged = _judged(problem, whole, base, decision, before, validation, nominal.effects)
+    final, after, reasons = decision.fitted, judged.after, judged.reasons
+    recognised, noise_effects, structured = judged.recognised, judged.noise_effects, bool(judged.reasons)
     fits = _errors(problem, start, decision, validation, chosen, [])
-    reasons = reasons_for_structure(problem, final, after, validation, {f.identifier for f in recognised})
-    structured = bool(reasons)
-    if structured:  # what looks like jitter, outliers or colour may be the structure
-        recognised = [f for f in recognised if f.identifier in {"quantisation", "dropped-frames"}]
-        noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in recognised}]
     unlisted = unlisted_weight(base, final, after, reasons, fits)
     removed = _shares(base, decision)
     if structured:
@@ -146,10 +146,43 @@ def investigate(
     )
 
 
+@dataclass(frozen=True)
+class _Judged:
+    """What is left behind a decision."""
+
+    after: list[location_step.PlaceTest]
+    reasons: list[str]
+    recognised: list[Finding]
+    noise_effects: list[tuple[Effect, dict[str, float | None]]]
+
+
+def _judged(
+    problem: Problem,
+    whole: Problem,
+    base: Fitted,
+    decision: Decision,
+    before: list[location_step.PlaceTest],
+    validation: Sequence[NDArray[np.bool_]],
+    nominal: Sequence[Effect],
+) -> _Judged:
+    """Tests of what is left, and what changes the noise."""
+    final = decision.fitted
+    after = before if final is base else location_step.places(problem, final)
+    every = [e.used | v for e, v in zip(whole.experiments, validation, strict=True)]
+    recognised, noise_effects = noise_findings(whole.with_used(every), problem, final, nominal)
+    reasons = reasons_for_structure(problem, final, after, validation, {f.identifier for f in recognised})
+    if reasons:  # what looks like jitter, outliers or colour may be the structure
+        recognised = [f for f in recognised if f.identifier in {"quantisation", "dropped-frames"}]
+        noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in recognised}]
+    return _Judged(after, reasons, recognised, noise_effects)
+
+
 def _base(problem: Problem, start: Model, known: tuple[Effect, ...]) -> Fitted:
     """The nominal structure re-estimated, with the effects that it declares."""
     if not known:
         return refit(problem, start)
+    if not problem.is_linear(start):
+        return fit_growing(problem, start)
     return fit(problem, start, steps=60)
 
 
@@ -194,6 +227,17 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
     return decision
 
 
+def _unweighted(problem: Problem, decision: Decision) -> Decision:
+    """The decision with the estimate of least squares.
+
+    What the laws leave is no noise, and its spectrum no reason to trust some frequencies more than others: a filter
+    that whitens it would give the weight to those at which the model is wrong by little because little happens there.
+    """
+    if not decision.fitted.weighted:
+        return decision
+    return replace(decision, fitted=fit(problem, decision.fitted.model, steps=ALL_STEPS))
+
+
 def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
     innovations = problem.whitened(fitted.residual, whitening)
     return max(float(innovations @ innovations), 1e-300)
@@ -202,7 +246,7 @@ def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
 def _shares(base: Fitted, decision: Decision) -> list[float]:
     """Share of the refitted sum of squares that each effect removes."""
     total = max(base.cost, 1e-300)
-    return [max((w.cost - decision.fitted.cost) / total, 0.0) for w in decision.without]
+    return [min(max((w.cost - decision.fitted.cost) / total, 0.0), 1.0) for w in decision.without]
 
 
 def _simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
@@ -314,6 +358,8 @@ def _signals(
 
 def _equivalent_input(problem: Problem, base: Fitted, residual: Array) -> Array:
     """Input that would have caused a residual, where the plant lets the camera see it (a Wiener filter)."""
+    if problem.closed:  # the control is an input already
+        return residual
     count, period = len(residual), problem.acquisition.period
     size = 2 * count
     angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, time_scale
+from camid.chain import Acquisition
 from camid.diagnosis.diagnose import Outcome, investigate
 from camid.diagnosis.fit import refit
 from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.result import Diagnosis
+from camid.diagnosis.setup import model_of, problem_of, structure_of
 from camid.engine import NotApplicable
 from camid.errors import InputError
 from camid.identification.predictor import Experiment, Structure
@@ -74,10 +75,10 @@ def diagnose(
             mend="set initial_state: estimate for a free decay",
         )
     recordings, experiments, held_out = experiments_of(recording, believed, progress)
-    structure = _structure(believed)
+    structure = structure_of(believed)
     _refuse_few(structure, experiments, recordings)
-    problem = Problem(structure, experiments, [r.time for r in recordings], time_scale(tuple(structure.denominator)))
-    nominal = Model(structure.coefficients(), effects)
+    problem = problem_of(believed, structure, recordings, experiments)
+    nominal = model_of(believed, structure, effects)
     try:
         problem, validation, chosen = _with_validation(problem, nominal, held_out)
         outcome = investigate(problem, nominal, validation, chosen, progress)
@@ -109,15 +110,6 @@ def diagnose(
         recordings[0].period,
         time.perf_counter() - begun,
     )
-
-
-def _structure(believed: Simulation) -> Structure:
-    monic = believed.plant.monic
-    if monic.order == 0:
-        raise InputError("the plant has no dynamics", where=believed.source, mend="give it at least one pole")
-    # A free decay says nothing of the numerator: it keeps its believed value.
-    free = believed.free_numerator & (believed.input_column is not None)
-    return Structure(np.array(monic.numerator), np.array(monic.denominator), free, believed.free_denominator)
 
 
 def _refuse_few(structure: Structure, experiments: list[Experiment], recordings: list[Recording]) -> None:
@@ -157,7 +149,7 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     single event makes most of the mismatch in it, the part with the least.
     """
     experiment = problem.experiments[0]
-    residual = experiment.output - problem.simulate(refit(problem, Model(nominal.coefficients)).model)[0]
+    residual = experiment.output - problem.simulate(refit(problem, replace(nominal, effects=())).model)[0]
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     energy = np.array([float(np.median(residual[p] ** 2)) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
@@ -186,10 +178,16 @@ def _improved(believed: Simulation, structure: Structure, outcome: Outcome, decl
     acquisition = outcome.acquisition
     exposure = believed.exposure if acquisition.exposure == declared_as.exposure else acquisition.exposure
     kept = [i for i, e in enumerate(outcome.effects) if e.identifier not in DECLARATIONS]
+    if believed.pendulum is not None:
+        rest = believed.pendulum.rest if model.rest is None else model.rest
+        pendulum = believed.pendulum.estimated(
+            plant, rest, _pendulum_covariance(outcome, structure), gain_fixed=not structure.free_numerator[0]
+        )
+        believed, lead, plant = replace(believed, pendulum=pendulum), 1.0, pendulum.transfer_function()
     return replace(
         believed,
         plant=TransferFunction(
-            tuple(lead * b for b in model.coefficients[: structure.degree + 1]),
+            tuple(lead * b for b in plant.numerator),
             tuple(lead * a for a in plant.denominator),
         ),
         hold=acquisition.hold,
@@ -200,6 +198,18 @@ def _improved(believed: Simulation, structure: Structure, outcome: Outcome, decl
         covariance=_full(structure, covariance).tolist() if finite else None,
         effects=declared([outcome.effects[i] for i in kept], [outcome.deviations[i] for i in kept]),
     )
+
+
+def _pendulum_covariance(outcome: Outcome, structure: Structure) -> Array:
+    """Covariance of b_0, a_1, a_2 and the angle at rest, shape (4, 4)."""
+    fitted = outcome.decision.fitted
+    free = [*np.flatnonzero(structure.free), *([3] if "rest" in fitted.packing.names else [])]
+    rows = [*range(int(np.count_nonzero(structure.free)))]
+    if "rest" in fitted.packing.names:
+        rows.append(fitted.packing.names.index("rest"))
+    result = np.zeros((4, 4))
+    result[np.ix_(free, free)] = fitted.covariance[np.ix_(rows, rows)]
+    return result
 
 
 def _in_shape(structure: Structure, deviations: Array) -> dict[str, list[float]]:

@@ -36,6 +36,8 @@ class Fitted:
         Recorded minus simulated output on the fitted rows.
     noise : Noise
     packing : Packing
+    weighted : bool
+        Whether it was fitted in the metric of its noise.
     """
 
     problem: Problem
@@ -43,6 +45,7 @@ class Fitted:
     residual: Array
     noise: Noise
     packing: Packing
+    weighted: bool = False
 
     @cached_property
     def sensitivities(self) -> Array:
@@ -71,9 +74,14 @@ class Fitted:
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the packed parameters in their own units, shape (p, p); infinite where undetermined."""
-        table = self.problem.whitened(self.sensitivities, self.noise.whitening)
-        residual = self.problem.whitened(self.residual, self.noise.whitening)
+        """Covariance of the packed parameters in their own units, shape (p, p); infinite where undetermined.
+
+        Of least squares in coloured noise it is the sandwich (Ljung 1999, section 9.4 and appendix II).
+        """
+        innovations = self.problem.whitened(self.residual, self.noise.whitening)
+        table, residual = self.sensitivities, self.residual
+        if self.weighted:
+            table, residual = self.problem.whitened(table, self.noise.whitening), innovations
         lengths = np.linalg.norm(table, axis=0)
         moving = lengths > 0.0
         result = np.full((len(lengths), len(lengths)), np.inf)
@@ -81,7 +89,16 @@ class Fitted:
             return result
         scaled = table[:, moving] / lengths[moving]
         variance = float(residual @ residual) / max(len(residual) - len(lengths), 1)
-        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12) * variance
+        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12)
+        if self.weighted or len(self.noise.whitening) == 1:
+            inverse = inverse * variance
+        else:
+            from scipy.signal import lfilter
+
+            # Noise e = H ε has the covariance σ² H Hᵀ; Hᵀ runs backwards through the rows.
+            carried = lfilter([1.0], self.noise.whitening, scaled[::-1], axis=0)
+            spread = float(innovations @ innovations) / max(len(residual) - len(lengths), 1)
+            inverse = inverse @ (carried.T @ carried) @ inverse * spread
         result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])
         return result
 
@@ -97,6 +114,7 @@ class Packing:
     upper: Array
     names: list[str]
     fixed: int = 0
+    fixed_gain: float | None = None
 
     @classmethod
     def of(cls, problem: Problem, model: Model, fixed: int = 0) -> Packing:
@@ -120,6 +138,11 @@ class Packing:
                 lower.append(parameter.lower)
                 upper.append(parameter.upper)
                 names.append(f"{i} {parameter.name}")
+        if problem.rest_free and model.rest is not None:
+            units.append(1.0)
+            lower.append(-np.inf)
+            upper.append(np.inf)
+            names.append("rest")
         for i, state in enumerate(model.initial):
             if state is not None:
                 size = float(np.linalg.norm(state)) or 1.0
@@ -128,11 +151,14 @@ class Packing:
                 upper += [np.inf] * len(state)
                 names += [f"initial {i}"] * len(state)
         measures = np.array(units)
-        return cls(model, free, measures, np.array(lower) / measures, np.array(upper) / measures, names, fixed)
+        low, high = np.array(lower) / measures, np.array(upper) / measures
+        return cls(model, free, measures, low, high, names, fixed, problem.fixed_gain)
 
     def pack(self, model: Model) -> Array:
         """Vector of a model."""
         parts = [model.coefficients[self.free], *(e.vector for e in model.effects[self.fixed :])]
+        if "rest" in self.names:
+            parts.append(np.array([model.rest]))
         parts += [s for s in model.initial if s is not None]
         return np.concatenate(parts) / self.units
 
@@ -142,11 +168,17 @@ class Packing:
         coefficients = self.template.coefficients.copy()
         position = int(np.count_nonzero(self.free))
         coefficients[self.free] = values[:position]
+        if self.fixed_gain is not None:
+            coefficients[0] = self.fixed_gain * coefficients[-1]
         effects = list(self.template.effects[: self.fixed])
         for effect in self.template.effects[self.fixed :]:
             size = len(effect.numeric())
             effects.append(effect.with_vector(values[position : position + size]) if size else effect)
             position += size
+        rest = self.template.rest
+        if "rest" in self.names:
+            rest = float(values[position])
+            position += 1
         initial: list[Array | None] = []
         for state in self.template.initial:
             if state is None:
@@ -154,7 +186,7 @@ class Packing:
             else:
                 initial.append(values[position : position + len(state)])
                 position += len(state)
-        return Model(coefficients, tuple(effects), tuple(initial))
+        return Model(coefficients, tuple(effects), tuple(initial), rest)
 
 
 def _powers(problem: Problem) -> list[float]:
@@ -181,6 +213,10 @@ def _measure(problem: Problem, scale: str, value: float) -> float:
 def refit(problem: Problem, nominal: Model) -> Fitted:
     """The nominal structure with its coefficients re-estimated, without effects; the exact path of identification."""
     structure = problem.structure
+    if not problem.is_linear(nominal):
+        from camid.diagnosis.horizon import fit_growing
+
+        return fit_growing(problem, replace(nominal, effects=()))
     if not np.any(structure.free):
         return evaluate(problem, nominal)
     result = estimate(structure, problem.experiments, nominal=structure.plant(nominal.coefficients))
@@ -194,6 +230,10 @@ def at_best_start(problem: Problem, model: Model) -> Model:
     """The model with the initial states that fit its linear part best."""
     if not any(e.estimate_initial_state for e in problem.experiments):
         return replace(model, initial=tuple(None for _ in problem.experiments))
+    if not problem.is_linear(model):
+        from camid.diagnosis.horizon import recorded_start
+
+        return recorded_start(problem, model)
     structure = problem.structure
     denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
     predictor = Predictor.around(structure, problem.experiments, denominator)
@@ -202,11 +242,11 @@ def at_best_start(problem: Problem, model: Model) -> Model:
     return replace(model, initial=initial)
 
 
-def evaluate(problem: Problem, model: Model, fixed: int = 0) -> Fitted:
+def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False) -> Fitted:
     """Residual and noise of a model as it is."""
     packing = Packing.of(problem, model, fixed)
     residual = problem.output - problem.fitted(problem.simulate(model))
-    return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing)
+    return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing, weighted)
 
 
 def _sensitivities(
@@ -350,4 +390,4 @@ def fit(
         gtol=None,
         max_nfev=steps,
     )
-    return evaluate(problem, packing.unpack(found.x), fixed)
+    return evaluate(problem, packing.unpack(found.x), fixed, weighted=len(whitening) > 1)

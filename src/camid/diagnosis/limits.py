@@ -56,9 +56,10 @@ def undetectable(
 
     def judge(item: tuple[str, type[Effect]]) -> Undetectable:
         identifier, effect = item
-        if effect.noise_like:
+        reason = problem.unseen(effect)
+        if reason is None and effect.noise_like:
             return Undetectable(identifier, effect.limit_of_recognition(situation))
-        reason = effect.invisible(situation)
+        reason = reason or effect.invisible(situation)
         if reason is not None:
             return Undetectable(identifier, reason)
         visible = [c for c in shapes.get(identifier, []) if c.visible > 0.0]

@@ -8,6 +8,7 @@ imitate is projected off first.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +18,8 @@ from camid.chain import sample
 from camid.diagnosis.fit import Fitted
 from camid.diagnosis.problem import Problem, plant_of
 from camid.diagnosis.result import Location
-from camid.diagnosis.screen import Metric, metrics, projector
+from camid.diagnosis.screen import WORKERS, Metric, metrics
+from camid.engine import run, steps_of
 from camid.physics.effect import PLACES
 
 Array = NDArray[np.float64]
@@ -27,6 +29,8 @@ SMALLEST_DIRECTION = 1e-4
 # Knots of piecewise linear functions.
 FEW, MANY = 5, 14
 WINDOWS = 16
+# Force, as a share of the largest input, that a chain which is not linear is asked about.
+SMALL_FORCE = 1e-4
 # Span of time or band of frequency that is worth naming: most of the energy in less than half of the range.
 MOST_ENERGY = 0.8
 SHARE_OF_RANGE = 0.5
@@ -80,14 +84,12 @@ def _polynomials(count: int, degree: int) -> list[Array]:
 
 def regressors(problem: Problem, fitted: Fitted) -> dict[str, Array]:
     """Columns on the fitted rows for each place, shape (M, c)."""
-    plant = plant_of(problem, fitted.model)
     tables: dict[str, list[Array]] = {}
-    motions = problem.motion(replace(fitted.model))
+    motions = problem.motion(fitted.model)
     for index, experiment in enumerate(problem.experiments):
         acquisition = problem.chain(fitted.model, index).declared()
         position, velocity = (_scaled(s) for s in motions[index])
         signal = experiment.signal / (float(np.max(np.abs(experiment.signal), initial=0.0)) or 1.0)
-        straight = replace(acquisition, hold="foh")
         count = len(signal)
         held = [*_hinges(signal, FEW), np.abs(signal), np.sign(signal), signal**3]
         earlier = np.concatenate([[0.0], signal[:-1]])
@@ -99,20 +101,44 @@ def regressors(problem: Problem, fitted: Fitted) -> dict[str, Array]:
         moved += [*_hinges(y, MANY), *_hinges(v, MANY), np.abs(y) * v, np.abs(y), y**4 * v, np.sign(v) * y]
         moved += [f * g for f in _hinges(y, FEW) for g in _hinges(v, FEW)]
         slow = _polynomials(count, 10)
-        output = _scaled(problem.simulate(fitted.model)[index])
+        output = _scaled(position if problem.closed else problem.simulate(fitted.model)[index])
         rate = np.gradient(output)
         rate = rate / (float(np.std(rate)) or 1.0)
         seen = [np.ones(count), output**2, output**3, *_hinges(output, MANY), output * rate, rate, rate**2]
         seen += [np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, count) * rate, np.gradient(rate)]
         columns = {
-            "actuator": [sample(plant, s, acquisition) for s in held],
-            "plant": [sample(plant, s, straight) for s in moved],
-            "disturbance": [sample(plant, s, straight) for s in slow],
-            "sensor": seen,
+            "actuator": _responses(problem, fitted, index, held, acquisition.hold),
+            "plant": _responses(problem, fitted, index, moved, "foh"),
+            "disturbance": _responses(problem, fitted, index, slow, "foh"),
+            "sensor": [np.zeros(count)] if problem.closed else seen,
         }
         for place, found in columns.items():
             tables.setdefault(place, []).append(np.column_stack(found)[experiment.used])
     return {place: np.concatenate(parts) for place, parts in tables.items()}
+
+
+def _responses(problem: Problem, fitted: Fitted, index: int, forces: list[Array], hold: str) -> list[Array]:
+    """What the sensor (in a closed loop: the controller) makes of forces at the plant's input, each of shape (N,).
+
+    Behind a linear chain exactly; else by differences with a small force, so that pendulum and loop answer as they are.
+    """
+    chain = problem.chain(fitted.model, index)
+    if problem.is_linear(fitted.model):
+        plant = plant_of(problem, fitted.model)
+        acquisition = replace(chain.declared(), hold=hold)
+        return [sample(plant, f, acquisition) for f in forces]
+    signal, time = problem.experiments[index].signal, problem.times[index]
+    chain = replace(chain, steps=steps_of(chain, signal, time, finest=False))
+    small = SMALL_FORCE * problem.situation(fitted.model, index).largest("signal")
+    undisturbed = run(chain, signal, time)
+
+    def respond(force: Array) -> Array:
+        size = small / (float(np.max(np.abs(force), initial=0.0)) or 1.0)
+        disturbed = run(replace(chain, known_force=(size * force, hold)), signal, time)
+        return np.nan_to_num((disturbed - undisturbed) / size)
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        return list(pool.map(respond, forces))
 
 
 def places(problem: Problem, fitted: Fitted) -> list[PlaceTest]:
@@ -212,6 +238,3 @@ def _region(signals: dict[str, Array], residual: Array) -> tuple[str, float, flo
         if found is not None and contrast > 2.0 and (best is None or contrast > best[0]):
             best = contrast, (name, float(edges[found[0]]), float(edges[found[1]]))
     return None if best is None else best[1]
-
-
-__all__ = ["PlaceTest", "locate", "places", "projector", "regressors", "shares"]

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain import companion, time_scale
+from camid.controller import Loop
 from camid.engine import Chain, move, run, steps_of
 from camid.identification.predictor import Experiment, Structure
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
 from camid.physics.effect import Effect, Situation
+from camid.physics.pendulum import PendulumPlant
 from camid.plant import TransferFunction
 
 Array = NDArray[np.float64]
@@ -41,11 +43,14 @@ class Model:
     effects : tuple of Effect
     initial : tuple of (ndarray or None)
         Companion state of the plant at the begin of each recording; None at rest.
+    rest : float, optional
+        Angle in rad at which a pendulum hangs still; None where the plant is no pendulum.
     """
 
     coefficients: Array
     effects: tuple[Effect, ...] = ()
     initial: tuple[Array | None, ...] = ()
+    rest: float | None = None
 
     def without(self, index: int) -> Model:
         """The same model without one of its effects."""
@@ -87,6 +92,15 @@ class Problem:
         Time in seconds that makes the plant's coefficients of the order of one.
     steps : tuple of int, optional
         Steps of the integrator in a period of each recording; see :meth:`pinned`.
+    loops : tuple of Loop, optional
+        The controller of each recording with its reference. The outputs of the experiments are then what it put out:
+        the position follows the reference whatever the plant is like.
+    positions : tuple of ndarray, each of shape (N,)
+        The recorded positions in a closed loop.
+    rest_free : bool
+        Whether the angle at rest of a pendulum is re-estimated.
+    fixed_gain : float, optional
+        Ratio of b_0 to a_n that is kept where a pendulum's natural frequency is re-estimated and its gain is not.
     """
 
     structure: Structure
@@ -94,6 +108,23 @@ class Problem:
     times: list[Array]
     unit: float = field(default=1.0)
     steps: tuple[int, ...] | None = None
+    loops: tuple[Loop, ...] = ()
+    positions: tuple[Array, ...] = ()
+    rest_free: bool = False
+    fixed_gain: float | None = None
+
+    @property
+    def closed(self) -> bool:
+        """Whether a controller makes the input."""
+        return bool(self.loops)
+
+    def is_linear(self, model: Model) -> bool:
+        """Whether the plant without effects is linear and driven by a recorded input."""
+        return not self.closed and model.rest is None
+
+    def restored(self, recorded: Array, model: Model) -> Array:
+        """Recorded positions as the plant's forces count them: from the angle at rest."""
+        return recorded if model.rest is None else recorded - model.rest
 
     @cached_property
     def output(self) -> Array:
@@ -119,6 +150,26 @@ class Problem:
         experiments = [replace(e, used=u) for e, u in zip(self.experiments, used, strict=True)]
         return replace(self, experiments=experiments)
 
+    def beginning(self, rows: int) -> Problem:
+        """The same recordings, cut off behind so many rows."""
+        experiments = [
+            replace(e, signal=e.signal[:rows], output=e.output[:rows], used=e.used[:rows]) for e in self.experiments
+        ]
+        loops = tuple(replace(loop, reference=loop.reference[:rows]) for loop in self.loops)
+        return replace(
+            self,
+            experiments=experiments,
+            times=[t[:rows] for t in self.times],
+            loops=loops,
+            positions=tuple(p[:rows] for p in self.positions),
+        )
+
+    def unseen(self, effect: type[Effect]) -> str | None:
+        """Why recordings of this kind cannot show an effect; None if they can."""
+        if self.closed and (effect.place == "sensor" or effect.identifier in {"input-hold", "exposure", "delay"}):
+            return "in a closed loop the control tells of the plant; the controller has a sensor of its own"
+        return None
+
     def pinned(self, model: Model, *, finest: bool) -> Problem:
         """The same with the steps of the integrator that suit a model.
 
@@ -136,13 +187,15 @@ class Problem:
     def chain(self, model: Model, index: int) -> Chain:
         """Chain of a model as recording ``index`` saw it."""
         experiment = self.experiments[index]
+        pendulum = () if model.rest is None else (PendulumPlant(rest=model.rest),)
         return Chain(
             self.structure.plant(model.coefficients),
             experiment.acquisition,
-            model.effects,
+            (*pendulum, *model.effects),
             model.initial[index] if model.initial else None,
             experiment.free_motion_before_record,
             None if self.steps is None else self.steps[index],
+            self.loops[index] if self.closed else None,
         )
 
     def simulate(self, model: Model) -> list[Array]:
@@ -161,25 +214,51 @@ class Problem:
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found
 
-    def situation(self, model: Model, index: int | None = None) -> Situation:
-        """What first guesses need, of one recording: the longest where none is named."""
+    def situation(self, model: Model, index: int | None = None, *, at_sensor: bool = True) -> Situation:
+        """What first guesses need, of one recording: the longest where none is named.
+
+        The positions of a pendulum count from its rest where not the sensor but the plant is looked at.
+        """
         if index is None:
             index = int(np.argmax([np.count_nonzero(e.used) for e in self.experiments]))
         experiment = self.experiments[index]
+        if self.closed:
+            return self._closed_situation(model, index)
         simulated = run(self.chain(model, index), experiment.signal, self.times[index])
         residual = np.where(experiment.used, experiment.output - simulated, 0.0)
         acquisition = experiment.acquisition
         for effect in model.effects:
             acquisition = effect.declare(acquisition)
+        recorded = experiment.output
+        if not at_sensor:
+            recorded, simulated = self.restored(recorded, model), self.restored(simulated, model)
         return Situation(
             self.times[index],
             experiment.signal,
-            experiment.output,
+            recorded,
             simulated,
             np.gradient(simulated, acquisition.period),
             residual,
             self.structure.plant(model.coefficients),
             acquisition,
+            experiment.used,
+        )
+
+    def _closed_situation(self, model: Model, index: int) -> Situation:
+        """Position and velocity are the simulated ones, the residual is that of the control."""
+        experiment, time = self.experiments[index], self.times[index]
+        motion = move(self.chain(model, index), experiment.signal, time)
+        nodes = np.round((time - motion.begin) / motion.step).astype(int)
+        simulated = np.zeros(len(time)) if motion.control is None else motion.control
+        return Situation(
+            time,
+            experiment.signal,
+            self.positions[index],
+            motion.position[nodes],
+            motion.velocity[nodes],
+            np.where(experiment.used, experiment.output - simulated, 0.0),
+            self.structure.plant(model.coefficients),
+            experiment.acquisition,
             experiment.used,
         )
 

@@ -34,7 +34,8 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
         situation = problem.situation(base.model, index)
         rows = np.zeros(len(situation.time), bool)
         for identifier in SPOILING:
-            found = known_effects()[identifier].recognise(situation)
+            effect = known_effects()[identifier]
+            found = effect.recognise(situation) if problem.unseen(effect) is None else None
             if found is not None and found.p_value < SUSPECT:
                 rows |= found.spoiled
         result.append(rows)
@@ -59,7 +60,8 @@ def noise_findings(
     situation = whole.situation(final.model)
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames stand before outliers
-        if effect.noise_like and identifier not in known and effect is not ColouredNoise:
+        possible = effect.noise_like and problem.unseen(effect) is None
+        if possible and identifier not in known and effect is not ColouredNoise:
             recognition = effect.recognise(situation)
             if recognition is not None and recognition.p_value < RECOGNISED:
                 found.append(recognition)

@@ -76,8 +76,8 @@ def unlisted_weight(
     if not reasons or reasons == ["variance"]:
         return 0.0
     left = _left(base, final, after)
-    if "resonance" in reasons:
-        left = 1.0
+    if "resonance" in reasons:  # what drives it is all of what is left
+        left = min(final.cost / max(base.cost, 1e-300), 1.0)
     if "validation" in reasons and fits.refitted > fits.noise_floor:
         excess = fits.improved**2 - fits.noise_floor**2
         left = max(left, min(max(excess / (fits.refitted**2 - fits.noise_floor**2), 0.0), 1.0))

@@ -14,7 +14,7 @@ from camid.diagnosis.result import Coefficient, Diagnosis, Finding
 from camid.recording import write_whole
 
 STRUCTURE_BELOW = 0.01  # p-values below it are set in bold: chance hardly makes them
-HOLDS = {"zoh": "zero-order hold", "foh": "first-order hold"}
+HOLDS = {"zoh": "zero-order hold", "foh": "first-order hold", "band-limited": "band-limited input"}
 
 
 @dataclass(frozen=True)

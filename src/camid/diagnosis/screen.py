@@ -64,12 +64,15 @@ def trials(effect: type[Effect], problem: Problem) -> float:
 def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> Iterator[Effect]:
     """All first guesses of the catalogue that are not in the model already."""
     situation = problem.situation(base.model)
+    # A pendulum's forces count the angle from its rest, the sensor from its own zero.
+    at_plant = situation if base.model.rest is None else problem.situation(base.model, at_sensor=False)
     present = {e.identifier for e in base.model.effects}
     for identifier, effect in sorted(known_effects().items()):
         if effect.noise_like or identifier in present or (only is not None and identifier not in only):
             continue
-        if effect.invisible(situation) is None:
-            yield from effect.candidates(situation)
+        view = situation if effect.place == "sensor" else at_plant
+        if problem.unseen(effect) is None and effect.invisible(view) is None:
+            yield from effect.candidates(view)
 
 
 def signature(problem: Problem, base: Fitted, effect: Effect) -> Array | None:

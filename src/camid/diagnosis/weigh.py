@@ -73,6 +73,9 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
         # Dahl's friction is friction, and fits Bouc and Wen's hysteresis best.
         related = kin is not None and hypothesis.identifier == kin.identifier
         error = KIN_ERROR if related else LAW_ERROR
+        if _generalises(hypothesis, lead):  # it was put behind its special case because it says no more
+            raw.append((hypothesis.identifier, OTHER_LAW))
+            continue
         left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
         exact = float(np.exp(-0.5 * max(hypothesis.criterion - lead.criterion, 0.0)))
         raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))))
@@ -81,6 +84,14 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
     kept = [(name, w / total) for name, w in raw if w / total >= LEAST_WEIGHT][:LARGEST_CLASS]
     total = sum(w for _, w in kept)
     return [(name, w / total) for name, w in kept]
+
+
+def _generalises(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
+    """Whether a hypothesis that fits better has the lead for its special case."""
+    if hypothesis is lead or hypothesis.criterion >= lead.criterion or not hypothesis.fitted.model.effects:
+        return False
+    special = [e.simplified() for e in hypothesis.fitted.model.effects if e.identifier == hypothesis.identifier]
+    return any(s is not None and s.identifier == lead.identifier for s in special)
 
 
 def refuted(expected: float, noise: float, before: Sequence[Array], after: Sequence[Array], one_off: bool) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from camid.chain import begin_interval, sampling_matrices
+from camid.chain import begin_interval, driven, sampling_matrices
 
 if TYPE_CHECKING:
     from camid.identification.predictor import Experiment
@@ -60,12 +60,13 @@ class Records(NamedTuple):
     def of(cls, experiments: Sequence[Experiment]) -> Records:
         """Pack experiments."""
         windows = [e.acquisition.window() for e in experiments]
+        inputs = [driven(e.signal, e.acquisition.hold) for e in experiments]
         return cls(
-            np.concatenate([e.signal for e in experiments], dtype=np.float64),
+            np.concatenate([signal for signal, _ in inputs], dtype=np.float64),
             np.concatenate([e.output for e in experiments], dtype=np.float64),
             np.concatenate([e.used for e in experiments]),
             np.cumsum([0, *(len(e.output) for e in experiments)]),
-            np.array([e.acquisition.hold == "foh" for e in experiments]),
+            np.array([first_order for _, first_order in inputs]),
             np.array([w[3] for w in windows]),
             np.array([e.free_motion_before_record for e in experiments]),
             np.array([e.estimate_initial_state for e in experiments]),

@@ -52,20 +52,25 @@ class OrderSelection:
         The chosen order.
     explained : bool
         False: no candidate passes all checks, and the chosen one has the smallest BIC only.
+    recording_warnings : tuple of str
+        What was done to the rows of the recordings before.
     """
 
     table: pd.DataFrame
     poles: int
     zeros: int
     explained: bool
+    recording_warnings: tuple[str, ...] = ()
 
     def warnings(self) -> list[str]:
         """What changes the worth of the choice, a sentence each."""
+        said = list(self.recording_warnings)
         if self.explained:
-            return []
+            return said
         return [
+            *said,
             "no order passes all checks; the one of the smallest BIC is shown, but something else is wrong: hold, "
-            "exposure, latency, a nonlinearity, or too little data"
+            "exposure, latency, a nonlinearity, or too little data",
         ]
 
     def to_mapping(self) -> dict[str, Any]:

@@ -54,6 +54,8 @@ class Identification:
         Whether the residual is white and independent of the input; None if there is no residual worth the name.
     alternatives : list of Alternative
         Other declarations that were fitted because the residual contradicts this one, best first.
+    recording_warnings : tuple of str
+        What was done to the rows of the recordings before.
     """
 
     simulation: Simulation
@@ -66,6 +68,7 @@ class Identification:
     acquisition: Acquisition | None = None
     residual_analysis: ResidualAnalysis | None = None
     alternatives: list[Alternative] = field(default_factory=list)
+    recording_warnings: tuple[str, ...] = ()
 
     def to_control(self) -> control.TransferFunction:
         """The identified plant as a continuous-time python-control transfer function."""
@@ -87,7 +90,7 @@ class Identification:
 
     def warnings(self) -> list[str]:
         """What changes the worth of the numbers, a sentence each."""
-        sentences = []
+        sentences = list(self.recording_warnings)
         if not self.converged:
             sentences.append(
                 "the iteration did not converge; the numbers are not to be used (another order? more excitation?)"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from camid.chain import Acquisition
+from camid.chain import HOLDS, Acquisition
 from camid.physics.effect import Array, Effect, Parameter, Situation
 from camid.plant import TransferFunction
 
@@ -254,18 +254,23 @@ class InputHold(Effect):
     identifier = "input-hold"
     place = "actuator"
     title = "Hold of the input"
-    equation = r"u(t) = u_k\ \mathrm{(zoh)}\quad\mathrm{or}\quad u_k + (u_{k+1}-u_k)\,(t-t_k)/T\ \mathrm{(foh)}"
+    equation = (
+        r"u(t) = u_k\ \mathrm{(zoh)},\ \ u_k + (u_{k+1}-u_k)\,\tau/T\ \mathrm{(foh)},\ \ "
+        r"\sum_j u_j\,\mathrm{sinc}(t/T-j)\ \mathrm{(band-limited)}"
+    )
     reference = "Laroche & Delavigne, section 3.2; Pintelon & Schoukens (2012), System Identification, section 13.2"
-    parameters = (Parameter("hold", "", "intersample behaviour of the input", choices=("zoh", "foh")),)
+    parameters = (Parameter("hold", "", "intersample behaviour of the input", choices=HOLDS),)
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
-        """The other hold."""
+        """Another hold."""
         return replace(acquisition, hold=self.values["hold"])
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The hold that was not declared."""
-        yield cls(hold="foh" if situation.acquisition.hold == "zoh" else "zoh")
+        """The holds that were not declared."""
+        for hold in HOLDS:
+            if hold != situation.acquisition.hold:
+                yield cls(hold=hold)
 
 
 class InputBias(Effect):

@@ -16,6 +16,8 @@ OUTLYING = (4.0, 5.0, 7.0)
 FEWEST = 1
 # Values that differ by less than this share of their range are the same.
 SAME_VALUE = 1e-10
+# Digits smaller than this share of a lattice's step do not hide it.
+FINE_PRINT = 0.02
 # Residuals beyond so many robust standard deviations count as these in a regression of the variance.
 HEAVY = 6.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
@@ -33,10 +35,15 @@ def lattice_step(values: Array) -> float | None:
         return None
     gaps = np.diff(distinct)
     step = float(np.min(gaps))
-    multiples = gaps / step
-    if np.max(np.abs(multiples - np.round(multiples))) > 1e-3 * max(1.0, float(np.max(multiples)) * 1e-3):
+    # Values printed with a few digits lie beside their lattice by less than a digit.
+    printed = resolution(values)
+    slack = 1e-3 * step + (2.0 * printed if printed < FINE_PRINT * step else 0.0)
+    step = float(np.median(gaps[gaps <= step + 2.0 * slack]))
+    multiples = np.round(gaps / step)
+    step = float(np.ptp(distinct) / np.sum(multiples))
+    if np.max(np.abs(gaps - multiples * step)) > slack * max(1.0, float(np.max(multiples)) * 1e-3):
         return None
-    return float(np.ptp(distinct) / np.sum(np.round(multiples)))
+    return step
 
 
 def resolution(values: Array) -> float:

@@ -1,0 +1,60 @@
+"""The command line: ``camid identify``, ``order``, ``simulate``, ``diagnose`` and ``track``.
+
+Exit code 0: done. 2: the input is wrong, and one line says what, where and how to mend it.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from io import TextIOWrapper
+
+import click
+
+from camid import __version__
+from camid.cli import diagnose, identify, order, simulate, track
+from camid.errors import InputError
+
+INTERRUPTED = 130
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="camid")
+def cli() -> None:
+    """Identify the dynamics of machines from what a camera sees of them."""
+
+
+for command in (diagnose.diagnose, identify.identify, order.order, simulate.simulate, track.track):
+    cli.add_command(command)
+
+
+def _message(error: Exception) -> str:
+    """One line for an error that the user can mend."""
+    sentence = str(error)
+    if isinstance(error, click.ClickException):
+        sentence = f"{' '.join(error.format_message().split())} (see camid --help)"
+    elif isinstance(error, OSError):  # no right to read, a name that is too long, a full disk
+        sentence = f"{error.filename or 'cannot read or write'}: {error.strerror or error}"
+    # Names of files and columns may hold anything, line breaks too.
+    return "".join(c if c.isprintable() else "?" for c in sentence)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return the exit code; errors are one line on the error stream."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without · or ² shows ? instead
+    try:
+        with warnings.catch_warnings():
+            # A start that overflows is dropped; what becomes of the others is judged at the end.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            return int(cli.main(args=arguments, prog_name="camid", standalone_mode=False) or 0)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return 2
+    except (InputError, OSError, click.ClickException) as error:
+        click.echo(f"camid: error: {_message(error)}", err=True)
+        return 2
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("camid: interrupted; no file is half-written", err=True)
+        return INTERRUPTED

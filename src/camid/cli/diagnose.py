@@ -1,0 +1,43 @@
+"""``camid diagnose``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from camid.cli.shared import progress_display, warn
+
+
+@click.command()
+@click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option(
+    "--simulation", type=click.Path(path_type=Path), required=True, help="What you believe of the rig (YAML)."
+)
+@click.option(
+    "--output", type=click.Path(path_type=Path), required=True, help="Folder for the results; made if need be."
+)
+@click.option("--report/--no-report", default=True, show_default=True, help="Write report.html, too.")
+@click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json.")
+def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, report: bool, as_json: bool) -> None:
+    """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.
+
+    Of several recordings the last one validates, unless the simulation says which rows do.
+    """
+    from camid.api import diagnose as run
+    from camid.diagnosis.files import check_folder, write_diagnosis
+    from camid.identification.result import without_infinities
+
+    check_folder(output, [*recording, simulation])
+    with progress_display(as_json) as progress:
+        result = run(list(recording), simulation, progress=progress)
+        written = write_diagnosis(result, output, report=report)
+    if as_json:
+        click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
+    else:
+        from camid.diagnosis.summary import print_summary
+
+        print_summary(result, written)
+    for sentence in result.warnings:
+        warn(sentence)

@@ -1,0 +1,120 @@
+"""What the commands share: options that declare a rig, progress, warnings, and checks before the work is done."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from camid.errors import InputError
+
+if TYPE_CHECKING:
+    from camid.simulation import Simulation
+
+
+@contextmanager
+def progress_display(quiet: bool) -> Iterator[Callable[[str], None] | None]:
+    """A spinner with the step at hand on the error stream; nothing for machines."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("starting") as status:
+        yield status.update
+
+
+def warn(sentence: str) -> None:
+    """One line on the error stream; the command goes on."""
+    click.echo(f"camid: warning: {sentence}", err=True)
+
+
+# What the options below declare where there is no --simulation.
+DECLARATIONS = (
+    click.option("--hold", type=click.Choice(["zoh", "foh"]), help="Without --simulation: hold of the input [zoh]."),
+    click.option("--sensor", type=click.Choice(["camera", "instant"]), help="Without --simulation: sensor [camera]."),
+    click.option("--exposure", type=float, help="Without --simulation: exposure of the camera in s [the period]."),
+    click.option("--latency", type=float, help="Without --simulation: latency, or a known delay of the rig, in s [0]."),
+    click.option(
+        "--initial-state",
+        type=click.Choice(["zero", "estimate"]),
+        help="Without --simulation: estimate it if the rig moves when a recording begins [zero].",
+    ),
+    click.option("--time-column", help="Without --simulation: name of the time column [t]."),
+    click.option("--input-column", help="Without --simulation: name of the input column [u]."),
+    click.option("--output-column", help="Without --simulation: name of the output column [y]."),
+)
+
+
+def declarations(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options in `DECLARATIONS`."""
+    for option in reversed(DECLARATIONS):
+        command = option(command)
+    return command
+
+
+@contextmanager
+def column_options(simulation: Path | None) -> Iterator[None]:
+    """Name the options for columns where a column is missing and no file says what the columns are called."""
+    try:
+        yield
+    except InputError as error:
+        if simulation is None and error.problem.startswith("no column"):
+            options = "say --time-column, --input-column, --output-column"
+            raise InputError(error.problem, where=error.where, mend=f"{error.mend}; {options}") from None
+        raise
+
+
+def contradiction(option: str, simulation: Path) -> InputError:
+    """The error for an option that says again what the file says."""
+    return InputError(
+        f"--{option} and --simulation contradict each other", mend=f"write it into {simulation} or leave it out"
+    )
+
+
+def declared_simulation(simulation: Path | None, declared: dict[str, Any]) -> Simulation:
+    """The simulation file, or what the options declare in its place."""
+    from camid.plant import TransferFunction
+    from camid.simulation import Simulation, load_simulation
+
+    given = {k: v for k, v in declared.items() if v is not None}
+    if simulation is not None:
+        if given:
+            raise contradiction(next(iter(given)).replace("_", "-"), simulation)
+        return load_simulation(simulation)
+    sensor = given.get("sensor", "camera")
+    if sensor == "instant" and "exposure" in given:
+        raise InputError("an instant sensor has no exposure", mend="leave out --exposure or say --sensor camera")
+    for name in ("exposure", "latency"):
+        lowest = "positive" if name == "exposure" else "zero or positive"
+        if name in given and not (0.0 <= given[name] < float("inf") and (given[name] or lowest != "positive")):
+            raise InputError(f"--{name} {given[name]:g}", mend=f"it takes a {lowest} number of seconds")
+    return Simulation(
+        time_column=given.get("time_column", "t"),
+        input_column=given.get("input_column", "u"),
+        output_column=given.get("output_column", "y"),
+        plant=TransferFunction((1.0,), (1.0, 1.0)),
+        hold=given.get("hold", "zoh"),
+        sensor=sensor,
+        exposure=given.get("exposure"),
+        latency=given.get("latency", 0.0),
+        initial_state=given.get("initial_state", "zero"),
+        source="options",
+    )
+
+
+def check_output(output: Path | None, inputs: list[Path], option: str = "--output") -> None:
+    """Refuse, before the work is done, an output that cannot be written or that is one of the inputs."""
+    from camid.recording import check_writable
+
+    for path in inputs:
+        if output is not None and output.exists() and path.exists() and output.samefile(path):
+            raise InputError(
+                f"{option} would overwrite what it is made from", where=str(path), mend="name another file"
+            )
+    if output is not None:
+        check_writable(output)

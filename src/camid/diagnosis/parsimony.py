@@ -1,0 +1,98 @@
+"""The fewest and simplest effects, where what is left of the residual says that the laws are not exact anyway.
+
+A likelihood takes every law as exact. With ten thousand samples of a real rig it then calls for a further effect, and a
+further parameter, whatever small part of the true law they imitate. Where structure is left behind, an effect beside
+others has to explain most of what the others leave, and a general law has to explain more than its special case by a
+margin that is worth a name; else the name would be that of a correction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from camid.diagnosis.decide import ALL_STEPS, Decision
+from camid.diagnosis.fit import Fitted, fit
+from camid.diagnosis.problem import Problem
+from camid.diagnosis.weigh import Hypothesis
+
+# Share of what the other effects leave, noise taken off, that one beside them has to explain.
+LEAST_EXPLAINED = 0.5
+# Share of the whole mismatch below which it may be what an inexact law of the others leaves.
+CORRECTION = 0.01
+# Share of what a general law explains from which its special case takes its place.
+SPECIAL_ENOUGH = 0.9
+
+
+def simplest(
+    problem: Problem, decision: Decision, known: int, structured: float, progress: Callable[[str], None] | None = None
+) -> Decision:
+    """The decision without effects that only correct others, and with special cases where they say as much.
+
+    Parameters
+    ----------
+    problem : Problem
+    decision : Decision
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+    structured : float
+        Share of the residual's sum of squares that is structure.
+    progress : callable, optional
+    """
+    noise = (1.0 - min(structured, 1.0)) * decision.fitted.cost
+    if progress and decision.rivals:
+        progress("testing whether fewer and simpler effects say as much")
+    while len(decision.rivals) > 1:
+        gains = [w.cost - decision.fitted.cost for w in decision.without]
+        weakest = int(np.argmin(gains))
+        mismatch = max(decision.base.cost - noise, 1e-300)
+        explained = _explained(decision.without[weakest], decision.fitted, noise)
+        if explained >= LEAST_EXPLAINED and gains[weakest] >= CORRECTION * mismatch:
+            break
+        decision = _without(problem, decision, known, weakest)
+    for index in range(len(decision.rivals)):
+        decision = _special(problem, decision, known, index, noise)
+    return decision
+
+
+def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
+    """Share of what a model without an effect leaves, noise taken off, that the effect explains."""
+    return (without.cost - fitted.cost) / max(without.cost - noise, 1e-300)
+
+
+def _without(problem: Problem, decision: Decision, known: int, index: int) -> Decision:
+    """The decision without one of its effects."""
+    rivals = decision.rivals[:index] + decision.rivals[index + 1 :]
+    fitted = decision.without[index]
+    without = _leaving_out(problem, decision.base, fitted, known)
+    return replace(decision, fitted=fitted, rivals=rivals, without=without)
+
+
+def _special(problem: Problem, decision: Decision, known: int, index: int, noise: float) -> Decision:
+    """The decision with the special case of an effect in its place, if that explains nearly as much."""
+    model = decision.fitted.model
+    general = model.effects[known + index]
+    special = general.simplified()
+    if special is None or any(e.identifier == special.identifier for e in model.effects):
+        return decision
+    effects = list(model.effects)
+    effects[known + index] = special
+    fitted = fit(problem, replace(model, effects=tuple(effects)), steps=ALL_STEPS)
+    without = decision.without[index]
+    mismatch = max(without.cost - noise, 1e-300)
+    if without.cost - fitted.cost < SPECIAL_ENOUGH * min(without.cost - decision.fitted.cost, mismatch):
+        return decision
+    others = [h for h in decision.rivals[index] if h.identifier not in {special.identifier}]
+    ranked = [Hypothesis(special.identifier, fitted, fitted.criterion), *others]
+    rivals = [*decision.rivals[:index], ranked, *decision.rivals[index + 1 :]]
+    return replace(decision, fitted=fitted, rivals=rivals, without=_leaving_out(problem, decision.base, fitted, known))
+
+
+def _leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int) -> list[Fitted]:
+    """The model without each of its effects, fitted."""
+    count = len(fitted.model.effects) - known
+    if count == 1:
+        return [base]
+    return [fit(problem, fitted.model.without(known + i), steps=ALL_STEPS) for i in range(count)]

@@ -1,0 +1,166 @@
+"""What turns the content of a simulation file into a :class:`camid.simulation.Simulation`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.checked_yaml import place, read_yaml, refuse_schema_errors
+from camid.controller import Controller
+from camid.errors import InputError
+from camid.plant import TransferFunction
+from camid.plant_file import read_plant
+from camid.reading import reading_of
+from camid.simulation import DeclaredEffect, Simulation
+
+Array = NDArray[np.float64]
+
+
+def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simulation:
+    """Simulation of a file or of its content, see :func:`camid.simulation.load_simulation`.
+
+    Raises
+    ------
+    InputError
+        With file, line and key.
+    """
+    if _is_system(source):
+        raise InputError(
+            "a plant alone says nothing of input and sensor",
+            where="simulation",
+            mend='write {"schema": 1, "time": …, "input": …, "plant": system, "sensor": …}',
+        )
+    if isinstance(source, Mapping):
+        content, name = _with_coefficients(source, "simulation"), "simulation"
+    else:
+        content, name = read_yaml(Path(source)), str(source)
+    if not isinstance(content, Mapping):
+        raise InputError("this is no mapping of keys to values", where=name, mend="see README.md")
+    _refuse_several(content, name)
+    refuse_schema_errors(content, "simulation.schema.json", name)
+    return _build(content, name)
+
+
+def _is_system(value: Any) -> bool:
+    """Whether this is a system of python-control (which is not loaded here: who has such a system has loaded it)."""
+    library = sys.modules.get("control")
+    names = ("InputOutputSystem", "FrequencyResponseData", "TransferFunction", "StateSpace")
+    kinds = tuple(getattr(library, name) for name in names if hasattr(library, name))
+    return isinstance(value, (TransferFunction, *kinds))
+
+
+def continuous_plant(system: Any, where: str) -> TransferFunction:
+    """Plant of a python-control system; InputError if it is not continuous, proper, and of one input and output."""
+    if isinstance(system, TransferFunction):
+        return system
+    kinds = tuple(
+        getattr(sys.modules.get("control"), name, TransferFunction) for name in ("TransferFunction", "StateSpace")
+    )
+    if not isinstance(system, kinds):
+        raise InputError(
+            f"a {type(system).__name__} is no plant",
+            where=where,
+            mend="give a continuous-time control.TransferFunction or control.StateSpace",
+        )
+    try:
+        return TransferFunction.from_control(system)
+    except ValueError as error:
+        raise InputError(str(error), where=where) from None
+
+
+def _with_coefficients(content: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    """The mapping with the coefficients of a python-control system in place of the system."""
+    part = content.get("plant")
+    if _is_system(part):
+        part = {"transfer_function": part}
+    if not isinstance(part, Mapping) or not _is_system(part.get("transfer_function")):
+        return content
+    plant = continuous_plant(part["transfer_function"], f"{name}, plant.transfer_function")
+    written = {"numerator": list(plant.numerator), "denominator": list(plant.denominator)}
+    return {**content, "plant": {**part, "transfer_function": written}}
+
+
+def _refuse_several(content: Mapping[str, Any], name: str) -> None:
+    """One clear line for lists of inputs or outputs."""
+    for key, word in (("input", "input"), ("sensor", "output")):
+        part = content.get(key)
+        parts = part if isinstance(part, list | tuple) else [part]
+        columns = [p.get("column") for p in parts if isinstance(p, Mapping)]
+        if len(columns) > 1 or any(isinstance(c, list | tuple) for c in columns):
+            raise InputError(
+                f"camid identifies one input and one output, and here are several {word}s",
+                where=place(name, content, [key]),
+                mend=f"name one column, and identify one {word} at a time while the others rest",
+            )
+
+
+def _build(content: Mapping[str, Any], name: str) -> Simulation:
+    def where(*path: Any) -> str:
+        return place(name, content, list(path))
+
+    reading = reading_of(content, where)
+    plant = read_plant(content["plant"], where)
+    validation = content.get("validation")
+    if validation is not None and not validation["start"] < validation["end"]:
+        raise InputError("start is not before end", where=where("validation"), mend="exchange them")
+    sensor = content["sensor"]
+    if sensor["kind"] == "instant" and "exposure" in sensor:
+        raise InputError(
+            "an instant sensor has no exposure", where=where("sensor", "exposure"), mend="remove it or say kind: camera"
+        )
+    source_input = content["input"]
+    return Simulation(
+        # Without a time column, what camid writes still has one.
+        time_column=content["time"].get("column", "time" if sensor["column"] == "t" else "t"),
+        input_column=None if source_input is None else source_input["column"],
+        output_column=sensor["column"],
+        hold="zoh" if source_input is None else source_input["hold"],
+        sensor=sensor["kind"],
+        exposure=float(sensor["exposure"]) if "exposure" in sensor else None,
+        latency=float(sensor.get("latency", 0.0)),
+        initial_state=content.get("initial_state", "zero"),
+        validation=None if validation is None else (float(validation["start"]), float(validation["end"])),
+        effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(content.get("effects", []))),
+        controller=_controller(content, where),
+        source=name,
+        reading=reading,
+        **plant,
+    )
+
+
+def _controller(content: Mapping[str, Any], where: Callable[..., str]) -> Controller | None:
+    """Controller of a closed loop, if there is one."""
+    written = content.get("controller")
+    if written is None:
+        return None
+    if content["input"] is None:
+        raise InputError(
+            "a controller, but no input column", where=where("controller"), mend="name the column of its output"
+        )
+    numbers = {str(k): float(v) for k, v in written.items() if k != "reference"}
+    for key in ("position_gain", "velocity_gain"):
+        if numbers[key] == 0.0:
+            raise InputError(f"{key} = 0 controls nothing", where=where("controller", key), mend="give the gain")
+    return Controller(str(written["reference"]), **numbers)
+
+
+def _declared(effect: Mapping[str, Any], where: str) -> DeclaredEffect:
+    parameters, deviations = (
+        {str(k): _plain(v) for k, v in effect.get(key, {}).items()} for key in ("parameters", "standard_deviations")
+    )
+    return DeclaredEffect(str(effect["id"]), parameters, deviations or None, where)
+
+
+def _plain(value: Any) -> Any:
+    """A value as Python has it, without what YAML remembers of it."""
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return value
+    return str(value) if isinstance(value, str) else float(value)

@@ -1,0 +1,203 @@
+"""What the marker looks like: each choice turns a region of a picture into an image with a bright marker."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.errors import InputError, nearest_match
+from camid.marker import RegionOfInterest
+from camid.tracking.picture import BLUE_DIFFERENCE, FULL_SCALE, RED_DIFFERENCE, Grid, Image, Picture
+from camid.tracking.video import Source
+
+# Colour differences of black, grey and white are zero; below this (of 0.5) there is no hue to look for.
+LEAST_COLOUR = 0.05
+# Grey levels that a marker must stand out by: what lossy codecs make of a still background stays below.
+LEAST_CONTRAST = 12.0
+# Pictures that the background is the median of: kept between one and two times this number, spread over the clip.
+BACKGROUND_PICTURES = 15
+# What moves is brighter (or darker) than the background with at least this share of its difference.
+ONE_SIGN = 0.6
+
+
+class Appearance(Protocol):
+    """How to see the marker as something bright on a darker background.
+
+    Attributes
+    ----------
+    sentence : str
+        For people: what is followed.
+    """
+
+    sentence: str
+
+    def grid(self, picture: Picture) -> Grid:
+        """Grid of the images that are made from this picture."""
+        ...
+
+    def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
+        """Image in which the marker is bright; ``region`` counts in the grid."""
+        ...
+
+
+class Bright:
+    """The brightest thing, by its grey levels."""
+
+    sentence = "the brightest thing"
+
+    def grid(self, picture: Picture) -> Grid:
+        """Grid of the pixels."""
+        return Grid()
+
+    def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
+        """Grey levels as they are."""
+        return picture.grey(region)
+
+
+class Dark:
+    """The darkest thing, by its grey levels."""
+
+    sentence = "the darkest thing"
+
+    def grid(self, picture: Picture) -> Grid:
+        """Grid of the pixels."""
+        return Grid()
+
+    def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
+        """White minus the grey levels."""
+        grey = picture.grey(region)
+        return grey.dtype.type(FULL_SCALE) - grey
+
+
+class Colour:
+    """Things of one hue, however bright.
+
+    The likeness of a pixel is its colour difference along the wanted hue: the whole of it up to 26.6° beside the hue,
+    falling to nothing at 45°, and nothing for greys. It is linear in the light mixed from marker and grey background,
+    so that a blurred edge counts with its share. It is made at the resolution of the colour samples, every second
+    pixel for most videos.
+
+    Parameters
+    ----------
+    name : str
+        A CSS colour name, or #rrggbb.
+
+    Raises
+    ------
+    InputError
+        If the colour is not known or has no hue.
+    """
+
+    def __init__(self, name: str) -> None:
+        from matplotlib import colors
+
+        if name.lower() not in colors.CSS4_COLORS and not (name.startswith("#") and len(name) == 7):
+            raise InputError(f"colour '{name}'", mend=f"{nearest_match(name, colors.CSS4_COLORS)}; or say #rrggbb")
+        try:
+            rgb = np.array(colors.to_rgb(name.lower()))
+        except ValueError:
+            raise InputError(f"colour '{name}'", mend="say a name or #rrggbb, e.g. red or #ff0000") from None
+        direction = np.array([rgb @ BLUE_DIFFERENCE, rgb @ RED_DIFFERENCE])
+        strength = float(np.hypot(*direction))
+        if strength < LEAST_COLOUR:
+            raise InputError(f"the colour {name} has no hue", mend="say --bright or --dark for white, grey and black")
+        self._blue, self._red = (float(v) for v in direction / strength)
+        self.sentence = f"the colour {name}"
+
+    def grid(self, picture: Picture) -> Grid:
+        """Grid of the colour samples."""
+        return picture.colour_grid()
+
+    def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
+        """Likeness to the hue: 0 for greys, 127 for the purest."""
+        import cv2
+
+        if not picture.has_colour:
+            raise InputError("the video has no colour", mend="say --bright or --dark")
+        blue, red = picture.colour_differences(region)
+        along = cv2.addWeighted(blue, self._blue, red, self._red, 0.0)
+        across = cv2.addWeighted(blue, -self._red, red, self._blue, 0.0)
+        beside = cv2.addWeighted(along, 2.0, np.abs(across), -2.0, 0.0)
+        return cv2.max(cv2.min(along, beside), 0.0)  # type: ignore[call-overload]
+
+
+class Moving:
+    """What differs from the background, the median of pictures spread over the clip.
+
+    Parameters
+    ----------
+    background : ndarray of float32, shape (height, width)
+        Grey levels.
+    sign : {1, -1, 0}
+        Whether the marker is brighter, darker, or (0) to be found out.
+    """
+
+    def __init__(self, background: NDArray[np.float32], sign: int = 0) -> None:
+        self.background, self.sign = background, sign
+        how = {1: " (brighter than what is behind it)", -1: " (darker than what is behind it)", 0: ""}
+        self.sentence = f"what moves{how[sign]}"
+
+    def grid(self, picture: Picture) -> Grid:
+        """Grid of the pixels."""
+        return Grid()
+
+    def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
+        """Difference from the background, with the sign that makes the marker bright."""
+        import cv2
+
+        behind = self.background
+        if region is not None:
+            behind = behind[region.top : region.top + region.height, region.left : region.left + region.width]
+        grey = picture.grey(region)
+        if self.sign == 0:
+            return cv2.absdiff(grey.astype(np.float32), behind)
+        first, second = (grey, behind) if self.sign > 0 else (behind, grey)
+        return cv2.subtract(first, second, dtype=cv2.CV_32F)
+
+    def signed(self, picture: Picture, region: RegionOfInterest) -> Moving:
+        """The same, brighter or darker as what is in ``region`` is.
+
+        Raises
+        ------
+        InputError
+            If it is both: it moves by less than its own size, and the median holds it, too.
+        """
+        behind = self.background[region.top : region.top + region.height, region.left : region.left + region.width]
+        difference = picture.grey(region).astype(np.float32) - behind
+        strong = difference[np.abs(difference) > 0.3 * np.abs(difference).max()]
+        balance = float(strong.sum() / np.abs(strong).sum())
+        if abs(balance) < ONE_SIGN:
+            raise InputError(
+                "what moves is both brighter and darker than what is behind it: it may move by less than its own size",
+                mend="say what the marker looks like: --bright, --dark or --colour",
+            )
+        return Moving(self.background, 1 if balance > 0.0 else -1)
+
+
+def moving(
+    source: Source, start: float | None, end: float | None, progress: Callable[[str], None] | None = None
+) -> Moving:
+    """See what moves in a clip against the median of some of its pictures.
+
+    Raises
+    ------
+    InputError
+        If the clip has fewer than three pictures.
+    """
+    kept: list[Image] = []
+    stride = 1
+    for count, frame in enumerate(source.frames(start, end)):
+        if count % stride == 0:
+            kept.append(frame.picture.grey().copy())
+            if len(kept) == 2 * BACKGROUND_PICTURES:
+                kept, stride = kept[::2], 2 * stride
+        if progress is not None and count % 50 == 0:
+            progress(f"looking for what moves, frame {frame.number}")
+    if len(kept) < 3:
+        raise InputError(
+            f"{len(kept)} frames show no motion", where=source.name, mend="say --bright, --dark or --colour"
+        )
+    return Moving(np.median(np.stack(kept), axis=0).astype(np.float32))

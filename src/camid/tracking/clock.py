@@ -1,0 +1,111 @@
+"""What the time stamps and the pictures say about frames that are missing or copied."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# A step longer than this many periods is a gap.
+GAP = 1.5
+# Steps within this share of the period are regular, and this share of them makes the clip regular.
+REGULAR_STEP, REGULAR_SHARE = 0.1, 0.9
+# A frame that differs from the one before by less than this share of the usual difference, while the marker moves by
+# less than this share of what it moves about then, is a copy that a lossy codec has encoded again.
+COPY_DIFFERENCE, COPY_STEP = 0.25, 0.25
+# The motion is certain if it is this many standard deviations.
+CERTAIN = 5.0
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Time stamps of a clip.
+
+    Attributes
+    ----------
+    frames : int
+    period : float
+        Median step in seconds.
+    effective_rate : float
+        Frames per second over the whole clip: number of steps over the time that they take.
+    regular : bool
+        Whether nine steps of ten are within 10 % of the period. Otherwise no frame can be called missing.
+    gaps : list of (float, int)
+        Time stamp before a gap, and how many frames are missing there.
+    """
+
+    frames: int
+    period: float
+    effective_rate: float
+    regular: bool
+    gaps: list[tuple[float, int]]
+
+    @property
+    def missing(self) -> int:
+        """Number of frames that are missing between the time stamps."""
+        return sum(count for _, count in self.gaps)
+
+
+def clock_of(times: Array) -> Clock:
+    """Judge time stamps.
+
+    Parameters
+    ----------
+    times : ndarray, shape (frames,)
+        Seconds, increasing; two or more.
+    """
+    steps = np.diff(times)
+    period = float(np.median(steps))
+    regular = bool(np.mean(np.abs(steps - period) <= REGULAR_STEP * period) >= REGULAR_SHARE)
+    gaps = []
+    if regular:
+        gaps = [(float(times[k]), round(float(steps[k]) / period) - 1) for k in np.flatnonzero(steps > GAP * period)]
+    return Clock(len(times), period, float(len(steps) / (times[-1] - times[0])), regular, gaps)
+
+
+def scatter(time: Array, values: Array, period: float) -> float:
+    """Standard deviation of what changes from frame to frame, from the fourth differences of the positions.
+
+    A smooth motion drops out of them, so that noise of every origin is left, the codec's errors, too; a motion that is
+    fast for the frame rate is left, as well. NaN where no five rows follow one another without a gap.
+
+    Parameters
+    ----------
+    time, values : ndarray, shape (N,)
+    period : float
+        Seconds between two frames.
+    """
+    if len(time) < 5:
+        return float("nan")
+    whole = time[4:] - time[:-4] < (4.0 + GAP - 1.0) * period
+    differences = np.abs(np.diff(values, 4))[whole]
+    # 1 + 16 + 36 + 16 + 1 = 70, and the median of a normal variable's absolute value is 0.6745 standard deviations.
+    return float(np.median(differences)) / (0.674490 * np.sqrt(70.0)) if differences.size else float("nan")
+
+
+def repeated_frames(difference: Array, x: Array, y: Array, deviation: Array) -> NDArray[np.int64]:
+    """Frames that are copies of the one before: 1 for a copy, 0 for others.
+
+    Bit for bit, or at the level of the codec: nearly no pixel has changed, and the marker stands still where it moves
+    in the frames about it. A lossy codec also stores a scene at rest as copies; these count, too.
+
+    Parameters
+    ----------
+    difference : ndarray, shape (N,)
+        Mean absolute difference of the whole picture from that of the frame before; NaN for the first.
+    x, y, deviation : ndarray, shape (N,)
+        Position of the marker and its standard deviation in px.
+    """
+    copies = np.asarray(difference == 0.0)
+    if len(x) > 3:
+        step = np.diff(np.column_stack((x, y)), axis=0)  # step[k] leads to frame k + 1
+        length = np.hypot(*step.T)
+        # The motion goes on after a copy in the direction of before; where the marker turns round it does not.
+        goes_on = np.sum(step[:-2] * step[2:], axis=1) > 0.0
+        about = np.minimum(length[:-2], length[2:])
+        still = (about > CERTAIN * deviation[2:-1]) & (length[1:-1] < COPY_STEP * about)
+        copies[2:-1] |= (difference[2:-1] < COPY_DIFFERENCE * np.nanmedian(difference)) & goes_on & still
+    return copies.astype(np.int64)

@@ -1,0 +1,70 @@
+"""Files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from camid.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def write_table(table: pd.DataFrame, path: str | os.PathLike[str]) -> None:
+    """Write CSV or Parquet, whole or not at all."""
+
+    def write(temporary: Path) -> None:
+        if Path(path).suffix.lower() in {".parquet", ".pq"}:
+            table.to_parquet(temporary, index=False)
+        else:
+            table.to_csv(temporary, index=False, na_rep="nan")  # no blanks
+
+    write_whole(path, write)
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Refuse what :func:`write_whole` could not write, before the work is done.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist, or the path is a folder, a device or a pipe.
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise InputError("this is a folder", where=str(path), mend="name a file to write")
+    if not target.parent.is_dir():
+        raise InputError("no such folder", where=str(target.parent), mend="make it, or write somewhere else")
+    if target.exists() and not target.is_file():
+        raise InputError("this is a device or a pipe", where=str(path), mend="name a file to write")
+
+
+def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> None:
+    """Let ``write`` fill a temporary file beside ``path``, then rename it: nothing is ever half-written.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist or cannot be written to.
+    """
+    check_writable(path)
+    target = Path(os.path.realpath(path))  # a link stays a link to the file that is written
+    try:
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".camid-", suffix=target.suffix)
+    except OSError as error:
+        raise InputError(f"cannot write ({error.strerror})", where=str(target.parent), mend="write elsewhere") from None
+    os.close(handle)
+    try:
+        write(Path(temporary))
+        # A temporary file is private; what it becomes is as readable as any other new file.
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(temporary, 0o666 & ~mask)
+        os.replace(temporary, target)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
