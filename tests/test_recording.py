@@ -151,6 +151,7 @@ def test_no_header_line(tmp_path):
         assert read(path, reading).columns["y"].tolist() == [0.5, 0.25, -0.001, 0.0]
         assert read(csv_file(tmp_path, *[r + "," for r in ROWS], name=name), reading).period == pytest.approx(0.1)
     assert "line 1: the first line holds numbers and no names; say header: false and columns:" in refusal(path)
+    assert "line 2: the first line holds numbers" in refusal(csv_file(tmp_path, "# t u y", *["1,1,2"] * 4))
     assert "line 1: a line of names (t, u, y) in a file that is said to have none; remove header" in refusal(
         csv_file(tmp_path, HEADER, *ROWS), reading
     )
@@ -169,6 +170,7 @@ def test_no_header_line(tmp_path):
         ([HEADER, *ROWS[:2], "0.2\t3\t0.1", ROWS[3]], "line 4: tabs between the cells, where most lines have commas"),
         ([HEADER, *ROWS[:3], '0.3,"4,5",0'], "line 5, column 'u': '4,5' where a number should be; write all numbers"),
         (["t;u;y", "0.1;1;0,5", "0.2;1;0,5", "0.3;1;0,5"], "line 2, column 'y': '0,5' where a number should be; write"),
+        ([HEADER, *ROWS[:3], '0.3,"1,234.5",0'], "'1,234.5' where a number should be; write the number without marks"),
         (["t;u;y", "0,1;1;5", "0,2;1;0.5", "0,3;1;0,5"], "line 2, column 't': '0,1' where a number should be; write a"),
     ],
 )

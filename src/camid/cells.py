@@ -61,6 +61,8 @@ def numbers(table: Table, column: str, rows: Rows, name: str, *, empty_allowed: 
 def _mend(cell: str, *, leave_out: bool) -> str:
     if re.fullmatch(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*", cell):
         return "write all numbers with a decimal point, or all with a comma and say decimal: ',' under recording"
+    if re.fullmatch(r"\s*[-+]?\d{1,3}((,\d{3})+(\.\d*)?|(\.\d{3})+(,\d*)?)\s*", cell):
+        return "write the number without marks between the thousands"
     if re.search(r"\d\s*[;\t,]\s*[-+\d]", cell):
         return "separate the cells as in the other lines"
     if cell.strip().lower() in EMPTY and leave_out:

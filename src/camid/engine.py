@@ -135,7 +135,15 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
         motion = move(chain, signal, time, acquisition)
         if motion.control is not None:
             return motion.control
-        output = _read(chain, motion, time, acquisition)
+        return observed(chain, motion, time)
+    for effect in chain.effects:
+        output = effect.observe(output, time)
+    return output
+
+
+def observed(chain: Chain, motion: Motion, time: Array) -> Array:
+    """Samples of the sensor, shape (N,), of a motion at the recorded times."""
+    output = _read(chain, motion, time, chain.declared())
     for effect in chain.effects:
         output = effect.observe(output, time)
     return output

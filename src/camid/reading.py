@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 COMMON_UNITS = (
     "s ms us ns min h second millisecond m mm cm um km meter millimeter inch pixel rad mrad deg turn radian degree "
     "rad/s deg/s rpm Hz m/s mm/s m/s^2 N mN kN newton N*m V mV kV volt A mA ampere Pa kPa bar kg g percent"
-).split()
+)
 
 
 @cache
@@ -55,7 +55,9 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
         parsed = registry.parse_units(re.sub(r"\bpx\b", "pixel", unit))
         begin, end = (float(registry.Quantity(v, parsed).to_base_units().magnitude) for v in (0.0, 1.0))
     except pint.UndefinedUnitError:
-        raise InputError(f"unknown unit '{unit}'", where=where, mend=nearest_match(unit, COMMON_UNITS)) from None
+        raise InputError(
+            f"unknown unit '{unit}'", where=where, mend=nearest_match(unit, COMMON_UNITS.split())
+        ) from None
     except Exception as error:  # the parser lets errors of many kinds through, such as those of Python's tokenizer
         problem = " ".join(str(error).split())
         raise InputError(

@@ -66,7 +66,7 @@ class Grid:
     def interpolated(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Output on the grid, and where it is missing; NaN in ``values``, shape (M,), are missing, too.
 
-        What is missing gets a value on the straight line between its neighbours.
+        What is missing gets a value on the straight line between its neighbours, or, at the ends, a mirrored one.
         """
         known = np.isfinite(values)
         if self.regular:
@@ -80,8 +80,11 @@ class Grid:
                 result[near], found[near] = spline(self.recorded[part], values[part], self.time[near]), True
         if not found.any():
             return result, ~found
+        rows = np.flatnonzero(found)
         result[~found] = np.interp(self.time[~found], self.time[found], result[found])
-        return result, ~found
+        # A value that is repeated at the ends would look like a frame that was delivered twice.
+        inner = result[rows[0] : rows[-1] + 1]
+        return np.pad(inner, (rows[0], len(result) - 1 - rows[-1]), mode="reflect"), ~found
 
     def _near(self, part: NDArray[np.intp]) -> slice:
         """Rows of the grid between the first and the last of some recorded rows, and hardly farther."""

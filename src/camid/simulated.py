@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from camid.simulation import Simulation
 if TYPE_CHECKING:
     import pandas as pd
 
+    from camid.engine import Chain
     from camid.identification.predictor import Experiment
 
 Array = NDArray[np.float64]
@@ -26,17 +28,25 @@ def simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Data
     import pandas as pd
 
     recordings = load_recordings(recording, believed, output_needed=believed.estimates_initial_state)
-    added = {"simulated", *(["experiment"] if len(recordings) > 1 else [])}
+    added = {"simulated"}
+    if believed.controller is not None:
+        added.add("simulated_input")
+    if len(recordings) > 1:
+        added.add("experiment")
     for name in (believed.time_column, believed.output_column):
         if name in added:
             raise InputError(
-                f"a recorded column is called '{name}' like one of the result",
+                f"a recorded column is called '{name}' like the result",
                 where=believed.source,
                 mend="rename the column",
             )
     parts = []
     for one in recordings:
-        simulated = _simulated(one, believed)
+        control: Array | None = None
+        if believed.effects or believed.pendulum is not None or believed.controller is not None:
+            simulated, control = _run_by_engine(one, believed)
+        else:
+            simulated = _simulated(one, believed)
         if not np.all(np.isfinite(simulated)):
             raise InputError(
                 "the simulated output exceeds every floating-point number",
@@ -50,6 +60,9 @@ def simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Data
             believed.time_column: one.recorded_time,
             "simulated": simulated if on_grid else spline(one.time, simulated, one.recorded_time),
         }
+        if control is not None:  # it is held between the samples of the controller
+            held = np.clip(np.searchsorted(one.time, one.recorded_time + 0.5 * one.period) - 1, 0, len(control) - 1)
+            table["simulated_input"] = control if on_grid else control[held]
         if believed.output_column in one.recorded_columns:
             table[believed.output_column] = one.recorded_columns[believed.output_column]
         parts.append(pd.DataFrame(table))
@@ -63,8 +76,6 @@ def _simulated(recording: Recording, simulation: Simulation) -> Array:
     from camid.chain import sample
     from camid.identification.predictor import Predictor, Structure
 
-    if simulation.effects:
-        return _simulated_with_effects(recording, simulation)
     if not simulation.estimates_initial_state or simulation.plant.order == 0:
         acquisition = acquisition_of(recording, simulation)
         signal = (
@@ -97,31 +108,48 @@ def _from_first_known(simulated: Array, experiment: Experiment) -> Array:
     return simulated
 
 
-def _simulated_with_effects(recording: Recording, simulation: Simulation) -> Array:
-    from camid.diagnosis.fit import at_best_start, fit
-    from camid.diagnosis.problem import Model, Problem
-    from camid.engine import Chain, run
-    from camid.identification.predictor import Structure
-    from camid.physics.declared import effects_of
+def _run_by_engine(recording: Recording, simulation: Simulation) -> tuple[Array, Array | None]:
+    """Output, and what a controller puts out, of a chain that is not linear behind a recorded input."""
+    from camid.engine import move, observed, run
 
-    # The output is the expected one, and effects that change the noise alone do not change it.
-    effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
     try:
-        if not simulation.estimates_initial_state:
-            signal = (
-                np.zeros(len(recording))
-                if simulation.input_column is None
-                else recording.columns[simulation.input_column]
-            )
-            return run(Chain(simulation.plant, acquisition_of(recording, simulation), effects), signal, recording.time)
-        experiment = experiment_of(recording, simulation)
-        structure = Structure.fixed(simulation.plant.monic)
-        _refuse_few(experiment.used.sum(), structure.order, recording)
-        problem = Problem(structure, [experiment], [recording.time])
-        start = at_best_start(problem, Model(structure.coefficients(), effects))
-        fitted = fit(problem, start, steps=40, fixed=len(effects))
-        return _from_first_known(problem.simulate(fitted.model)[0], experiment)
+        chain, signal, experiment = _chain(recording, simulation)
+        if chain.loop is not None:
+            motion = move(chain, signal, recording.time)
+            return observed(chain, motion, recording.time), motion.control
+        output = run(chain, signal, recording.time)
     except InputError:
         raise
     except (ValueError, ArithmeticError) as error:
-        raise InputError(str(error), where=simulation.effects[0].where, mend="see docs/effects.md") from None
+        where = simulation.effects[0].where if simulation.effects else simulation.source
+        raise InputError(str(error), where=where, mend="see docs/effects.md") from None
+    return (output if experiment is None else _from_first_known(output, experiment)), None
+
+
+def _chain(recording: Recording, simulation: Simulation) -> tuple[Chain, Array, Experiment | None]:
+    """The chain with its initial state, its input, and what the state was fitted to, if it was."""
+    from camid.controller import Loop
+    from camid.diagnosis.fit import at_best_start, fit
+    from camid.diagnosis.setup import model_of, problem_of
+    from camid.engine import Chain
+    from camid.identification.predictor import Structure
+    from camid.physics.declared import effects_of
+    from camid.physics.pendulum import PendulumPlant
+
+    # The output is the expected one, and effects that change the noise alone do not change it.
+    effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
+    if not simulation.estimates_initial_state:
+        free = simulation.input_column is None
+        signal = np.zeros(len(recording)) if free else recording.columns[str(simulation.input_column)]
+        pendulum = () if simulation.pendulum is None else (PendulumPlant(rest=simulation.pendulum.rest),)
+        controller = simulation.controller
+        loop = None if controller is None else Loop(controller, recording.columns[controller.reference])
+        acquisition = acquisition_of(recording, simulation)
+        return Chain(simulation.plant, acquisition, (*pendulum, *effects), loop=loop), signal, None
+    experiment = experiment_of(recording, simulation)
+    structure = Structure.fixed(simulation.plant.monic)
+    _refuse_few(experiment.used.sum(), structure.order, recording)
+    problem = replace(problem_of(simulation, structure, [recording], [experiment]), rest_free=False, fixed_gain=None)
+    start = at_best_start(problem, model_of(simulation, structure, effects))
+    fitted = fit(problem, start, steps=40, fixed=len(effects))
+    return problem.chain(fitted.model, 0), experiment.signal, experiment

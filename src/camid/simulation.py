@@ -84,6 +84,9 @@ class Simulation:
         Where the plant is one; ``plant`` is then that of small motions, and accuracies stand with the pendulum.
     controller : Controller or None
         Of a closed loop; its output is the input column.
+    remainder : float or None
+        Root mean square of what an earlier diagnosis left unexplained, in units of the output (of the input in a closed
+        loop): a structure no larger than that is known, and not looked for again.
     reading : Reading
         How the file of a recording is to be read, units included.
     """
@@ -106,6 +109,7 @@ class Simulation:
     source: str = "simulation"
     pendulum: Pendulum | None = None
     controller: Controller | None = None
+    remainder: float | None = None
     reading: Reading = field(default_factory=Reading)
 
     def __post_init__(self) -> None:
@@ -164,6 +168,8 @@ class Simulation:
             content["validation"] = {"start": self.validation[0], "end": self.validation[1]}
         if self.controller is not None:
             content["controller"] = self.controller.to_mapping()
+        if self.remainder is not None:
+            content["remainder"] = float(self.remainder)
         content["effects"] = [effect.to_mapping() for effect in self.effects]
         return content
 

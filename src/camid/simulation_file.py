@@ -128,6 +128,7 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
         validation=None if validation is None else (float(validation["start"]), float(validation["end"])),
         effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(content.get("effects", []))),
         controller=_controller(content, where),
+        remainder=float(content["remainder"]) if "remainder" in content else None,
         source=name,
         reading=reading,
         **plant,

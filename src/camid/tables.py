@@ -132,16 +132,10 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
 
 
 def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:
-    from camid.text_tables import holds_numbers_only, line_of, read_text
+    from camid.text_tables import line_of, read_text
 
-    frame, text = read_text(data, name, reading)
+    frame, text = read_text(data, name, wanted, reading)
     names = [str(c).strip() for c in frame.columns]
-    if reading.header and holds_numbers_only(text) and not set(wanted) <= set(names):
-        raise InputError(
-            "the first line holds numbers and no names",
-            where=f"{name}, line {text.skipped + 1}",
-            mend="say header: false and columns: [names in order] under recording in the simulation",
-        )
     columns = {n: frame.iloc[:, i] for i, n in enumerate(names)}
     return Table(columns, name, lambda row: line_of(text, row, header=reading.header))
 

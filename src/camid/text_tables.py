@@ -49,7 +49,7 @@ class Text:
             yield line + self.skipped, cells
 
 
-def read_text(data: bytes, name: str, reading: Reading) -> tuple[pd.DataFrame, Text]:
+def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> tuple[pd.DataFrame, Text]:
     """Table of a text file; columns that hold anything but numbers stay as they are.
 
     Parameters
@@ -58,6 +58,8 @@ def read_text(data: bytes, name: str, reading: Reading) -> tuple[pd.DataFrame, T
         Content of the file.
     name : str
         For messages.
+    wanted : sequence of str
+        Columns that will be asked for.
     reading : Reading
 
     Raises
@@ -71,6 +73,12 @@ def read_text(data: bytes, name: str, reading: Reading) -> tuple[pd.DataFrame, T
         raise InputError("the file is empty", where=name, mend="it needs a header line and rows")
     names = list(reading.columns)
     if reading.header:
+        if all(_is_number(c, text.decimal) for c in first if c) and not set(wanted) <= set(first):
+            raise InputError(
+                "the first line holds numbers and no names",
+                where=f"{name}, line {line}",
+                mend="say header: false and columns: [names in order] under recording in the simulation",
+            )
         _refuse_repeated(first, f"{name}, line {line}")
     else:
         cells = first[:-1] if first[-1] == "" and len(first) == len(names) + 1 else first
@@ -129,12 +137,6 @@ def line_of(text: Text, row: int, *, header: bool) -> str:
         for line, _ in islice(text.rows(), row + int(header), None):
             return f"line {line}"
     return f"row {row}"
-
-
-def holds_numbers_only(text: Text) -> bool:
-    """Whether the first line has a number in every cell, and hence no names."""
-    cells = next(text.rows(), (1, []))[1]
-    return all(_is_number(c, text.decimal) for c in cells if c) and any(cells)
 
 
 def _decoded(data: bytes, name: str) -> str:

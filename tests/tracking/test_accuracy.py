@@ -46,7 +46,7 @@ def test_methods_are_the_two_centroids(clips):
     gradient = camid.track(folder / "bright.avi", bright=True, method="gradient").table
     np.testing.assert_array_equal(gradient[["x_grey_level", "y_grey_level"]], grey[XY])
     np.testing.assert_array_equal(grey[["x_gradient", "y_gradient"]], gradient[XY])
-    assert (gradient["x_std"] > 3.0 * grey["x_std"]).all()
+    assert gradient["x_std"].median() > 3.0 * grey["x_std"].median()
 
 
 def test_motion_blur_gives_the_mean_position(tmp_path):
@@ -140,7 +140,7 @@ def test_a_lossy_codec_is_told_from_noise(tmp_path):
 
 
 def test_scale_origin_and_direction(clips):
-    folder, positions = clips
+    folder, _ = clips
     plain = camid.track(folder / "bright.avi", bright=True).table
     scaled = camid.track(folder / "bright.avi", bright=True, scale=0.02, unit="m", origin=(80.0, 60.0), upwards=True)
     assert scaled.unit == "m"

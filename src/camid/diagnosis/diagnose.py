@@ -24,6 +24,8 @@ from camid.diagnosis.verdict import effect_deviations, explanation, findings, ve
 from camid.physics.effect import Effect
 
 Array = NDArray[np.float64]
+# A residual up to so many times what an earlier diagnosis left unexplained is the same.
+KNOWN_REMAINDER = 1.1
 Progress = Callable[[str], None] | None
 
 
@@ -102,11 +104,17 @@ def investigate(
     problem, base = _without_spoiled(problem, base, start, known)
     say("screening the catalogue")
     screened = screen(problem, base)
-    decision = decide(problem, base, screened, validation, progress, start if not known else None)
+    settled = _settled(problem, base)
+    decision = Decision(base, base)
+    if not settled:
+        decision = decide(problem, base, screened, validation, progress, start if not known else None)
     say("testing what is left")
-    decision = _with_noise(problem, decision, len(known))
+    decision = decision if settled else _with_noise(problem, decision, len(known))
     before = location_step.places(problem, base)
     judged = _judged(problem, whole, base, decision, before, validation, nominal.effects)
+    if settled:
+        declared: list[tuple[Effect, dict[str, float | None]]] = [(e, {}) for e in nominal.effects if e.noise_like]
+        judged = replace(judged, reasons=[], recognised=[], noise_effects=declared)
     if judged.reasons and len(decision.rivals) > 0:
         share = max((t.share for t in judged.after), default=0.0)
         decision = simplest(problem, _unweighted(problem, decision), len(known), share, progress)
@@ -130,7 +138,7 @@ def investigate(
     unseen = undetectable(problem, final, screened, names)
     return Outcome(
         verdict,
-        explanation(verdict, found, fits, location),
+        explanation(verdict, found, fits, location, problem.remainder if settled else None),
         location,
         found,
         fits,
@@ -225,6 +233,13 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
         if not decision.rivals:
             return replace(decision, fitted=decision.base)
     return decision
+
+
+def _settled(problem: Problem, base: Fitted) -> bool:
+    """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now."""
+    if problem.remainder is None:
+        return False
+    return bool(np.sqrt(base.cost / len(base.residual)) <= KNOWN_REMAINDER * problem.remainder)
 
 
 def _unweighted(problem: Problem, decision: Decision) -> Decision:

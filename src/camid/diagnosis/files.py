@@ -23,7 +23,7 @@ from camid.engine import NotApplicable
 from camid.errors import InputError
 from camid.identification.predictor import Experiment, Structure
 from camid.identification.result import without_infinities
-from camid.loading import RecordingSource, SimulationSource, experiments_of
+from camid.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.physics.declared import declared, effects_of
 from camid.plant import TransferFunction
 from camid.recording import Recording, check_writable, write_whole
@@ -109,6 +109,7 @@ def diagnose(
         int(sum(e.used.sum() for e in problem.experiments)),
         recordings[0].period,
         time.perf_counter() - begun,
+        list(warnings_of(recordings)),
     )
 
 
@@ -197,7 +198,18 @@ def _improved(believed: Simulation, structure: Structure, outcome: Outcome, decl
         standard_deviations=deviations if finite else None,
         covariance=_full(structure, covariance).tolist() if finite else None,
         effects=declared([outcome.effects[i] for i in kept], [outcome.deviations[i] for i in kept]),
+        remainder=_remainder(believed, outcome),
     )
+
+
+def _remainder(believed: Simulation, outcome: Outcome) -> float | None:
+    """What is left unexplained: told in the file, so that the next diagnosis asks for what is beyond it."""
+    if outcome.verdict == "adequate":
+        return believed.remainder
+    if outcome.verdict == "explained":
+        return None
+    residual = outcome.decision.fitted.residual
+    return float(np.sqrt(np.mean(residual**2)))
 
 
 def _pendulum_covariance(outcome: Outcome, structure: Structure) -> Array:

@@ -101,6 +101,8 @@ class Problem:
         Whether the angle at rest of a pendulum is re-estimated.
     fixed_gain : float, optional
         Ratio of b_0 to a_n that is kept where a pendulum's natural frequency is re-estimated and its gain is not.
+    remainder : float, optional
+        Root mean square of what an earlier diagnosis left unexplained.
     """
 
     structure: Structure
@@ -112,6 +114,7 @@ class Problem:
     positions: tuple[Array, ...] = ()
     rest_free: bool = False
     fixed_gain: float | None = None
+    remainder: float | None = None
 
     @property
     def closed(self) -> bool:

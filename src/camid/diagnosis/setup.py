@@ -51,6 +51,7 @@ def problem_of(
         positions=positions,
         rest_free=pendulum is not None and pendulum.is_free("rest"),
         fixed_gain=pendulum.gain if pendulum is not None and gain_fixed else None,
+        remainder=believed.remainder,
     )
 
 

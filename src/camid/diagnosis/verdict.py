@@ -118,9 +118,18 @@ def verdict_of(named: bool, structured: bool) -> str:
     return "unexplained" if structured else "adequate"
 
 
-def explanation(verdict: str, found: Sequence[Finding], fit: Fit, location: Location) -> str:
+def explanation(
+    verdict: str, found: Sequence[Finding], fit: Fit, location: Location, remainder: float | None = None
+) -> str:
     """Two or three plain sentences with the numbers in them."""
     before, after, floor = (100.0 * v for v in (fit.refitted, fit.improved, fit.noise_floor))
+    if remainder is not None:
+        return (
+            f"Nothing is left out beyond what an earlier diagnosis left unexplained: the simulation declares a "
+            f"remainder of {remainder:.3g} (root mean square), and with its coefficients re-estimated it leaves no "
+            f"more than that: {before:.3g} % of the output's standard deviation on rows that were not fitted. Remove "
+            f"the key remainder to have that looked into again."
+        )
     if verdict == "adequate":
         return (
             f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "

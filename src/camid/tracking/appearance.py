@@ -95,15 +95,19 @@ class Colour:
         from matplotlib import colors
 
         if name.lower() not in colors.CSS4_COLORS and not (name.startswith("#") and len(name) == 7):
-            raise InputError(f"colour '{name}'", mend=f"{nearest_match(name, colors.CSS4_COLORS)}; or say #rrggbb")
+            raise InputError(
+                f"there is no colour '{name}'", where="--colour", mend=nearest_match(name, colors.CSS4_COLORS)
+            )
         try:
             rgb = np.array(colors.to_rgb(name.lower()))
         except ValueError:
-            raise InputError(f"colour '{name}'", mend="say a name or #rrggbb, e.g. red or #ff0000") from None
+            raise InputError(f"'{name}' is no colour", where="--colour", mend="say e.g. red or #ff0000") from None
         direction = np.array([rgb @ BLUE_DIFFERENCE, rgb @ RED_DIFFERENCE])
         strength = float(np.hypot(*direction))
         if strength < LEAST_COLOUR:
-            raise InputError(f"the colour {name} has no hue", mend="say --bright or --dark for white, grey and black")
+            raise InputError(
+                f"{name} has no hue", where="--colour", mend="say --bright or --dark for white, grey and black"
+            )
         self._blue, self._red = (float(v) for v in direction / strength)
         self.sentence = f"the colour {name}"
 
@@ -171,7 +175,7 @@ class Moving:
         balance = float(strong.sum() / np.abs(strong).sum())
         if abs(balance) < ONE_SIGN:
             raise InputError(
-                "what moves is both brighter and darker than what is behind it: it may move by less than its own size",
+                "what moves is both brighter and darker than the median: it moves little, or rests for most of the clip",
                 mend="say what the marker looks like: --bright, --dark or --colour",
             )
         return Moving(self.background, 1 if balance > 0.0 else -1)

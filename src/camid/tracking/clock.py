@@ -13,9 +13,11 @@ Array = NDArray[np.float64]
 GAP = 1.5
 # Steps within this share of the period are regular, and this share of them makes the clip regular.
 REGULAR_STEP, REGULAR_SHARE = 0.1, 0.9
-# A frame that differs from the one before by less than this share of the usual difference, while the marker moves by
-# less than this share of what it moves about then, is a copy that a lossy codec has encoded again.
-COPY_DIFFERENCE, COPY_STEP = 0.25, 0.25
+# A frame that differs from the one before by less than this share of the usual difference, while the marker's step is
+# below this share of its steps before and after, is a copy that a lossy codec has encoded again.
+COPY_DIFFERENCE, COPY_STEP = 0.5, 0.25
+# More frames in a row are a pause of the marker.
+MOST_COPIES = 3
 # The motion is certain if it is this many standard deviations.
 CERTAIN = 5.0
 
@@ -100,12 +102,18 @@ def repeated_frames(difference: Array, x: Array, y: Array, deviation: Array) -> 
         Position of the marker and its standard deviation in px.
     """
     copies = np.asarray(difference == 0.0)
-    if len(x) > 3:
-        step = np.diff(np.column_stack((x, y)), axis=0)  # step[k] leads to frame k + 1
-        length = np.hypot(*step.T)
+    if len(x) < 4:
+        return copies.astype(np.int64)
+    step = np.vstack(([0.0, 0.0], np.diff(np.column_stack((x, y)), axis=0)))  # step[k] leads to frame k
+    length = np.hypot(*step.T)
+    alike = np.append(False, difference[1:] < COPY_DIFFERENCE * np.nanmedian(difference))
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], alike.astype(int), [0]))))
+    for first, end in edges.reshape(-1, 2):  # frames first … end - 1 look like the one before
+        before, after = first - 1, end
+        if end - first > MOST_COPIES or before < 1 or after >= len(x):
+            continue
+        about = min(length[before], length[after])
         # The motion goes on after a copy in the direction of before; where the marker turns round it does not.
-        goes_on = np.sum(step[:-2] * step[2:], axis=1) > 0.0
-        about = np.minimum(length[:-2], length[2:])
-        still = (about > CERTAIN * deviation[2:-1]) & (length[1:-1] < COPY_STEP * about)
-        copies[2:-1] |= (difference[2:-1] < COPY_DIFFERENCE * np.nanmedian(difference)) & goes_on & still
+        if step[before] @ step[after] > 0.0 and about > CERTAIN * deviation[first]:
+            copies[first:end] |= length[first:end] < COPY_STEP * about
     return copies.astype(np.int64)

@@ -22,6 +22,8 @@ MASS_FACTOR = 2.5
 # Weight of a new frame in the running mean of that sum.
 MEMORY = 0.1
 LONGEST_GAP = 30
+# A marker that would be outside the image within this many frames has left it; later on that is a guess.
+SURE_PREDICTIONS = 2
 
 
 @dataclass(frozen=True)
@@ -130,6 +132,8 @@ class Follower:
             return None
         best = whole[0]
         if len(whole) > 1 and whole[1].mass > EQUALLY_LIKELY * best.mass:
+            if isinstance(self.appearance, Moving):  # where a marker is now, and where it mostly is, are no two markers
+                self.appearance.signed(picture, _around(whole[0], whole[1]).clip(*image.shape))
             self._refuse(
                 f"two things may be the marker: {_at(best, grid)} and {_at(whole[1], grid)}",
                 frame,
@@ -215,13 +219,9 @@ class Follower:
         since = self._lost_since
         if self._last is None:
             if self.lost > self.longest_gap:
-                self._refuse(
-                    f"the marker is nowhere ({self.appearance.sentence}; looked for in {self.lost} frames)",
-                    since,
-                    "say what it looks like: --colour, --bright or --dark, and --region",
-                )
+                raise nowhere(self.appearance, self.source, self.lost)
             return
-        if self._velocity is not None:
+        if self._velocity is not None and self.lost <= SURE_PREDICTIONS:
             elapsed = frame.time - self._time
             box = _moved(self._last.box, (self._velocity[0] * elapsed, self._velocity[1] * elapsed))
             try:
@@ -243,6 +243,17 @@ class Follower:
         raise InputError(problem, where=f"{self.source}, t = {frame.time:.6g} s (frame {frame.number})", mend=mend)
 
 
+def nowhere(appearance: Appearance, source: str, frames: int) -> InputError:
+    """The error for a clip in whose first frames there is no marker."""
+    if isinstance(appearance, Moving):
+        problem = f"nothing moves in the first {frames} frames"
+    else:
+        problem = f"the marker is nowhere in the first {frames} frames ({appearance.sentence})"
+    return InputError(
+        problem, where=source, mend="say what it looks like with --colour, --bright or --dark, or choose --start"
+    )
+
+
 def _shape(appearance: Appearance, picture: Picture) -> tuple[int, int]:
     """Height and width of the appearance's whole image."""
     grid = appearance.grid(picture)
@@ -252,6 +263,14 @@ def _shape(appearance: Appearance, picture: Picture) -> tuple[int, int]:
 
 def _centre(box: RegionOfInterest) -> tuple[float, float]:
     return box.left + 0.5 * (box.width - 1), box.top + 0.5 * (box.height - 1)
+
+
+def _around(first: Candidate, second: Candidate) -> RegionOfInterest:
+    """Smallest region with both."""
+    left, top = min(first.left, second.left), min(first.top, second.top)
+    right = max(first.left + first.width, second.left + second.width)
+    bottom = max(first.top + first.height, second.top + second.height)
+    return RegionOfInterest(top, left, max(3, bottom - top), max(3, right - left))
 
 
 def _moved(box: RegionOfInterest, step: tuple[float, float]) -> RegionOfInterest:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camid.errors import InputError
-from camid.tracking.appearance import Moving
 from camid.tracking.clock import clock_of, repeated_frames
-from camid.tracking.follow import Follower, Position
+from camid.tracking.follow import Follower, Position, nowhere
 from camid.tracking.options import PIXELS, Options
 from camid.tracking.picture import Image, Picture
 from camid.tracking.result import Track
@@ -82,12 +81,7 @@ def track_marker(path: Path, options: Options, progress: Callable[[str], None] |
         between = "" if options.start is None and options.end is None else " between --start and --end"
         raise InputError(f"there are no frames{between}", where=source.name, mend="check the file and the times")
     if not positions:
-        still = isinstance(appearance, Moving)
-        raise InputError(
-            "nothing moves" if still else f"the marker is nowhere ({appearance.sentence})",
-            where=source.name,
-            mend="say what the marker looks like: --bright, --dark or --colour, and --region",
-        )
+        raise nowhere(appearance, source.name, len(times))
     if len(positions) < FEWEST_ROWS:
         raise InputError(
             f"{len(positions)} frames with a marker", where=source.name, mend=f"a recording needs {FEWEST_ROWS}"

@@ -133,14 +133,19 @@ class VideoFile:
                 if end is not None and time > end:
                     return
                 if count == 0:
-                    self._note(frame)
+                    self._look_at(frame)
                 if start is None or time >= start:
                     yield Frame(count, time, picture_of(frame))
                 count, last = count + 1, time
             broken = broken or self._ends_early(container, last, count)
-        if broken and not self.allow_truncated:
+        if not broken:
+            return
+        sentence = f"the video is truncated: {count} frames could be read{self._of_expected(count)}"
+        if self.allow_truncated:
+            self._note(sentence)
+        else:
             raise InputError(
-                f"the video is truncated: {count} frames could be read{self._of_expected(count)}",
+                sentence,
                 where=self.name,
                 mend="copy the file again, or take what there is with --allow-truncated",
             )
@@ -184,15 +189,17 @@ class VideoFile:
             raise InputError("the video has time stamps of its own", where=self.name, mend="leave out --frame-rate")
         return float(frame.pts * frame.time_base)
 
-    def _note(self, frame: Any) -> None:
-        notes = []
+    def _note(self, sentence: str) -> None:
+        if sentence not in self.notes:
+            self.notes.append(sentence)
+
+    def _look_at(self, frame: Any) -> None:
         if frame.rotation:
-            notes.append(
+            self._note(
                 f"players turn this video by {frame.rotation}°, camid does not: x and y are those of the stored image"
             )
         if frame.interlaced_frame:
-            notes.append("the video is interlaced: the two halves of a frame were taken at different times")
-        self.notes += [n for n in notes if n not in self.notes]
+            self._note("the video is interlaced: the two halves of a frame were taken at different times")
 
     def _ends_early(self, container: Any, last: float | None, count: int) -> bool:
         if self.path.suffix.lower() in MPEG4_SUFFIXES | {".avi"}:
