@@ -16,8 +16,8 @@ from benchmarks.report import Report, number
 from benchmarks.task import ROOT
 from benchmarks.threads import SINGLE_THREAD
 
-NAMES = ("identification", "scaling", "rendering", "measurement", "engine")
-LIBRARIES = ("camid", "numpy", "scipy", "numba", "opencv-python-headless")
+NAMES = ("identification", "scaling", "rendering", "measurement", "engine", "tracking")
+LIBRARIES = ("camid", "numpy", "scipy", "numba", "opencv-python-headless", "av")
 TABLES = ROOT / "results" / "benchmarks"
 SCREEN_WIDTH = 150  # characters, where there is no terminal to ask
 DOCUMENT, FIGURE = ROOT / "docs" / "benchmarks.md", ROOT / "docs" / "benchmarks.png"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from camid.identification.order_selection import OrderSelection
     from camid.identification.result import Identification
+    from camid.pendulum import Pendulum
+    from camid.simulation import Simulation
 
 
 def print_identification(result: Identification, written: list[Path]) -> None:
@@ -20,21 +23,13 @@ def print_identification(result: Identification, written: list[Path]) -> None:
     table = Table(title="Identified plant", title_justify="left")
     for heading in ("quantity", "value", "standard deviation", "unit"):
         table.add_column(heading, justify="left" if heading in {"quantity", "unit"} else "right")
-    deviations = model.standard_deviations
-    for name, letter, coefficients in (
-        ("numerator", "b", model.plant.numerator),
-        ("denominator", "a", model.plant.denominator),
-    ):
-        for i, value in enumerate(coefficients):
-            power = len(coefficients) - 1 - i
-            symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
-            deviation = "undetermined"
-            if deviations is not None:
-                deviation = f"{deviations[name][i]:.2g}" if deviations[name][i] else "fixed"
-            table.add_row(f"{letter}{power}{symbol}", f"{value:.8g}", deviation, "")
-    table.add_section()
-    for row in result.characteristics():
-        table.add_row(str(row["name"]), f"{row['value']:.8g}", f"{row['standard_deviation']:.2g}", str(row["unit"]))
+    for row in _pendulum_rows(model.pendulum) if model.pendulum is not None else _coefficient_rows(model):
+        table.add_row(*row)
+    if model.pendulum is None:
+        table.add_section()
+        for found in result.characteristics():
+            deviation = f"{found['standard_deviation']:.2g}"
+            table.add_row(str(found["name"]), f"{found['value']:.8g}", deviation, str(found["unit"]))
     console.print(table)
     held = "free decay" if model.input_column is None else f"input {model.hold}"
     sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {1e3 * (model.exposure or 0):.6g} ms"
@@ -55,6 +50,32 @@ def print_identification(result: Identification, written: list[Path]) -> None:
         console.print(result.residual_analysis.summary(), soft_wrap=True)
     for path in written:
         console.print(f"written to {path}", soft_wrap=True)
+
+
+def _deviation(value: float | None) -> str:
+    return "undetermined" if value is None else f"{value:.2g}" if value else "fixed"
+
+
+def _coefficient_rows(model: Simulation) -> Iterator[tuple[str, str, str, str]]:
+    """Coefficients of a transfer function with their standard deviations."""
+    deviations = model.standard_deviations
+    for name, letter, coefficients in (
+        ("numerator", "b", model.plant.numerator),
+        ("denominator", "a", model.plant.denominator),
+    ):
+        for i, value in enumerate(coefficients):
+            power = len(coefficients) - 1 - i
+            symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
+            deviation = _deviation(None if deviations is None else deviations[name][i])
+            yield f"{letter}{power}{symbol}", f"{value:.8g}", deviation, ""
+
+
+def _pendulum_rows(pendulum: Pendulum) -> Iterator[tuple[str, str, str, str]]:
+    """Parameters of a pendulum with their standard deviations."""
+    units = {"natural_frequency": "rad/s", "damping": "", "gain": "y/u", "rest": "rad"}
+    for name, unit in units.items():
+        deviation = None if pendulum.standard_deviations is None else pendulum.standard_deviations.get(name)
+        yield name.replace("_", " "), f"{getattr(pendulum, name):.8g}", _deviation(deviation), unit
 
 
 def print_orders(result: OrderSelection) -> None:

@@ -97,9 +97,9 @@ class Grid:
     def held(self, values: Array, hold: str) -> Array:
         """Input on the grid.
 
-        The corners of a first-order hold are read off its lines. Of a zero-order hold it is the mean over the period
-        that begins at the grid's time: the value there alone would be that of the row before wherever a time stamp is
-        late by a hair.
+        The corners of a first-order hold are read off its lines, those of a band-limited input off a spline. Of a
+        zero-order hold it is the mean over the period that begins at the grid's time: the value there alone would be
+        that of the row before wherever a time stamp is late by a hair.
         """
         if self.regular:
             return values
@@ -109,6 +109,8 @@ class Grid:
             if self.gaps is None:
                 return lines
             return np.where(np.append(self.gaps, False)[before], values[before], lines)
+        if hold == "band-limited" and self.gaps is None:
+            return spline(self.recorded, values, np.clip(self.time, self.recorded[0], self.recorded[-1]))
         edges = np.append(self.time, self.time[-1] + self.period)
         knots = np.concatenate([[min(edges[0], self.recorded[0])], self.recorded, [max(edges[-1], self.recorded[-1])]])
         area = np.concatenate([[0.0], np.cumsum(np.diff(knots) * np.concatenate([values[:1], values]))])

@@ -63,6 +63,9 @@ def simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Data
         if control is not None:  # it is held between the samples of the controller
             held = np.clip(np.searchsorted(one.time, one.recorded_time + 0.5 * one.period) - 1, 0, len(control) - 1)
             table["simulated_input"] = control if on_grid else control[held]
+            table[str(believed.input_column)] = one.recorded_columns.get(
+                str(believed.input_column), one.columns[str(believed.input_column)]
+            )
         if believed.output_column in one.recorded_columns:
             table[believed.output_column] = one.recorded_columns[believed.output_column]
         parts.append(pd.DataFrame(table))

@@ -324,7 +324,8 @@ def test_an_iteration_that_fails_says_so(bench, capsys):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["-h"], ["identify", "--help"], ["order", "-h"], ["simulate", "-h"], ["--version"]]
+    "arguments",
+    [["--help"], ["-h"], ["identify", "--help"], ["order", "-h"], ["simulate", "-h"], ["track", "-h"], ["--version"]],
 )
 def test_help(capsys, arguments):
     assert main(arguments) == 0

@@ -79,6 +79,7 @@ def signals(seed, force=FORCE, *, held_input=True):
         nominal=nominal,
         refitted=refitted,
         improved=true if force else refitted,
+        position=refitted,
         velocity=refitted_velocity,
         equivalent_input=equivalent,
         fitted=fitted,

@@ -81,10 +81,15 @@ def identify(
         result = run(list(recording), believed, structure=order, method=method, progress=progress)
     if residuals is not None:
         if result.residual_analysis is None:
-            raise InputError("the estimate ran away and left no residual", mend="leave out --residuals")
+            raise InputError(
+                "the residual was not tested: the estimate ran away, or the plant is a pendulum or in a closed loop",
+                mend="leave out --residuals",
+            )
         write_table(result.residual_analysis.correlations(result.period), residuals)
     if output is not None:
         names = ", ".join(p.name for p in recording)
+        if result.simulation.pendulum is not None or result.simulation.controller is not None:
+            method = "output error"
         state = "converged" if result.converged else "NOT CONVERGED: do not use the numbers"
         write_simulation(
             result.simulation,

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from camid.cli.shared import check_output, progress_display
+from camid.cli.shared import check_output, progress_display, warn
+
+if TYPE_CHECKING:
+    from pandas import Series
 
 
 @click.command()
@@ -20,8 +23,6 @@ from camid.cli.shared import check_output, progress_display
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
 def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
     """Run a simulation on the input of a RECORDING: one row a recorded row."""
-    import numpy as np
-
     from camid.api import simulate as run
     from camid.identification.result import without_infinities
     from camid.recording import write_table
@@ -34,13 +35,32 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
     write_table(table, output)
     summary: dict[str, Any] = {"schema": 1, "rows": len(table), "output": str(output), "rmse": None, "nrmse": None}
     if believed.output_column in table:
-        recorded = table[believed.output_column].to_numpy()
-        summary["rmse"] = float(np.sqrt(np.mean((recorded - table["simulated"].to_numpy()) ** 2)))
-        spread = float(np.std(recorded))
-        summary["nrmse"] = summary["rmse"] / spread if spread > 0.0 else None
+        summary["rmse"], summary["nrmse"] = _difference(table[believed.output_column], table["simulated"])
+    if "simulated_input" in table and believed.input_column in table:
+        summary["rmse_input"], summary["nrmse_input"] = _difference(
+            table[believed.input_column], table["simulated_input"]
+        )
     if as_json:
         click.echo(json.dumps(without_infinities(summary), indent=2))
         return
     click.echo(f"{summary['rows']} rows written to {output}")
     if summary["nrmse"] is not None:
         click.echo(f"difference: {summary['rmse']:.4g} rms, {100 * summary['nrmse']:.4g} % of the output's spread")
+    if summary.get("nrmse_input") is not None:
+        share = 100 * summary["nrmse_input"]
+        click.echo(f"difference of the control: {summary['rmse_input']:.4g} rms, {share:.4g} % of its spread")
+    for sentence in table.attrs.get("warnings", []):
+        warn(sentence)
+
+
+def _difference(recorded: Series, simulated: Series) -> tuple[float | None, float | None]:
+    """Root mean square of the difference, and that over the spread of what is recorded; blank cells do not count."""
+    import numpy as np
+
+    known = np.isfinite(recorded.to_numpy(dtype=float))
+    if not known.any():
+        return None, None
+    values = recorded.to_numpy(dtype=float)[known]
+    error = float(np.sqrt(np.mean((values - simulated.to_numpy(dtype=float)[known]) ** 2)))
+    spread = float(np.std(values))
+    return error, error / spread if spread > 0.0 else None

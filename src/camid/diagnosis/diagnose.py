@@ -294,7 +294,20 @@ def _errors(
         float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
         (float(times[0]), float(times[-1])),
         chosen,
+        _position_errors(problem, decision, validation) if problem.closed else None,
     )
+
+
+def _position_errors(
+    problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]
+) -> tuple[float, float]:
+    """Errors of the position in a closed loop, with coefficients re-estimated and with the effects found."""
+    recorded = np.concatenate([p[r] for p, r in zip(problem.positions, validation, strict=True)])
+    errors = []
+    for model in (decision.base.model, decision.fitted.model):
+        moved = np.concatenate([m[0][r] for m, r in zip(problem.motion(model), validation, strict=True)])
+        errors.append(float(np.sqrt(np.mean((recorded - moved) ** 2))) / (float(np.std(recorded)) or 1.0))
+    return errors[0], errors[1]
 
 
 def _gains(problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]) -> list[float | None]:
@@ -358,6 +371,7 @@ def _signals(
     experiment, time = problem.experiments[0], problem.times[0]
     refitted = problem.simulate(base.model)[0]
     residual = experiment.output - refitted
+    position, velocity = problem.motion(base.model)[0]
     return Signals(
         time,
         experiment.signal,
@@ -365,7 +379,8 @@ def _signals(
         problem.simulate(nominal)[0],
         refitted,
         refitted if final is base else problem.simulate(final.model)[0],
-        problem.motion(base.model)[0][1],
+        position if problem.closed else refitted,
+        velocity,
         _equivalent_input(problem, base, residual),
         ~validation[0],
     )

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
-from camid.diagnosis.diagnose import Outcome, investigate
+from camid.diagnosis.diagnose import investigate
 from camid.diagnosis.fit import refit
+from camid.diagnosis.improved import improved
 from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.result import Diagnosis
 from camid.diagnosis.setup import model_of, problem_of, structure_of
@@ -24,10 +24,9 @@ from camid.errors import InputError
 from camid.identification.predictor import Experiment, Structure
 from camid.identification.result import without_infinities
 from camid.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
-from camid.physics.declared import declared, effects_of
-from camid.plant import TransferFunction
+from camid.physics.declared import effects_of
 from camid.recording import Recording, check_writable, write_whole
-from camid.simulation import Simulation, load_simulation, simulation_text
+from camid.simulation import load_simulation, simulation_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,8 +54,6 @@ RESIDUALS = (
     "equivalent_input",
     "fitted",
 )
-# Effects that a simulation declares in other words.
-DECLARATIONS = ("input-hold", "exposure", "delay")
 
 
 def diagnose(
@@ -104,7 +101,7 @@ def diagnose(
         outcome.coefficients,
         outcome.tests,
         outcome.signals,
-        _improved(believed, structure, outcome, problem.acquisition),
+        improved(believed, structure, outcome, problem.acquisition),
         [r.source for r in recordings],
         int(sum(e.used.sum() for e in problem.experiments)),
         recordings[0].period,
@@ -163,79 +160,6 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     rows = np.zeros(len(residual), bool)
     rows[part] = True
     return rows & experiment.used
-
-
-def _improved(believed: Simulation, structure: Structure, outcome: Outcome, declared_as: Acquisition) -> Simulation:
-    """The simulation with what was found: coefficients, corrected declarations, effects.
-
-    What was declared rightly stays as it was written, an exposure left out included.
-    """
-    lead = believed.plant.denominator[0]
-    model = outcome.decision.fitted.model
-    plant = structure.plant(model.coefficients)
-    covariance = np.square(lead) * outcome.covariance
-    deviations = _in_shape(structure, np.sqrt(np.abs(np.diag(covariance))))
-    finite = bool(np.all(np.isfinite(covariance)))
-    acquisition = outcome.acquisition
-    exposure = believed.exposure if acquisition.exposure == declared_as.exposure else acquisition.exposure
-    kept = [i for i, e in enumerate(outcome.effects) if e.identifier not in DECLARATIONS]
-    if believed.pendulum is not None:
-        rest = believed.pendulum.rest if model.rest is None else model.rest
-        pendulum = believed.pendulum.estimated(
-            plant, rest, _pendulum_covariance(outcome, structure), gain_fixed=not structure.free_numerator[0]
-        )
-        believed, lead, plant = replace(believed, pendulum=pendulum), 1.0, pendulum.transfer_function()
-    return replace(
-        believed,
-        plant=TransferFunction(
-            tuple(lead * b for b in plant.numerator),
-            tuple(lead * a for a in plant.denominator),
-        ),
-        hold=acquisition.hold,
-        sensor=acquisition.sensor,
-        exposure=exposure if acquisition.sensor == "camera" else None,
-        latency=acquisition.latency,
-        standard_deviations=deviations if finite else None,
-        covariance=_full(structure, covariance).tolist() if finite else None,
-        effects=declared([outcome.effects[i] for i in kept], [outcome.deviations[i] for i in kept]),
-        remainder=_remainder(believed, outcome),
-    )
-
-
-def _remainder(believed: Simulation, outcome: Outcome) -> float | None:
-    """What is left unexplained: told in the file, so that the next diagnosis asks for what is beyond it."""
-    if outcome.verdict == "adequate":
-        return believed.remainder
-    if outcome.verdict == "explained":
-        return None
-    residual = outcome.decision.fitted.residual
-    return float(np.sqrt(np.mean(residual**2)))
-
-
-def _pendulum_covariance(outcome: Outcome, structure: Structure) -> Array:
-    """Covariance of b_0, a_1, a_2 and the angle at rest, shape (4, 4)."""
-    fitted = outcome.decision.fitted
-    free = [*np.flatnonzero(structure.free), *([3] if "rest" in fitted.packing.names else [])]
-    rows = [*range(int(np.count_nonzero(structure.free)))]
-    if "rest" in fitted.packing.names:
-        rows.append(fitted.packing.names.index("rest"))
-    result = np.zeros((4, 4))
-    result[np.ix_(free, free)] = fitted.covariance[np.ix_(rows, rows)]
-    return result
-
-
-def _in_shape(structure: Structure, deviations: Array) -> dict[str, list[float]]:
-    every = np.zeros(len(structure.free))
-    every[structure.free] = deviations
-    split = structure.degree + 1
-    return {"numerator": every[:split].tolist(), "denominator": [0.0, *every[split:].tolist()]}
-
-
-def _full(structure: Structure, covariance: Array) -> Array:
-    free = np.flatnonzero(structure.free)
-    result = np.zeros((len(structure.free), len(structure.free)))
-    result[np.ix_(free, free)] = covariance
-    return result
 
 
 def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, report: bool = True) -> list[Path]:

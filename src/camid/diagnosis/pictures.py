@@ -325,7 +325,7 @@ def draw(diagnosis: Diagnosis) -> dict[str, list[Picture]]:
 
 
 def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
-    output = _short(diagnosis.improved.output_column)
+    output = _short(diagnosis.compared)
     named = bool(diagnosis.findings)
     drawn = _errors(diagnosis.fit, named)
     yield Picture(
@@ -341,7 +341,7 @@ def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
     drawn, unseen = _overlay(diagnosis.signals, output, named)
     where = "rows that were not fitted" if unseen else "the first recording (all of it was fitted)"
     yield Picture(
-        "Recorded and simulated output",
+        "Recorded and simulated control" if diagnosis.improved.controller else "Recorded and simulated output",
         f"The stretch of {where} on which the re-estimated simulation errs most.",
         _svg(drawn, "Recorded and simulated output, zoomed"),
         wide=True,
@@ -374,11 +374,13 @@ def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
          f"A curve here {verb} a fault of the actuator: it depends on the command alone."),
         ("velocity", f"velocity, {output}/s", signals.velocity, signals.equivalent_input, force, "plant",
          f"A curve here {verb} friction, drag or damping that the simulation does not have."),
-        ("position", f"simulated {output}", signals.refitted, signals.equivalent_input, force, "plant",
+        ("position", f"simulated {output}", signals.position, signals.equivalent_input, force, "plant",
          f"A curve here {verb} a stiffness, a stop or a weight that the simulation does not have."),
         ("output", f"simulated {output}", signals.refitted, residual, f"residual, {output}", "sensor",
          f"A curve here {verb} a fault of the sensor: it distorts what is seen, not what moves."),
     ]  # fmt: skip
+    if names.controller is not None:  # recorded and simulated values are those of the control
+        del panels[-1]
     for variable, label, x, y, across, place, caption in panels:
         if not np.any(np.diff(x[np.isfinite(x)])):
             continue  # a free decay has no input to draw against

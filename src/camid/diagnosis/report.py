@@ -196,6 +196,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "unseen": unseen,
         "input_name": summary.printable(names[0]) if names[0] else None,
         "output_name": summary.printable(names[1]),
+        "compared_name": summary.printable(diagnosis.compared),
         "recordings": [summary.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
         "version": camid.__version__,

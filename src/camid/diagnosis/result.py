@@ -126,6 +126,9 @@ class Fit:
         Start and end in seconds of the rows not fitted.
     chosen : bool
         Whether the tool chose those rows itself.
+    position : tuple of float or None
+        In a closed loop, where the other errors are those of the control: the same of the position, with coefficients
+        re-estimated and with the effects found.
     """
 
     nominal: float
@@ -134,10 +137,15 @@ class Fit:
     noise_floor: float
     validation: tuple[float, float]
     chosen: bool = True
+    position: tuple[float, float] | None = None
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
+        position = {}
+        if self.position is not None:
+            position["position"] = {"nrmse_refitted": self.position[0], "nrmse_improved": self.position[1]}
         return {
+            **position,
             "nrmse_nominal": self.nominal,
             "nrmse_refitted": self.refitted,
             "nrmse_improved": self.improved,
@@ -195,6 +203,9 @@ class Signals:
         Seconds, input, output.
     nominal, refitted, improved : ndarray, shape (N,)
         Simulated outputs.
+    position : ndarray, shape (N,)
+        Of the refitted simulation; in a closed loop, where recorded and simulated values are those of the control, it
+        is the motion.
     velocity : ndarray, shape (N,)
         Of the refitted simulation, in units of y per second.
     equivalent_input : ndarray, shape (N,)
@@ -209,6 +220,7 @@ class Signals:
     nominal: Array
     refitted: Array
     improved: Array
+    position: Array
     velocity: Array
     equivalent_input: Array
     fitted: NDArray[np.bool_]
@@ -243,6 +255,13 @@ class Diagnosis:
     period: float
     seconds: float
     warnings: list[str] = field(default_factory=list)
+
+    @property
+    def compared(self) -> str:
+        """Column that recorded and simulated values are of: in a closed loop the control."""
+        improved = self.improved
+        in_loop = improved.controller is not None and improved.input_column is not None
+        return str(improved.input_column) if in_loop else improved.output_column
 
     def to_mapping(self) -> dict[str, Any]:
         """diagnosis.json, version 1 of the design's contract."""

@@ -257,6 +257,12 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
         f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
         soft_wrap=True,
     )
+    if fit.position is not None:
+        console.print(
+            f"these errors are of the control ({printable(diagnosis.compared)}); of the position: re-estimated "
+            f"{percentage(fit.position[0])}, improved {percentage(fit.position[1])}",
+            soft_wrap=True,
+        )
     unseen = len(diagnosis.undetectable)
     if unseen:
         invisible = len(sorted_undetectable(diagnosis.undetectable)[1])

@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 
 FRAMES = 4
 WIDTH = 10.0  # inches
-MARGIN = 1.1  # inches that titles and labels take, beside the frames and the two panels
+MARGIN = 1.1  # inches that titles and labels take, beside the frames and the panels
 PANEL = 1.7  # inches, height of x(t) and of y(t)
-# Standard deviations below this share of the range are narrower than the line.
-VISIBLE = 0.004
+SMALL_PANEL = 0.55  # height of the standard deviations' panel beside the others'
 
 
 def save_preview(
@@ -55,14 +54,15 @@ def save_preview(
     style.apply()
     plt.rcParams.update({"font.size": 9.0, "axes.titlesize": 9.0, "axes.labelsize": 9.0})
     height = WIDTH / len(rows) * track.shape[0] / track.shape[1]
-    figure = plt.figure(figsize=(WIDTH, height + 2.0 * PANEL + MARGIN))
-    upper, lower = np.asarray(figure.subfigures(2, 1, height_ratios=[height + 0.45, 2.0 * PANEL + MARGIN - 0.45]))
+    courses = PANEL * (2.0 + SMALL_PANEL)
+    figure = plt.figure(figsize=(WIDTH, height + courses + MARGIN))
+    upper, lower = np.asarray(figure.subfigures(2, 1, height_ratios=[height + 0.45, courses + MARGIN - 0.45]))
     names = "abcdefgh"[: len(rows)]
     for axes, row, image, name in zip(np.ravel(upper.subplots(1, len(rows))), rows, images, names, strict=True):
         _draw_frame(axes, track, image, track.positions[row], name)
-    panels = lower.subplots(2, 1, sharex=True)
-    for axes, column, colour in zip(panels, "xy", (style.BLUE, style.VERMILION), strict=True):
-        _draw_course(axes, track, column, colour, style.GREY)
+    panels = lower.subplots(3, 1, sharex=True, height_ratios=[1.0, 1.0, SMALL_PANEL])
+    for axes, column, colour in zip(panels[:2], "xy", (style.BLUE, style.VERMILION), strict=True):
+        _draw_course(axes, track, column, colour)
         for row, name in zip(rows, names, strict=True):
             time = track.table["t"].iloc[row]
             axes.axvline(time, color=style.GREY, linewidth=0.6, linestyle=":")
@@ -75,6 +75,7 @@ def save_preview(
                     textcoords="offset points",
                     ha="center",
                 )
+    _draw_deviations(panels[2], track, (style.BLUE, style.VERMILION))
     panels[-1].set_xlabel("time in s")
     lower.align_ylabels(panels)
     try:
@@ -128,7 +129,7 @@ def _draw_frame(axes: Axes, track: Track, image: NDArray[np.uint8], position: Po
     axes.set_title(f"{name}: t = {position.time:.3f} s, frame {position.frame}")
 
 
-def _draw_course(axes: Axes, track: Track, column: str, colour: str, grey: str) -> None:
+def _draw_course(axes: Axes, track: Track, column: str, colour: str) -> None:
     table = track.table
     time, value, std = (table[c].to_numpy() for c in ("t", column, f"{column}_std"))
     # A line over frames without a row would show what was not measured.
@@ -144,19 +145,23 @@ def _draw_course(axes: Axes, track: Track, column: str, colour: str, grey: str) 
             time[repeated], value[repeated], "s", color="black", markersize=4.0, fillstyle="none", label="repeated"
         )
         axes.legend(loc="upper right")
-    axes.set_ylabel(f"{column} in {track.unit}")
-    if column == "y" and not _points_up(table, track):
+    downwards = column == "y" and not _points_up(table, track)
+    axes.set_ylabel(f"{column} in {track.unit}" + (", down" if downwards else ""))
+    if downwards:
         axes.invert_yaxis()
-    typical = float(np.median(std))
-    drawn = (
-        "band: ±2 standard deviations"
-        if typical > VISIBLE * np.ptp(value)
-        else "±2 standard deviations: within the line"
-    )
-    axes.set_title(
-        f"{drawn} (median {typical:.2g} {track.unit})", loc="right", color=grey, pad=14 if column == "x" else 4
-    )
     axes.margins(x=0.01)
+
+
+def _draw_deviations(axes: Axes, track: Track, colours: tuple[str, str]) -> None:
+    """Standard deviations on a panel of their own: beside the path they are narrower than the line."""
+    for column, colour, line in zip("xy", colours, ("-", "--"), strict=True):
+        table = track.table
+        axes.plot(table["t"], table[f"{column}_std"], line, color=colour, linewidth=0.9, label=f"{column}_std")
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(f"std in {track.unit}")
+    scattered = ", ".join(f"{c} {v:.2g} {track.unit}" for c, v in track.scatter.items() if v is not None)
+    axes.set_title(f"standard deviation from the noise of the pixels (scatter from frame to frame: {scattered or '–'})")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=1.6, borderaxespad=0.2)
 
 
 def _points_up(table: pd.DataFrame, track: Track) -> bool:

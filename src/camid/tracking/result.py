@@ -145,7 +145,7 @@ class Track:
             if value is not None and value > OVERCONFIDENT * stated:
                 found.append(
                     f"{c} scatters by {value:.2g} {self.unit} from frame to frame, {c}_std is {stated:.2g} "
-                    f"{self.unit}: lossy compression, the light, or a motion that is fast for the frame rate"
+                    f"{self.unit}: compression, light or a fast motion"
                 )
         low = table["t"][table["quality"] < LOW_QUALITY].tolist()
         if low:
