@@ -242,8 +242,10 @@ def test_wrong_arguments_are_refused_in_one_line(bench, capsys, arguments, said)
         ({"time": {"column": "two\nlines"}}, "no column 'two?lines'"),
         ({"sensor": {"column": "t", "kind": "camera"}}, "S.yaml: time and output are the same column 't'"),
         ({"input": {"column": "y", "hold": "zoh"}}, "S.yaml: input and output are the same column 'y'"),
-        ({"plant": {"pendulum": {"natural_frequency": 3.0, "damping": 0.01}}}, "does not simulate a pendulum"),
-        ({"controller": {"reference": "r", "position_gain": 1.0, "velocity_gain": 1.0}}, "not simulate a controller"),
+        (
+            {"controller": {"reference": "r", "position_gain": 1.0, "velocity_gain": 1.0}},
+            "recording.csv: no column 'r'",
+        ),
         ({"plant": rig.plant([1.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
         ({"input": {"column": ["u", "v"], "hold": "zoh"}}, "input: camid identifies one input and one output"),
         ({"sensor": {"column": ["y", "z"], "kind": "camera"}}, "sensor: camid identifies one input and one output"),

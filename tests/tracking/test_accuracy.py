@@ -150,3 +150,23 @@ def test_scale_origin_and_direction(clips):
     np.testing.assert_allclose(table["y_gradient"], -0.02 * (plain["y_gradient"] - 60.0))
     np.testing.assert_allclose(table["y_std"], 0.02 * plain["y_std"])
     assert scaled.to_mapping()["unit"] == "m"
+
+
+@pytest.mark.parametrize(
+    ("file", "codec", "pixels"),
+    [
+        ("film.avi", "rawvideo", "yuyv422"),
+        ("film.nut", "rawvideo", "nv12"),
+        ("film.mkv", "ffv1", "yuv422p10le"),
+        ("film.mkv", "ffv1", "gbrp10le"),
+        ("film.mkv", "ffv1", "bgra"),
+        ("film.avi", "huffyuv", "rgb24"),
+    ],
+)
+def test_pixel_formats(tmp_path, file, codec, pixels):
+    positions = films.path(12)
+    frames = films.coloured(positions, (200, 30, 40), seed=3)
+    film = films.encode(tmp_path / file, frames, codec=codec, pixels=pixels)
+    for look in ({"colour": "red"}, {"dark": True}):
+        _, rms = errors(camid.track(film, **look).table, positions)
+        assert np.all(rms < 0.02)

@@ -1,0 +1,91 @@
+"""Rigs that the tests simulate with an integrator of their own: a pendulum, and a drive in a closed loop."""
+
+import numpy as np
+import pandas as pd
+
+SUBSTEPS = 40
+
+
+def friction_step(velocity, acceleration, level, step):
+    """Velocity after a step with dry friction that stops the motion and holds it."""
+    free = velocity + step * acceleration
+    loss = step * level
+    return np.sign(free) * max(abs(free) - loss, 0.0)
+
+
+def pendulum(
+    *, natural_frequency, damping, rest, angle, friction=0.0, period=0.01, count=3000, noise=0.0, seed=0, velocity=0.0
+):
+    """Free decay of a pendulum, dry friction in rad of static deflection; columns t, angle."""
+    y, v = angle, velocity
+    step = period / SUBSTEPS
+    rows = np.empty(count)
+    square = natural_frequency**2
+    for k in range(count):
+        rows[k] = y
+        for _ in range(SUBSTEPS):
+            # Kick, drift, kick: the friction acts on both kicks.
+            pull = -square * np.sin(y - rest) - 2.0 * damping * natural_frequency * v
+            v = friction_step(v, pull, square * friction, 0.5 * step)
+            y += step * v
+            pull = -square * np.sin(y - rest) - 2.0 * damping * natural_frequency * v
+            v = friction_step(v, pull, square * friction, 0.5 * step)
+    random = np.random.default_rng(np.random.SeedSequence(seed))
+    return pd.DataFrame({"t": period * np.arange(count), "angle": rows + noise * random.standard_normal(count)})
+
+
+def drive(
+    *,
+    mass,
+    viscous,
+    friction=0.0,
+    bias=0.0,
+    position_gain=8.0,
+    velocity_gain=150.0,
+    limit=np.inf,
+    period=0.01,
+    count=3000,
+    noise=0.0,
+    seed=0,
+):
+    """A mass on a drive that follows a reference; columns t, r, u, y; noise on the control."""
+    time = period * np.arange(count)
+    reference = 0.3 * np.sin(0.9 * time) + 0.1 * np.sin(2.3 * time + 1.0) + 0.05 * np.sin(5.1 * time)
+    y, v, step = reference[0], 0.0, period / SUBSTEPS
+    positions, controls = np.empty(count), np.empty(count)
+    for k in range(count):
+        control = float(np.clip(velocity_gain * (position_gain * (reference[k] - y) - v), -limit, limit))
+        positions[k], controls[k] = y, control
+        for _ in range(SUBSTEPS):
+            v = friction_step(v, (control + bias - viscous * v) / mass, friction / mass, 0.5 * step)
+            y += step * v
+            v = friction_step(v, (control + bias - viscous * v) / mass, friction / mass, 0.5 * step)
+    random = np.random.default_rng(np.random.SeedSequence(seed))
+    controls = controls + noise * random.standard_normal(count)
+    return pd.DataFrame({"t": time, "r": reference, "u": controls, "y": positions})
+
+
+def pendulum_simulation(**parameters):
+    """What one would write first of it."""
+    return {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": None,
+        "plant": {"pendulum": parameters},
+        "sensor": {"column": "angle", "kind": "instant"},
+        "initial_state": "estimate",
+    }
+
+
+def drive_simulation(mass, viscous, *, position_gain=8.0, velocity_gain=150.0, limit=None):
+    """What one would write first of it."""
+    controller = {"reference": "r", "position_gain": position_gain, "velocity_gain": velocity_gain}
+    return {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": [1.0], "denominator": [mass, viscous, 0.0]}},
+        "controller": controller | ({} if limit is None else {"limit": limit}),
+        "sensor": {"column": "y", "kind": "instant"},
+        "initial_state": "estimate",
+    }
