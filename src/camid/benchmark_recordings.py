@@ -40,6 +40,27 @@ BENCHMARK_RECORDINGS = {
         "examples/statespace/silverbox/SilverboxFiles/SNLS80mV.csv",
         "ae62d5a91230c10f76e6dd02c8a4fac3c9d4d8a95fbf50e87cb0c4885003e0f1",
     ),
+    # Janot, Gautier & Brunot (2019), a drive for a prismatic joint in closed loop; columns t (s), qg, qm (m), vir (V).
+    "emps": BenchmarkRecording(
+        "emps.mat",
+        "https://raw.githubusercontent.com/forgi86/sysid-neural-continuous/956aa7ecd73061b0321c6f6098d74c9e4a7ce67a/"
+        "examples/EMPS/data/DATA_EMPS.mat",
+        "6cf6814ae14618795da0101aae2bb97ff0c6351b0501b5492751b02b07facf7e",
+    ),
+    # A pendulum on an encoder swings out; no header, columns time (s), angle (rad), angular rate (rad/s).
+    "pendulum_decay": BenchmarkRecording(
+        "pendulum_decay.csv",
+        "https://raw.githubusercontent.com/nielsSkov/masterThesisMatlab/0e2c7253fe6e740c36da872508a71c0d1f66a965/"
+        "parameterEstimation/data/pend1test/test1pend1.csv",
+        "a92411887a922c43780ac27b504cf18e5d2236c5f704d9294f9fa679d82f69c4",
+    ),
+    # A red ball on a string before a white wall, filmed with 29.75 frames a second.
+    "pendulum_clip": BenchmarkRecording(
+        "pendulum.mp4",
+        "https://raw.githubusercontent.com/juangomez177/Pendulum_Oscillatory_Motion/"
+        "9281de3f32438efd18d44567a9ec44d9458a9e2b/pendulum.mp4",
+        "ebf6d5810f7e55f269e4a1464c28b981f86c35a1f8c2c31e3d1960b652fccb0c",
+    ),
 }
 
 
@@ -84,9 +105,10 @@ def fetch(name: str) -> Path:
 
 
 SILVERBOX_PERIOD = 1.0 / 610.35  # seconds
-# Official split, first row and row behind the last; the multisine test starts with a state that is not known.
+# Official split, first row and row behind the last; the tests start with a state that is not known.
 SILVERBOX_TRAINING = (40650, 105712)
 SILVERBOX_MULTISINE = (105712, 127400)
+SILVERBOX_ARROW = (100, 40575)
 SILVERBOX_TRANSIENT = 50
 
 

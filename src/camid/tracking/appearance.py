@@ -204,4 +204,19 @@ def moving(
         raise InputError(
             f"{len(kept)} frames show no motion", where=source.name, mend="say --bright, --dark or --colour"
         )
-    return Moving(np.median(np.stack(kept), axis=0).astype(np.float32))
+    return Moving(_median(kept).astype(np.float32))
+
+
+def _median(pictures: list[Image]) -> Image:
+    """Median of an odd number of pictures (of an even one without the last), whose memory is used up.
+
+    The larger halves are sorted to the end by whole pictures at once, ten times as fast as pixel by pixel.
+    """
+    pictures = pictures[: len(pictures) - 1 + len(pictures) % 2]
+    middle = len(pictures) // 2
+    for first in range(middle + 1):  # after this pass the pictures up to ``first`` hold the smallest values in order
+        for k in range(len(pictures) - 1, first, -1):
+            smaller = np.minimum(pictures[k - 1], pictures[k])
+            np.maximum(pictures[k - 1], pictures[k], out=pictures[k])
+            pictures[k - 1] = smaller
+    return pictures[middle]

@@ -92,13 +92,13 @@ def measure(image: Image, region: RegionOfInterest, method: str = METHODS[0]) ->
 
     background, deviation, border = _border(image)
     answer = filtered(image)
-    outside = noise_of(answer)
+    outside = noise_of(answer[::2, ::2])
     spread = max(deviation + (0.5 if deviation > 0.0 and image.dtype.kind == "u" else 0.0), outside)
     peak = float(cv2.blur(image, (3, 3)).max()) - background
     threshold = max(CLEARANCE * spread, LEAST_SHARE * peak)
     if peak <= threshold:
         raise MarkerNotFound(f"nothing in the region stands out by more than {threshold:.3g} grey levels")
-    mask = (image > np.float32(background + threshold)).astype(np.uint8)
+    mask: NDArray[np.uint8] = (image > np.float32(background + threshold)).view(np.uint8)
     mask, box, alone, strangers = _main_thing(mask, image, background)
     if strangers is not None:
         image = np.where(strangers, np.asarray(background, image.dtype), image)

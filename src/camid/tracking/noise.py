@@ -24,6 +24,8 @@ ROUNDING = 1.0 / sqrt(12.0)
 FEWEST_INSIDE = 40
 # A median has π/2 times the variance of a mean.
 MEDIAN_VARIANCE = 0.5 * pi
+# Standard deviations from the threshold beyond which it is certain whether a pixel counts.
+FARTHEST = 6.0
 # Standard deviation of a derivative by the 3 × 3 Sobel filter, in those of a pixel: √(1+4+1+1+4+1)/8.
 SOBEL_NOISE = sqrt(12.0) / SOBEL_SUM
 
@@ -46,7 +48,10 @@ def filtered(image: Image) -> NDArray[np.float32]:
 
 def noise_of(values: NDArray[np.float32]) -> float:
     """Standard deviation in grey levels from what `filtered` returns."""
-    return max(ROUNDING, float(np.median(values)) / (GAIN * NORMAL_MEDIAN)) if values.size else ROUNDING
+    if not values.size:
+        return ROUNDING
+    middle = values.size // 2
+    return max(ROUNDING, float(np.partition(values, middle, axis=None)[middle]) / (GAIN * NORMAL_MEDIAN))
 
 
 def noise_inside(answer: NDArray[np.float32], mask: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], float | None]:
@@ -111,7 +116,7 @@ def grey_level_deviation(
     import cv2
     from scipy.special import ndtr
 
-    every, inside = cv2.moments(mask, binaryImage=True), cv2.moments(inner, binaryImage=True)
+    every, inside = cv2.moments(mask), cv2.moments(inner)
     rows, columns = np.nonzero(cv2.dilate(mask, np.ones((3, 3), np.uint8)) - inner)
     edge, sigma = level[rows, columns].astype(float), max(noise)
     a = (threshold - edge) / sigma
@@ -145,27 +150,26 @@ def gradient_deviation(
     with the direction θ_i of the gradient. What whole pixels do to the position of a marker without noise is not in it.
     """
     import cv2
-
-    horizontal, vertical = (cv2.Sobel(image, cv2.CV_32F, *order) / np.float32(SOBEL_SUM) for order in ((1, 0), (0, 1)))
-    gradient = np.maximum(np.hypot(horizontal, vertical), np.float32(1e-6))
-    sigma = SOBEL_NOISE * noise
-    z = (gradient - relative_threshold * gradient.max()) / sigma
-    density = np.exp(-0.5 * np.square(z)) / sqrt(2.0 * pi)
-    probability = _normal_distribution(z)
-    selected = max(1.0, float(np.count_nonzero(z > 0.0)))
-    rest = np.maximum(probability * (1.0 - probability) - np.square(density), 0.0)
-    height, width = image.shape
-    deviations = []
-    for lever in (np.arange(width)[None, :] - centre[0], np.arange(height)[:, None] - centre[1]):
-        weight = (lever * density / (sigma * gradient)).astype(np.float32)
-        # The transpose of an antisymmetric filter is the filter with its sign changed.
-        moved = cv2.Sobel(weight * horizontal, cv2.CV_32F, 1, 0) + cv2.Sobel(weight * vertical, cv2.CV_32F, 0, 1)
-        linear = (noise / SOBEL_SUM) ** 2 * float(np.sum(np.square(moved)))
-        deviations.append(sqrt(linear + float(np.sum(np.square(lever) * rest))) / selected)
-    return deviations[0], deviations[1]
-
-
-def _normal_distribution(z: NDArray[np.float32]) -> NDArray[np.float32]:
     from scipy.special import ndtr
 
-    return np.asarray(ndtr(z), np.float32)
+    horizontal, vertical = (cv2.Sobel(image, cv2.CV_32F, *order, scale=1.0 / SOBEL_SUM) for order in ((1, 0), (0, 1)))
+    gradient = cv2.magnitude(horizontal, vertical)
+    sigma = SOBEL_NOISE * noise
+    z = (gradient - relative_threshold * cv2.norm(gradient, cv2.NORM_INF)) / sigma
+    selected = max(1, cv2.countNonZero((z > 0.0).view(np.uint8)))
+    rows, columns = np.nonzero(np.abs(z) < FARTHEST)  # elsewhere no noise decides
+    near = z[rows, columns].astype(float)
+    density, probability = np.exp(-0.5 * near * near) / sqrt(2.0 * pi), ndtr(near)
+    rest = np.maximum(probability * (1.0 - probability) - density * density, 0.0)
+    cosine, sine = (part[rows, columns] / np.maximum(gradient[rows, columns], 1e-6) for part in (horizontal, vertical))
+    deviations = []
+    for place, c in ((columns, centre[0]), (rows, centre[1])):
+        lever = place - c
+        along_x, along_y = np.zeros((2, *z.shape), np.float32)
+        along_x[rows, columns] = lever * density / sigma * cosine
+        along_y[rows, columns] = lever * density / sigma * sine
+        # The transpose of an antisymmetric filter is the filter with its sign changed.
+        moved = cv2.Sobel(along_x, cv2.CV_32F, 1, 0) + cv2.Sobel(along_y, cv2.CV_32F, 0, 1)
+        linear = (noise / SOBEL_SUM) ** 2 * float(np.sum(np.square(moved)))
+        deviations.append(sqrt(linear + float(np.square(lever) @ rest)) / selected)
+    return deviations[0], deviations[1]

@@ -127,7 +127,7 @@ def picture_of(frame: av.VideoFrame) -> Picture:
     """Planes of a decoded frame, without a copy where the format allows it."""
     name = frame.format.name
     channels = PACKED.get(name)
-    if channels is None and name not in {"gray", "gray8"} and not _is_plain(frame):
+    if channels is None and name not in USUAL and not _is_plain(frame):
         # Rare formats (palettes, interleaved colour): FFmpeg rewrites the frame in a plain one.
         frame = frame.reformat(format="rgb24" if frame.format.is_rgb or name == "pal8" else "yuv444p")
         name = frame.format.name
@@ -137,13 +137,16 @@ def picture_of(frame: av.VideoFrame) -> Picture:
         rows = np.frombuffer(memoryview(frame.planes[0]), np.uint8).reshape(-1, frame.planes[0].line_size)
         pixels = rows[: frame.height, : count * frame.width].reshape(frame.height, frame.width, count)
         return Picture(tuple(pixels[:, :, k] for k in order), True, keep=frame)
-    bits = frame.format.components[0].bits
+    bits = 8 if name in USUAL else frame.format.components[0].bits
     planes = [_plane(frame, k, bits) for k in range(min(len(frame.planes), 3))]
-    if frame.format.is_rgb:  # planar: green, blue, red
+    is_rgb = name not in USUAL and frame.format.is_rgb
+    if is_rgb:  # planar: green, blue, red
         planes = [planes[2], planes[0], planes[1]]
-    return Picture(tuple(planes), frame.format.is_rgb, float(2**bits - 1), frame)
+    return Picture(tuple(planes), is_rgb, float(2**bits - 1), frame)
 
 
+# Plain formats of 8 bits, which need no closer look.
+USUAL = frozenset({"gray", "yuv420p", "yuvj420p", "yuv422p", "yuvj422p", "yuv444p", "yuvj444p"})
 # Bytes a pixel, and where red, green and blue are among them.
 PACKED = {
     "rgb24": (3, (0, 1, 2)),

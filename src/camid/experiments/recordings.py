@@ -1,0 +1,205 @@
+"""Results on the real recordings: what two diagnoses, the published split and the published values say of each."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from camid.api import diagnose, simulate
+from camid.benchmark_recordings import SILVERBOX_ARROW, SILVERBOX_MULTISINE, SILVERBOX_TRANSIENT
+from camid.plant import TransferFunction
+from camid.simulation import Simulation, load_simulation
+
+RECORDINGS = {
+    "silverbox": "Silverbox: an electronic oscillator",
+    "emps": "EMPS: a drive in closed loop",
+    "pendulum_decay": "A pendulum swings out",
+    "pendulum_clip": "A clip of a pendulum",
+}
+MODELS = ("nominal", "refitted", "improved")
+GRAVITY = 9.81  # m/s²
+# Seconds of the pendulum's record from the release to the rest, and a remainder beyond what any model leaves there, so
+# that plant and friction are re-estimated and nothing is looked for.
+PENDULUM_WHOLE = (4.5, 73.0)
+ANY_REMAINDER = 10.0  # rad
+
+
+@dataclass(frozen=True)
+class Results:
+    """Files of one recording.
+
+    Attributes
+    ----------
+    name : str
+        Key of ``RECORDINGS``.
+    recording : Path
+        The untouched file, or what ``camid track`` made of it.
+    nominal, improved : Simulation
+    diagnosis, again : dict
+        diagnosis.json, of the first diagnosis and of that from improved.yaml.
+    residuals : DataFrame
+        residuals.csv of the first diagnosis.
+    """
+
+    name: str
+    recording: Path
+    nominal: Simulation
+    improved: Simulation
+    diagnosis: dict[str, Any]
+    again: dict[str, Any]
+    residuals: pd.DataFrame
+
+    @classmethod
+    def read(cls, name: str, recording: Path, nominal: Path, folder: Path, again: Path) -> Results:
+        """Read what ``camid diagnose`` wrote into two folders."""
+        return cls(
+            name,
+            recording,
+            load_simulation(nominal),
+            load_simulation(folder / "improved.yaml"),
+            json.loads((folder / "diagnosis.json").read_text(encoding="utf-8")),
+            json.loads((again / "diagnosis.json").read_text(encoding="utf-8")),
+            pd.read_csv(folder / "residuals.csv"),
+        )
+
+    def coefficient(self, name: str, model: str) -> tuple[float, float | None]:
+        """Coefficient (``b0``, ``a1``, ``a0``) of the monic plant in a model, and its standard deviation."""
+        row = next(c for c in self.diagnosis["coefficients"] if c["name"] == name)
+        return row[model], row.get(f"{model}_deviation")
+
+    def parameter(self, effect: str, name: str) -> float:
+        """Value of a parameter of an effect that the improved model holds; zero if it does not."""
+        return float(next((e.parameters[name] for e in self.improved.effects if e.identifier == effect), 0.0))
+
+
+Row = tuple[str, float, float | None, str]
+
+
+def quantities(results: Results, linear: Mapping[str, pd.DataFrame] | None = None) -> pd.DataFrame:
+    """What the diagnosis of a recording says in numbers, and the scores on rows that it did not see.
+
+    Parameters
+    ----------
+    results : Results
+    linear : dict of DataFrame, optional
+        Silverbox: what linear models with held (``zoh``) and first-order-hold (``foh``) input make of its multisine.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``target``, ``quantity``, ``value``, ``standard_deviation``, ``unit``; no recorded sample.
+    """
+    rows: list[Row] = [*_common(results), *SPECIFIC[results.name](results)]
+    for hold, table in (linear or {}).items():
+        error = 1e3 * _root_mean_square((table["V2"] - table["simulated"])[SILVERBOX_TRANSIENT:])
+        rows.append((f"multisine_linear_{hold}", error, None, "mV"))
+    table = pd.DataFrame(rows, columns=["quantity", "value", "standard_deviation", "unit"])
+    table.insert(0, "target", f"recording_{results.name}")
+    return table
+
+
+def _common(results: Results) -> Iterable[Row]:
+    """Errors, effects and the second diagnosis."""
+    diagnosis, residuals = results.diagnosis, results.residuals
+    fitted = residuals["fitted"] == 1
+    spread = float(residuals["recorded"][fitted].std(ddof=0))
+    for model in MODELS:
+        yield f"held_out_error_{model}", 100.0 * diagnosis["fit"][f"nrmse_{model}"], None, "%"
+    for model in MODELS[1:]:
+        error = _root_mean_square(residuals[f"residual_{model}"][fitted])
+        yield f"fitted_error_{model}", 100.0 * error / spread, None, "%"
+    yield "effects", float(len(diagnosis["effects"])), None, ""
+    for effect in diagnosis["effects"]:
+        yield f"named_{effect['id']}", 1.0, None, ""
+        for name, parameter in effect["parameters"].items():
+            if isinstance(parameter["value"], str):
+                yield f"{effect['id']}_{parameter['value']}", 1.0, None, ""
+            else:
+                yield f"{effect['id']}_{name}", parameter["value"], parameter["std"], parameter["unit"]
+    yield "structure_left", float(diagnosis["verdict"] in {"partly-explained", "unexplained"}), None, ""
+    yield "again_adequate", float(results.again["verdict"] == "adequate"), None, ""
+
+
+def _root_mean_square(values: Any) -> float:
+    return float(np.sqrt(np.mean(np.square(np.asarray(values, float)))))
+
+
+def _silverbox(results: Results) -> Iterable[Row]:
+    """Resonance, damping and gain; root mean square errors on the published test sets."""
+    for model in MODELS:
+        (b0, _), (a1, _), (a0, spread) = (results.coefficient(c, model) for c in ("b0", "a1", "a0"))
+        frequency = np.sqrt(a0)
+        deviation = None if spread is None else spread / (4.0 * np.pi * frequency)
+        yield f"natural_frequency_{model}", frequency / (2.0 * np.pi), deviation, "Hz"
+        yield f"damping_ratio_{model}", a1 / (2.0 * frequency), None, ""
+        yield f"static_gain_{model}", b0 / a0, None, "V/V"
+    refitted = replace(results.nominal, plant=_plant(results, "refitted"))
+    models = dict(zip(MODELS, (results.nominal, refitted, results.improved), strict=True))
+    for part, (first, behind) in {"multisine": SILVERBOX_MULTISINE, "arrow": SILVERBOX_ARROW}.items():
+        for model, simulation in models.items():
+            period = float(results.nominal.reading.period or np.nan)
+            reading = replace(simulation.reading, start=(first - 0.5) * period, end=(behind - 0.5) * period)
+            table = simulate(results.recording, replace(simulation, reading=reading))
+            error = table[simulation.output_column] - table["simulated"]
+            yield f"{part}_{model}", 1e3 * _root_mean_square(error[SILVERBOX_TRANSIENT:]), None, "mV"
+
+
+def _plant(results: Results, model: str) -> TransferFunction:
+    """Second-order transfer function of a model."""
+    b0, a1, a0 = (results.coefficient(c, model)[0] for c in ("b0", "a1", "a0"))
+    return TransferFunction((b0,), (1.0, a1, a0))
+
+
+def _emps(results: Results) -> Iterable[Row]:
+    """Mass and viscous friction; the error of the position."""
+    for model in MODELS:
+        (b0, spread), (a1, _) = results.coefficient("b0", model), results.coefficient("a1", model)
+        deviation = None
+        if model == "improved" and results.improved.covariance is not None:
+            lead = results.improved.plant.denominator[0]
+            covariance = np.array(results.improved.covariance)[:2, :2] / lead**2
+            slope = np.array([-a1 / b0**2, 1.0 / b0])
+            deviation = float(np.sqrt(slope @ covariance @ slope))
+        yield f"mass_{model}", 1.0 / b0, None if spread is None else spread / b0**2, "kg"
+        yield f"viscous_friction_{model}", a1 / b0, deviation, "N s/m"
+    for model in MODELS[1:]:
+        yield f"position_error_{model}", 100.0 * results.diagnosis["fit"]["position"][f"nrmse_{model}"], None, "%"
+
+
+def _pendulum_decay(results: Results) -> Iterable[Row]:
+    """Frequency and damping; what is left over the whole record, from the release to the rest."""
+    for model in MODELS:
+        (a1, damping), (a0, stiffness) = results.coefficient("a1", model), results.coefficient("a0", model)
+        deviation = None if stiffness is None else stiffness / (2.0 * np.sqrt(a0))
+        yield f"natural_frequency_{model}", np.sqrt(a0), deviation, "rad/s"
+        yield f"viscous_damping_{model}", a1, damping, "1/s"
+    start, end = PENDULUM_WHOLE
+    reading = replace(results.improved.reading, start=start, end=end)
+    whole = diagnose(results.recording, replace(results.improved, reading=reading, remainder=ANY_REMAINDER))
+    error = _root_mean_square(whole.signals.recorded - whole.signals.improved)
+    yield "whole_record_error_improved", 100.0 * error / float(np.std(whole.signals.recorded)), None, "%"
+
+
+def _pendulum_clip(results: Results) -> Iterable[Row]:
+    """Period, length of a mathematical pendulum of that period, and what is left."""
+    for model in MODELS:
+        a0, spread = results.coefficient("a0", model)
+        period = 2.0 * np.pi / np.sqrt(a0)
+        yield f"period_{model}", period, None if spread is None else period * spread / (2.0 * a0), "s"
+        yield f"length_{model}", GRAVITY / a0, None if spread is None else GRAVITY * spread / a0**2, "m"
+    for model in MODELS[1:]:
+        yield f"residual_{model}", _root_mean_square(results.residuals[f"residual_{model}"]), None, "px"
+
+
+SPECIFIC: dict[str, Callable[[Results], Iterable[Row]]] = {
+    "silverbox": _silverbox,
+    "emps": _emps,
+    "pendulum_decay": _pendulum_decay,
+    "pendulum_clip": _pendulum_clip,
+}
