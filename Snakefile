@@ -24,8 +24,8 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/ablations.smk"
 include: "workflow/rules/monte_carlo.smk"
 include: "workflow/rules/concealed.smk"
-include: "workflow/rules/check.smk"
 include: "workflow/rules/recordings.smk"
+include: "workflow/rules/check.smk"
 
 
 rule all:

@@ -1,8 +1,134 @@
-# Real recordings. Not part of `all`: they carry no licence and need a local copy (CAMID_RECORDINGS) or the network.
+# Real recordings. Not part of `all`: they carry no licence and need a local copy (CAMID_RECORDINGS) or the network. Only
+# results leave results/: the recorded samples are neither committed nor drawn into a table.
+
+import os
+
+from camid.benchmark_recordings import BENCHMARK_RECORDINGS, FOLDER_VARIABLE
+
+# Recordings that are not diagnosed as they are: their file is measured first.
+TRACKED = {"pendulum_clip": "--colour red"}
+DIAGNOSED = {
+    name: (
+        f"results/recordings/{name}.csv"
+        if name in TRACKED
+        else f"results/recordings/{recording.file}"
+    )
+    for name, recording in BENCHMARK_RECORDINGS.items()
+}
+RECORDING_FIGURES = expand(
+    "paper_figs/recording_{name}.{format}",
+    name=BENCHMARK_RECORDINGS,
+    format=["png", "csv"],
+)
+
+
+def reason_not_checked(name):
+    """Why `check` cannot guard the figure of a recording here; None if it can."""
+    folder = os.environ.get(FOLDER_VARIABLE)
+    if not folder:
+        return f"{FOLDER_VARIABLE} is not set"
+    path = Path(folder) / BENCHMARK_RECORDINGS[name].file
+    return None if path.is_file() else f"{path} is not there"
+
+
+NOT_CHECKED = {
+    f"recording_{name}": reason
+    for name in BENCHMARK_RECORDINGS
+    if (reason := reason_not_checked(name)) is not None
+}
+CHECKED_RECORDINGS = [
+    name for name in BENCHMARK_RECORDINGS if f"recording_{name}" not in NOT_CHECKED
+]
+
+
+wildcard_constraints:
+    recording="|".join(BENCHMARK_RECORDINGS),
+    hold="zoh|foh",
+
+
+for name, recording in BENCHMARK_RECORDINGS.items():
+
+    rule:
+        name:
+            f"recording_file_{name}"
+        input:
+            sources=sources("workflow/scripts/recording_file.py"),
+        output:
+            f"results/recordings/{recording.file}",
+        log:
+            f"results/logs/recording_file_{name}.log",
+        priority: 1 if name == "silverbox" else 0
+        params:
+            name=name,
+        message:
+            f"Finding the recording {name}."
+        script:
+            "../scripts/recording_file.py"
+
+
+rule recording_track:
+    input:
+        video=f"results/recordings/{BENCHMARK_RECORDINGS['pendulum_clip'].file}",
+        sources=sources("src/camid/cli/__init__.py", "src/camid/cli/track.py"),
+    output:
+        recording=DIAGNOSED["pendulum_clip"],
+        preview="results/recordings/pendulum_clip_preview.png",
+    log:
+        "results/logs/recording_track.log",
+    params:
+        camid=CAMID,
+        options=TRACKED["pendulum_clip"],
+    message:
+        "Measuring the ball's positions in the clip."
+    shell:
+        "{params.camid} track {input.video} {params.options} --output {output.recording} --preview {output.preview}"
+        " > {log} 2>&1"
+
+
+rule recording_diagnosis:
+    input:
+        recording=lambda wildcards: DIAGNOSED[wildcards.recording],
+        simulation="config/simulations/{recording}.yaml",
+        sources=sources("src/camid/cli/__init__.py", "src/camid/cli/diagnose.py"),
+    output:
+        diagnosis="results/recordings/{recording}/diagnosis.json",
+        improved="results/recordings/{recording}/improved.yaml",
+        residuals="results/recordings/{recording}/residuals.csv",
+        report="results/recordings/{recording}/report.html",
+    log:
+        "results/logs/recording_{recording}.log",
+    params:
+        camid=CAMID,
+        folder=lambda wildcards, output: str(Path(output.diagnosis).parent),
+    message:
+        "Diagnosing the recording {wildcards.recording}."
+    shell:
+        "{params.camid} diagnose {input.recording} --simulation {input.simulation} --output {params.folder}"
+        " > {log} 2>&1"
+
+
+rule recording_diagnosis_again:
+    input:
+        recording=lambda wildcards: DIAGNOSED[wildcards.recording],
+        improved=rules.recording_diagnosis.output.improved,
+        sources=sources("src/camid/cli/__init__.py", "src/camid/cli/diagnose.py"),
+    output:
+        diagnosis="results/recordings/{recording}_again/diagnosis.json",
+    log:
+        "results/logs/recording_{recording}_again.log",
+    params:
+        camid=CAMID,
+        folder=lambda wildcards, output: str(Path(output.diagnosis).parent),
+    message:
+        "Diagnosing the recording {wildcards.recording} again, from the improved simulation."
+    shell:
+        "{params.camid} diagnose {input.recording} --simulation {input.improved} --output {params.folder} --no-report"
+        " > {log} 2>&1"
 
 
 rule silverbox_parts:
     input:
+        recording=DIAGNOSED["silverbox"],
         sources=sources("workflow/scripts/silverbox_parts.py"),
     output:
         training="results/recordings/silverbox_training.parquet",
@@ -10,7 +136,7 @@ rule silverbox_parts:
     log:
         "results/logs/silverbox_parts.log",
     message:
-        "Finding the Silverbox recording and splitting it."
+        "Splitting the Silverbox."
     script:
         "../scripts/silverbox_parts.py"
 
@@ -35,17 +161,51 @@ rule silverbox:
         " && {params.camid} simulate {input.multisine} --simulation {output.model} --output {output.simulated} >> {log} 2>&1"
 
 
+for name in BENCHMARK_RECORDINGS:
+
+    rule:
+        name:
+            f"recording_{name}"
+        input:
+            recording=DIAGNOSED[name],
+            simulation=f"config/simulations/{name}.yaml",
+            diagnosis=f"results/recordings/{name}/diagnosis.json",
+            improved=f"results/recordings/{name}/improved.yaml",
+            residuals=f"results/recordings/{name}/residuals.csv",
+            again=f"results/recordings/{name}_again/diagnosis.json",
+            linear=(
+                expand(rules.silverbox.output.simulated, hold=["zoh", "foh"])
+                if name == "silverbox"
+                else []
+            ),
+            working_copy=BIRTH_MARK,
+            sources=sources("workflow/scripts/recording_figure.py"),
+        output:
+            png=f"paper_figs/recording_{name}.png",
+            csv=f"paper_figs/recording_{name}.csv",
+        log:
+            f"results/logs/recording_{name}_figure.log",
+        params:
+            name=name,
+        message:
+            f"Drawing the results on the recording {name}."
+        script:
+            "../scripts/recording_figure.py"
+
+
 rule recordings:
     input:
-        simulated=expand(
-            "results/recordings/silverbox_{hold}_multisine.csv", hold=["zoh", "foh"]
-        ),
+        figures=RECORDING_FIGURES,
+        page="workflow/report/real_recordings.md.jinja",
         sources=sources("workflow/scripts/recordings.py"),
     output:
-        "results/recordings/summary.csv",
+        page="docs/real_recordings.md",
+        summary="results/recordings/summary.csv",
     log:
         "results/logs/recordings.log",
+    params:
+        names=list(BENCHMARK_RECORDINGS),
     message:
-        "Root mean square errors on the real recordings beside their references."
+        "Results on the real recordings beside what was published."
     script:
         "../scripts/recordings.py"

@@ -1,13 +1,13 @@
-"""Print the errors on the Silverbox multisine beside their references."""
+"""Write the page on the real recordings, and print the errors on the Silverbox multisine beside their references."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
-from camid.benchmark_recordings import SILVERBOX_TRANSIENT
 from camid.experiments.log import logged
+from camid.experiments.recordings_page import page
+from camid.recording import write_whole
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
@@ -18,18 +18,24 @@ REFERENCES = {"zoh": "14.8 ± 0.1", "foh": "7.0 ± 0.1"}
 
 
 def main() -> None:
-    """Print the errors on the Silverbox multisine beside their references."""
-    rows = []
-    for file in snakemake.input.simulated:
-        hold = Path(file).stem.split("_")[1]
-        table = pd.read_csv(file).iloc[SILVERBOX_TRANSIENT:]
-        error = 1e3 * float(np.sqrt(np.mean((table["V2"] - table["simulated"]) ** 2)))
-        rows.append(
-            {"recording": "silverbox, test multisine", "hold": hold, "rmse_mV": error, "reference_mV": REFERENCES[hold]}
-        )
+    """Write the page and the summary."""
+    files = [Path(file) for file in snakemake.input.figures if Path(file).suffix == ".csv"]
+    quantities = {file.stem.removeprefix("recording_"): pd.read_csv(file) for file in files}
+    silverbox = quantities["silverbox"].set_index("quantity")["value"]
+    rows = [
+        {
+            "recording": "silverbox, test multisine",
+            "hold": hold,
+            "rmse_mV": silverbox[f"multisine_linear_{hold}"],
+            "reference_mV": reference,
+        }
+        for hold, reference in REFERENCES.items()
+    ]
     summary = pd.DataFrame(rows)
     print(summary.to_string(index=False, float_format="%.2f"))
-    summary.to_csv(snakemake.output[0], index=False, lineterminator="\n")
+    write_whole(snakemake.output.summary, lambda path: summary.to_csv(path, index=False, lineterminator="\n"))
+    text = page(Path(snakemake.input.page), quantities)
+    write_whole(snakemake.output.page, lambda path: path.write_text(text, encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""Find the Silverbox recording and write its parts."""
+"""Write the parts of the Silverbox."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.benchmark_recordings import fetch, silverbox_parts
+from camid.benchmark_recordings import silverbox_parts
 from camid.experiments.log import logged
 from camid.recording import write_table
 
@@ -11,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def main() -> None:
-    """Find the Silverbox recording and write its parts."""
-    parts = silverbox_parts(fetch("silverbox"))
+    """Write the parts of the Silverbox."""
+    parts = silverbox_parts(Path(snakemake.input.recording))
     write_table(parts["training"], snakemake.output.training)
     write_table(parts["multisine"], snakemake.output.multisine)
 

@@ -44,6 +44,12 @@ MOST_CHANCE = 0.1
 # Hypotheses that stay behind the best by more than this are not fitted thoroughly.
 BEHIND = 50.0
 MOST_THOROUGH = 6
+# Error beside effects found already, as a share of the output's spread, from which fits start from the nominal
+# coefficients, too.
+GROSS = 0.1
+# Fall of the criterion that betrays another minimum of the coefficients, and how often the search begins anew from one.
+ANOTHER_MINIMUM = 10.0
+MOST_RESTARTS = 3
 # Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
 BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
 
@@ -233,7 +239,7 @@ def decide(
     nominal : Model, optional
         As the simulation says, without effects.
     """
-    current, rivals = base, []
+    current, rivals, restarts = base, [], 0
     known = len(base.model.effects)
     while len(current.model.effects) - known < MOST_EFFECTS:
         if progress:
@@ -242,7 +248,7 @@ def decide(
         found = screen(problem, current) if screened is None else screened
         beside = len(current.model.effects) > known
         ranked = hypotheses(
-            problem, current, found, None if beside else nominal, MOST_BESIDE if beside else MOST_CANDIDATES
+            problem, current, found, _grossly(problem, current, nominal), MOST_BESIDE if beside else MOST_CANDIDATES
         )
         screened = None
         ranked = [
@@ -251,11 +257,32 @@ def decide(
         level = FALSE_ALARM_BESIDE if beside else FALSE_ALARM
         if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
             break
+        alone = _alone(problem, ranked[0])
+        if alone.criterion < current.criterion - ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
+            # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
+            current, restarts = alone, restarts + 1
+            base = base if beside else alone
+            continue
         current = ranked[0].fitted
         rivals.append(ranked)
     if len(current.model.effects) - known < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
     return _exchanged(problem, base, current, progress)
+
+
+def _grossly(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
+    """The nominal model with the effects found, as a start beside the refitted one where that is still far off."""
+    if nominal is None or not current.model.effects:
+        return nominal
+    if current.cost < GROSS**2 * float(np.var(problem.output)) * len(current.residual):
+        return None
+    return replace(nominal, effects=current.model.effects)
+
+
+def _alone(problem: Problem, hypothesis: Hypothesis) -> Fitted:
+    """What the coefficients of a hypothesis come to without its effect."""
+    model = hypothesis.fitted.model
+    return fit(problem, model.without(len(model.effects) - 1), steps=ALL_STEPS)
 
 
 def _refuted(

@@ -108,6 +108,7 @@ def investigate(
     decision = Decision(base, base)
     if not settled:
         decision = decide(problem, base, screened, validation, progress, start if not known else None)
+    base = decision.base  # of another minimum, if one was found
     say("testing what is left")
     decision = decision if settled else _with_noise(problem, decision, len(known))
     before = location_step.places(problem, base)
@@ -228,7 +229,10 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
             decision,
             fitted=fitted,
             rivals=decision.rivals[:index] + decision.rivals[index + 1 :],
-            without=[fitted] * (len(decision.without) - 1),
+            without=[
+                fit(problem, fitted.model.without(known + i), steps=15, whitening=whitening)
+                for i in range(len(decision.without) - 1)
+            ],
         )
         if not decision.rivals:
             return replace(decision, fitted=decision.base)

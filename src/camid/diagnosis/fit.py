@@ -129,7 +129,7 @@ class Packing:
         coefficients = model.coefficients[free]
         units = list(np.maximum(np.abs(coefficients), 1e-2 * scale[free] * _gain(problem, free)))
         names = [f"coefficient {i}" for i in np.flatnonzero(free)]
-        lower, upper = [-np.inf] * len(units), [np.inf] * len(units)
+        lower, upper = _stable(problem)[free].tolist(), [np.inf] * len(units)
         for i, effect in enumerate(model.effects):
             if i < fixed:
                 continue
@@ -187,6 +187,18 @@ class Packing:
                 initial.append(values[position : position + len(state)])
                 position += len(state)
         return Model(coefficients, tuple(effects), tuple(initial), rest)
+
+
+def _stable(problem: Problem) -> Array:
+    """Lower bounds of all coefficients: up to two poles a plant is stable if those of its denominator are not negative.
+
+    An effect that takes energy away would else be paired with a plant that makes it.
+    """
+    structure = problem.structure
+    lower = np.full(len(structure.free), -np.inf)
+    if structure.order <= 2 and np.all(structure.denominator >= 0.0):
+        lower[structure.degree + 1 :] = 0.0
+    return lower
 
 
 def _powers(problem: Problem) -> list[float]:

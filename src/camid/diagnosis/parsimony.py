@@ -81,6 +81,8 @@ def _special(problem: Problem, decision: Decision, known: int, index: int, noise
     effects[known + index] = special
     fitted = fit(problem, replace(model, effects=tuple(effects)), steps=ALL_STEPS)
     without = decision.without[index]
+    if without.cost <= fitted.cost:
+        return decision
     mismatch = max(without.cost - noise, 1e-300)
     if without.cost - fitted.cost < SPECIAL_ENOUGH * min(without.cost - decision.fitted.cost, mismatch):
         return decision
@@ -95,4 +97,11 @@ def _leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int) -> 
     count = len(fitted.model.effects) - known
     if count == 1:
         return [base]
-    return [fit(problem, fitted.model.without(known + i), steps=ALL_STEPS) for i in range(count)]
+    return [_left_out(problem, base, fitted, known + i) for i in range(count)]
+
+
+def _left_out(problem: Problem, base: Fitted, fitted: Fitted, index: int) -> Fitted:
+    """The model without one effect, fitted from its own coefficients and from those of the base."""
+    own = fitted.model.without(index)
+    starts = [own, replace(own, coefficients=base.model.coefficients, initial=base.model.initial)]
+    return min((fit(problem, start, steps=ALL_STEPS) for start in starts), key=lambda f: f.cost)

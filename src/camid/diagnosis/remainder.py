@@ -25,6 +25,8 @@ UNEVEN = 1e-8
 # standard errors.
 UNEXPECTED = 1.2
 BEYOND = 5.0
+# The same ratio from which effects that were named do not carry over, however few independent errors say so.
+NOT_CARRIED = 3.0
 LONGEST_CORRELATION = 200
 
 
@@ -60,6 +62,8 @@ def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np
     ratio = float(np.median(errors**2)) / max(float(np.median(residual**2)), 1e-300)
     if ratio < UNEXPECTED:
         return False
+    if ratio > NOT_CARRIED and final.model.effects:
+        return True
     spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
     correlations = np.fft.irfft(spectrum)[: min(len(residual) - 1, LONGEST_CORRELATION) + 1]
     correlations = correlations / correlations[0]

@@ -27,13 +27,15 @@ EXPERIMENTS: tuple[tuple[frozenset[str], str], ...] = (
         "the motion linearly and holds it, hysteresis closes loops, drag fades with the amplitude.",
     ),
     (
-        frozenset({"cubic-stiffness", "pendulum-gravity", "quadratic-stiffness", "end-stop", "lens-distortion"}),
+        frozenset(
+            {"cubic-stiffness", "pendulum-gravity", "quadratic-stiffness", "end-stop", "lens-distortion", "perspective"}
+        ),
         "Repeat the recording at half and at twice the amplitude, and hold the rig still at several positions: "
         "the camera's distortion shows at rest, a spring's law in the force that holds it, a stop beyond its "
         "position only.",
     ),
     (
-        frozenset({"clipping", "lens-distortion", "saturation", "absolute-value"}),
+        frozenset({"clipping", "lens-distortion", "perspective", "saturation", "absolute-value"}),
         "Move the marker slowly by hand through the whole image beside a scale.",
     ),
     (

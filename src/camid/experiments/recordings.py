@@ -23,6 +23,13 @@ RECORDINGS = {
     "pendulum_clip": "A clip of a pendulum",
 }
 MODELS = ("nominal", "refitted", "improved")
+# What the units of input and output are called in a diagnosis, and are.
+UNITS = {
+    "silverbox": {"u": "V", "y": "V", "u/y^3": "V/V³"},
+    "emps": {"u": "N", "y": "m"},
+    "pendulum_decay": {"u": "rad", "y": "rad"},
+    "pendulum_clip": {"u": "px", "y": "px"},
+}
 GRAVITY = 9.81  # m/s²
 # Seconds of the pendulum's record from the release to the rest, and a remainder beyond what any model leaves there, so
 # that plant and friction are re-estimated and nothing is looked for.
@@ -121,7 +128,8 @@ def _common(results: Results) -> Iterable[Row]:
             if isinstance(parameter["value"], str):
                 yield f"{effect['id']}_{parameter['value']}", 1.0, None, ""
             else:
-                yield f"{effect['id']}_{name}", parameter["value"], parameter["std"], parameter["unit"]
+                unit = UNITS[results.name].get(parameter["unit"], parameter["unit"])
+                yield f"{effect['id']}_{name}", parameter["value"], parameter["std"], unit
     yield "structure_left", float(diagnosis["verdict"] in {"partly-explained", "unexplained"}), None, ""
     yield "again_adequate", float(results.again["verdict"] == "adequate"), None, ""
 

@@ -52,6 +52,35 @@ def compare(quantities: pd.DataFrame, tolerances: Sequence[Mapping[str, Any]]) -
     return pd.DataFrame(rows)
 
 
+def without_targets(
+    tolerances: Sequence[Mapping[str, Any]], reasons: Mapping[str, str]
+) -> tuple[list[Mapping[str, Any]], str]:
+    """The tolerances without those of some targets, and one line that says what is not checked and why.
+
+    Parameters
+    ----------
+    tolerances : sequence of mapping
+    reasons : mapping
+        Target → why it cannot be checked here.
+
+    Returns
+    -------
+    list of mapping
+        What remains to be checked.
+    str
+        Empty if nothing is left out.
+    """
+    kept = [entry for entry in tolerances if entry["target"] not in reasons]
+    left_out = sorted({entry["target"] for entry in tolerances} & set(reasons))
+    if not left_out:
+        return kept, ""
+    grouped: dict[str, list[str]] = {}
+    for target in left_out:
+        grouped.setdefault(reasons[target], []).append(target)
+    said = "; ".join(f"{', '.join(targets)} ({reason})" for reason, targets in grouped.items())
+    return kept, f"not checked: {said}"
+
+
 def print_comparison(comparison: pd.DataFrame) -> None:
     """Print the comparison as a table and the number of failures."""
     from rich.console import Console

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 INSTANT = 1e-6
 
 
+# Smallest distance to the camera, in that of the centre.
+NEAREST = 1e-3
+
+
 class Exposure(Effect):
     """The exposure is not the declared one."""
 
@@ -142,6 +146,32 @@ class LensDistortion(Effect):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Small: the effect is proportional to it."""
         yield cls(k1=0.02 / situation.largest("position") ** 2)
+
+
+class Perspective(Effect):
+    """The plane of the motion is not parallel to the image: what is nearer to the camera looks larger."""
+
+    identifier = "perspective"
+    place = "sensor"
+    title = "Perspective (oblique view)"
+    equation = r"w = \frac{y}{1 + c\,y}"
+    reference = "Hartley & Zisserman (2004), Multiple View Geometry in Computer Vision, 2nd ed., section 2.3"
+    parameters = (Parameter("obliqueness", "1/y", "relative change c of the distance with the position"),)
+    strength = "obliqueness"
+
+    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
+        """Mean of the projected position over the exposure."""
+        from camid.motion import WEIGHTS
+
+        points = motion.points(start, end)
+        # Behind the camera nothing is seen; a fit that tries it gets a large value and no infinite one.
+        distance = np.maximum(1.0 + self.values["obliqueness"] * points, NEAREST)
+        return np.asarray((points / distance) @ (0.5 * WEIGHTS))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to it."""
+        yield cls(obliqueness=0.02 / situation.largest("position"))
 
 
 class Clipping(Effect):
