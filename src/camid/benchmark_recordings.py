@@ -64,6 +64,15 @@ BENCHMARK_RECORDINGS = {
 }
 
 
+def reason_absent(name: str) -> str | None:
+    """Why a recording is not in the local folder; None if it is there."""
+    folder = os.environ.get(FOLDER_VARIABLE)
+    if not folder:
+        return f"{FOLDER_VARIABLE} is not set"
+    path = Path(folder) / BENCHMARK_RECORDINGS[name].file
+    return None if path.is_file() else f"{path} is not there"
+
+
 def fetch(name: str) -> Path:
     """Path of a real recording.
 

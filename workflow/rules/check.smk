@@ -46,6 +46,38 @@ rule claims:
         "../scripts/claims.py"
 
 
+# The paper alone, in a minute: what a change of the datasets or of the estimator would break first.
+rule check_paper:
+    input:
+        expand(
+            "paper_figs/{figure}.{format}",
+            figure=FIGURES,
+            format=["png", "pdf", "csv"],
+        ),
+        rules.claims.output,
+        quantities=[rules.quantities.output[0]],
+        tolerances="config/tolerances.yaml",
+        schema="workflow/schemas/tolerances.schema.yaml",
+        sources=sources("workflow/scripts/check.py"),
+    output:
+        "results/check_paper.csv",
+    log:
+        "results/logs/check_paper.log",
+    params:
+        not_checked={
+            **{f"ablation_{name}": "not of the paper" for name in ABLATIONS},
+            "concealed_sample": "not of the paper",
+            **{
+                f"recording_{name}": "not of the paper"
+                for name in BENCHMARK_RECORDINGS
+            },
+        },
+    message:
+        "Comparing the paper's results with the stored tolerances."
+    script:
+        "../scripts/check.py"
+
+
 rule check:
     input:
         expand(

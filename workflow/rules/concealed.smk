@@ -79,7 +79,9 @@ rule concealed_diagnoses:
     input:
         recordings=rules.concealed_recordings.output.recordings,
         seals=rules.concealed_recordings.output.seals,
-        sources=sources("workflow/scripts/concealed_diagnoses.py", "src/camid/cli/__init__.py"),
+        sources=sources(
+            "workflow/scripts/concealed_diagnoses.py", "src/camid/cli/__init__.py"
+        ),
     output:
         diagnoses=directory(f"{CONCEALED_FOLDER}/diagnoses/{CONCEALED_SHARD}"),
         run_times=f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",

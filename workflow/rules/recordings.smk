@@ -1,9 +1,7 @@
 # Real recordings. Not part of `all`: they carry no licence and need a local copy (CAMID_RECORDINGS) or the network. Only
 # results leave results/: the recorded samples are neither committed nor drawn into a table.
 
-import os
-
-from camid.benchmark_recordings import BENCHMARK_RECORDINGS, FOLDER_VARIABLE
+from camid.benchmark_recordings import BENCHMARK_RECORDINGS, reason_absent
 
 # Recordings that are not diagnosed as they are: their file is measured first.
 TRACKED = {"pendulum_clip": "--colour red"}
@@ -22,19 +20,10 @@ RECORDING_FIGURES = expand(
 )
 
 
-def reason_not_checked(name):
-    """Why `check` cannot guard the figure of a recording here; None if it can."""
-    folder = os.environ.get(FOLDER_VARIABLE)
-    if not folder:
-        return f"{FOLDER_VARIABLE} is not set"
-    path = Path(folder) / BENCHMARK_RECORDINGS[name].file
-    return None if path.is_file() else f"{path} is not there"
-
-
 NOT_CHECKED = {
     f"recording_{name}": reason
     for name in BENCHMARK_RECORDINGS
-    if (reason := reason_not_checked(name)) is not None
+    if (reason := reason_absent(name)) is not None
 }
 CHECKED_RECORDINGS = [
     name for name in BENCHMARK_RECORDINGS if f"recording_{name}" not in NOT_CHECKED

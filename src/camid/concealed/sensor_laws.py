@@ -124,7 +124,7 @@ def perspective(generator: np.random.Generator, context: Context, alternative: b
         tilt = sign * strength / edge
         setup.position_map = lambda y: (y / (1.0 + tilt * y), 1.0 / (1.0 + tilt * y) ** 2)
 
-    return Effect("perspective", "sensor", "perspective", apply, lambda g: {"tilt": sign * g / edge}, 0.02, 0.25)
+    return Effect("perspective", "sensor", "catalogue", apply, lambda g: {"obliqueness": sign * g / edge}, 0.02, 0.25)
 
 
 def speed_weighted_centroid(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import floor, log10
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -74,8 +75,8 @@ LINES: dict[str, list[Line]] = {
             _thesis(THESIS_COULOMB / THESIS_MASS / THESIS_GRAVITY / THESIS_LENGTH),
             THESIS,
         ),
-        Line("error, fitted rows, 15 to 42 s (%)", "fitted_error"),
-        Line("error, rows not fitted, 42 to 47 s (%)", "held_out_error"),
+        Line("error, fitted rows, 16 to 42.5 s (%)", "fitted_error"),
+        Line("error, rows not fitted, 42.5 to 47.5 s (%)", "held_out_error"),
     ],
     "pendulum_clip": [
         Line("period (s)", "period"),
@@ -129,7 +130,8 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
     Parameters
     ----------
     template : Path
-        Jinja template, in which ``value(recording, quantity, format)`` and ``table(recording)`` stand for results.
+        Jinja template, in which ``value(recording, quantity, format)``, ``table(recording)``, ``effects(recording)``
+        and ``named(recording, effect)`` stand for results.
     quantities : dict of DataFrame
         By recording.
     """
@@ -139,6 +141,24 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
         known = quantities[name].set_index("quantity")["value"]
         return format(float(known.loc[quantity]), format_).replace("-", "−")
 
-    functions: dict[str, Callable[..., str]] = {"value": value, "table": lambda name: table(name, quantities[name])}
+    def effects(name: str) -> str:
+        known = quantities[name].set_index("quantity")
+        found = [q.removeprefix("named_") for q in known.index if q.startswith("named_")]
+        words = []
+        for effect in found:
+            parameters = [q for q in known.index if q.startswith(f"{effect}_")]
+            numbers = (f"{q.removeprefix(f'{effect}_')} {_number(known, q)} {known['unit'].loc[q]}" for q in parameters)
+            words.append(f"`{effect}` ({', '.join(numbers)})")
+        return " and ".join(words) or "nothing"
+
+    def named(name: str, effect: str) -> bool:
+        return f"named_{effect}" in set(quantities[name]["quantity"])
+
+    functions: dict[str, Callable[..., Any]] = {
+        "value": value,
+        "table": lambda name: table(name, quantities[name]),
+        "effects": effects,
+        "named": named,
+    }
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
     return environment.from_string(template.read_text(encoding="utf-8")).render(**functions)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 SIGNALS: dict[str, tuple[str, float, tuple[float, float]]] = {
     "silverbox": ("V2 (mV)", 1e3, (92.0, 92.15)),
     "emps": ("force of the drive (N)", 1.0, (20.0, 24.8)),
-    "pendulum_decay": ("angle (rad)", 1.0, (42.0, 47.0)),
+    "pendulum_decay": ("angle (rad)", 1.0, (42.5, 47.5)),
     "pendulum_clip": ("x from the middle (px)", 1.0, (1.95, 2.65)),
 }
 LOOKS: dict[str, dict[str, Any]] = {
