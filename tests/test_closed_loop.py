@@ -59,6 +59,20 @@ def test_identified_in_its_loop():
     assert abs(viscous - 30.0 * 9.0 / 12.0) < 4.0 * deviations[1]
 
 
+def test_units_of_all_columns():
+    """Millimetres, millivolts of an amplifier, a reference with another zero: the same as in SI units."""
+    recording = rigs.drive(**RIG, noise=0.3, count=600)
+    content = rigs.drive_simulation(12.0, 30.0) | {"effects": EFFECTS}
+    expected = camid.simulate(recording, content)
+    other = recording.assign(y=1e3 * recording["y"], r=1e3 * recording["r"] + 5.0, u=1e3 * recording["u"] / 20.0)
+    content["input"] = content["input"] | {"unit": "mV", "scale": 20.0}
+    content["sensor"] = content["sensor"] | {"unit": "mm"}
+    content["controller"] = content["controller"] | {"unit": "mm", "offset": -0.005}
+    found = camid.simulate(other, content)
+    assert np.allclose(found.to_numpy(), expected.to_numpy(), rtol=1e-9, atol=1e-9)
+    assert load_simulation(load_simulation(content).to_mapping()).to_mapping() == load_simulation(content).to_mapping()
+
+
 def test_sensor_effects_are_said_to_be_out_of_sight():
     recording = rigs.drive(mass=12.0, viscous=30.0, noise=0.3, count=1500)
     diagnosis = camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))

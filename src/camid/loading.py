@@ -43,6 +43,8 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
     conversions = {simulation.output_column: reading.output}
     if roles["input"] is not None:
         conversions[roles["input"]] = reading.input
+    if roles["reference"] is not None:
+        conversions[roles["reference"]] = reading.reference
     return read_recordings(
         recording,
         simulation.time_column,

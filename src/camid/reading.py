@@ -141,8 +141,8 @@ class Reading:
         Whether rows without output are left out of the comparison.
     period : float or None
         Seconds, where the file has no time column.
-    time, input, output : Conversion
-        Units of the columns.
+    time, input, output, reference : Conversion
+        Units of the columns; the reference is that of a controller.
     where : str
         The part ``recording`` of the simulation, for messages.
     """
@@ -162,6 +162,7 @@ class Reading:
     time: Conversion = field(default_factory=Conversion)
     input: Conversion = field(default_factory=Conversion)
     output: Conversion = field(default_factory=Conversion)
+    reference: Conversion = field(default_factory=Conversion)
     where: str = field(default="simulation, recording", compare=False)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -217,7 +218,12 @@ def reading_of(content: Mapping[str, Any], where: Any) -> Reading:
         )
     if "start" in given and "end" in given and not given["start"] < given["end"]:
         raise InputError("start is not before end", where=where("recording"), mend="exchange them")
-    parts = {"time": time, "input": content["input"] or {}, "sensor": content["sensor"]}
+    parts = {
+        "time": time,
+        "input": content["input"] or {},
+        "sensor": content["sensor"],
+        "controller": content.get("controller") or {},
+    }
     conversions = {}
     for key, part in parts.items():
         place = where(key)
@@ -248,6 +254,7 @@ def reading_of(content: Mapping[str, Any], where: Any) -> Reading:
         time=conversions["time"],
         input=conversions["input"],
         output=conversions["sensor"],
+        reference=conversions["controller"],
         where=where("recording"),
     )
 

@@ -167,7 +167,7 @@ class Simulation:
         if self.validation is not None:
             content["validation"] = {"start": self.validation[0], "end": self.validation[1]}
         if self.controller is not None:
-            content["controller"] = self.controller.to_mapping()
+            content["controller"] = self.controller.to_mapping() | self.reading.reference.to_mapping()
         if self.remainder is not None:
             content["remainder"] = float(self.remainder)
         content["effects"] = [effect.to_mapping() for effect in self.effects]

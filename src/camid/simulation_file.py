@@ -144,7 +144,7 @@ def _controller(content: Mapping[str, Any], where: Callable[..., str]) -> Contro
         raise InputError(
             "a controller, but no input column", where=where("controller"), mend="name the column of its output"
         )
-    numbers = {str(k): float(v) for k, v in written.items() if k != "reference"}
+    numbers = {key: float(written[key]) for key in ("position_gain", "velocity_gain", "limit") if key in written}
     for key in ("position_gain", "velocity_gain"):
         if numbers[key] == 0.0:
             raise InputError(f"{key} = 0 controls nothing", where=where("controller", key), mend="give the gain")
