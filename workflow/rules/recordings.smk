@@ -46,7 +46,7 @@ for name, recording in BENCHMARK_RECORDINGS.items():
             f"results/recordings/{recording.file}",
         log:
             f"results/logs/recording_file_{name}.log",
-        priority: 1 if name == "silverbox" else 0
+        priority: 100 if name == "silverbox" else 0
         params:
             name=name,
         message:

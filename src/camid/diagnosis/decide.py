@@ -33,6 +33,8 @@ MOST_EXCHANGES = 4
 WORTH_AN_EXCHANGE = 2.0
 # Candidates that are fitted, and evaluations for a first and for a thorough fit.
 MOST_CANDIDATES = 12
+# The same where phases add up, and the screening is a poor guide.
+MORE_CANDIDATES = 20
 MOST_FROM_NOMINAL = 7
 MOST_BESIDE = 7
 MOST_RIVALS = 5
@@ -43,6 +45,7 @@ LEAST_SHARE = 0.01
 MOST_CHANCE = 0.1
 # Hypotheses that stay behind the best by more than this are not fitted thoroughly.
 BEHIND = 50.0
+BEHIND_SHARE = 0.6
 MOST_THOROUGH = 6
 # Error beside effects found already, as a share of the output's spread, from which fits start from the nominal
 # coefficients, too.
@@ -100,7 +103,8 @@ def hypotheses(
 
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
     """
-    starts = _shortlist(problem, screened, most)
+    winding = problem.is_winding(base.model)
+    starts = _shortlist(problem, screened, most, winding=winding)
     gross = [] if nominal is None else _from_nominal(problem, nominal, screened)
 
     def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
@@ -108,7 +112,8 @@ def hypotheses(
         return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
 
     with ThreadPoolExecutor(WORKERS) as pool:
-        first = [h for h in pool.map(lambda c: fitted(c, FIRST_STEPS), starts) if h is not None]
+        steps = ALL_STEPS if winding else FIRST_STEPS
+        first = [h for h in pool.map(lambda c: fitted(c, steps), starts) if h is not None]
         if nominal is not None:
             tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), gross)
             first += [h for h in tried if h is not None]
@@ -119,7 +124,8 @@ def hypotheses(
             if known is None or hypothesis.criterion < known.criterion:
                 best[hypothesis.identifier] = hypothesis
         ranked = sorted(best.values(), key=lambda h: h.criterion)
-        near = [h for h in ranked[:MOST_THOROUGH] if h.criterion <= ranked[0].criterion + BEHIND]
+        behind = max(BEHIND, BEHIND_SHARE * (base.criterion - ranked[0].criterion)) if winding and ranked else BEHIND
+        near = [h for h in ranked[:MOST_THOROUGH] if h.criterion <= ranked[0].criterion + behind]
         again = pool.map(lambda h: _fitted(problem, h.identifier, _start(problem, h, near[0]), ALL_STEPS), near)
         thorough = [
             new if new is not None and new.criterion < old.criterion else old
@@ -195,7 +201,7 @@ def _fitted(
     return Hypothesis(identifier, result, result.criterion + penalty)
 
 
-def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int) -> list[Candidate]:
+def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int, *, winding: bool = False) -> list[Candidate]:
     """The likeliest shapes of each of the likeliest effects, of those that may be more than chance.
 
     Two of each at first, and one where other effects are known already.
@@ -204,7 +210,8 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int) -> li
 
     if not screened:
         return []
-    least = LEAST_SHARE * screened[0].gain
+    least = 0.0 if winding else LEAST_SHARE * screened[0].gain
+    distinct = MORE_CANDIDATES if winding else most
     count = len({c.effect.identifier for c in screened})
     shapes: dict[str, list[Candidate]] = {}
     for candidate in screened:
@@ -213,7 +220,7 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int) -> li
             known = shapes.setdefault(candidate.effect.identifier, [])
             if len(known) < (2 if most == MOST_CANDIDATES else 1):
                 known.append(candidate)
-    return [c for known in list(shapes.values())[:most] for c in known]
+    return [c for known in list(shapes.values())[:distinct] for c in known]
 
 
 def decide(

@@ -125,6 +125,14 @@ class Problem:
         """Whether the plant without effects is linear and driven by a recorded input."""
         return not self.closed and model.rest is None
 
+    def is_winding(self, model: Model) -> bool:
+        """Whether an effect changes a phase that adds up: a pendulum, or a free decay.
+
+        The change of the output is then proportional to an effect's size for very small ones only. What the screening
+        says of it, and the first steps of a fit, are no measure of what the effect would explain.
+        """
+        return model.rest is not None or not any(np.any(e.signal) for e in self.experiments)
+
     def restored(self, recorded: Array, model: Model) -> Array:
         """Recorded positions as the plant's forces count them: from the angle at rest."""
         return recorded if model.rest is None else recorded - model.rest

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 # A change of the output of which less than this share is left beside the plant's coefficients is a change of them.
 IMITATED = 1e-4
+IMITATED_WINDING = 5e-3
 # Change of the output, as a share of its standard deviation, that is rounding.
 ROUNDING = 1e-7
 # Effects that this small part of a recording could show are left out of the catalogue's search.
@@ -130,6 +131,7 @@ def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list
     """Every first guess with its gain, the highest first."""
     views = metrics(problem, base)
     spread = float(np.std(problem.output)) or 1.0
+    imitated = IMITATED_WINDING if problem.is_winding(base.model) else IMITATED
 
     def judge(effect: Effect) -> Candidate | None:
         change = signature(problem, base, effect)
@@ -141,7 +143,7 @@ def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list
         for view in views:
             rest, whole = view.left(problem, change)
             size = float(np.linalg.norm(rest))
-            if size <= IMITATED * whole or view.variance <= 0.0:
+            if size <= imitated * whole or view.variance <= 0.0:
                 continue
             product = float(rest @ view.residual)
             factor = product / size**2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,9 +24,9 @@ RECORDINGS = {
     "pendulum_clip": "A clip of a pendulum",
 }
 MODELS = ("nominal", "refitted", "improved")
-# What the units of input and output are called in a diagnosis, and are.
+# Units of input and output, which a diagnosis calls u and y.
 UNITS = {
-    "silverbox": {"u": "V", "y": "V", "u/y^3": "V/V³"},
+    "silverbox": {"u": "V", "y": "V"},
     "emps": {"u": "N", "y": "m"},
     "pendulum_decay": {"u": "rad", "y": "rad"},
     "pendulum_clip": {"u": "px", "y": "px"},
@@ -128,8 +129,10 @@ def _common(results: Results) -> Iterable[Row]:
             if isinstance(parameter["value"], str):
                 yield f"{effect['id']}_{parameter['value']}", 1.0, None, ""
             else:
-                unit = UNITS[results.name].get(parameter["unit"], parameter["unit"])
+                unit = re.sub(r"\b[uy]\b", lambda match: UNITS[results.name][match[0]], parameter["unit"])
                 yield f"{effect['id']}_{name}", parameter["value"], parameter["std"], unit
+    unlisted = [a["weight"] for e in diagnosis["effects"] for a in e["alternatives"] if a["id"] == "unlisted"]
+    yield "weight_outside_catalogue", 100.0 * max(unlisted, default=0.0), None, "%"
     yield "structure_left", float(diagnosis["verdict"] in {"partly-explained", "unexplained"}), None, ""
     yield "again_adequate", float(results.again["verdict"] == "adequate"), None, ""
 

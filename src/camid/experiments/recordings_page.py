@@ -147,9 +147,12 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
         words = []
         for effect in found:
             parameters = [q for q in known.index if q.startswith(f"{effect}_")]
-            numbers = (f"{q.removeprefix(f'{effect}_')} {_number(known, q)} {known['unit'].loc[q]}" for q in parameters)
+            numbers = (
+                f"{q.removeprefix(f'{effect}_').replace('_', ' ')} {_number(known, q)} {known['unit'].loc[q]}"
+                for q in parameters
+            )
             words.append(f"`{effect}` ({', '.join(numbers)})")
-        return " and ".join(words) or "nothing"
+        return ", ".join(words) or "nothing"
 
     def named(name: str, effect: str) -> bool:
         return f"named_{effect}" in set(quantities[name]["quantity"])
@@ -161,4 +164,17 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
         "named": named,
     }
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
-    return environment.from_string(template.read_text(encoding="utf-8")).render(**functions)
+    return _wrapped(environment.from_string(template.read_text(encoding="utf-8")).render(**functions))
+
+
+def _wrapped(text: str) -> str:
+    """Markdown with its paragraphs wrapped anew: numbers of any length stand in them."""
+    import textwrap
+
+    blocks = text.rstrip("\n").split("\n\n")
+    kept = ("|", "#", "!", "```")
+    filled = [
+        block if block.startswith(kept) else textwrap.fill(block, 120, break_long_words=False, break_on_hyphens=False)
+        for block in (block.strip("\n") for block in blocks)
+    ]
+    return "\n\n".join(filled) + "\n"

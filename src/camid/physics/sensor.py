@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 INSTANT = 1e-6
 
 
+# Delays beyond so many periods are no latency but another recording.
+LONGEST_DELAY = 1000.0
 # Smallest distance to the camera, in that of the centre.
 NEAREST = 1e-3
 
@@ -62,7 +64,9 @@ class Delay(Effect):
     strength = "delay"
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
-        """A longer latency, or a shorter one down to zero."""
+        """A longer latency, or a shorter one down to zero; ValueError for one that no recording of the kind has."""
+        if abs(self.values["delay"]) > LONGEST_DELAY * acquisition.period:
+            raise ValueError(f"a delay of more than {LONGEST_DELAY:g} periods")
         return replace(acquisition, latency=max(acquisition.latency + self.values["delay"], 0.0))
 
     @classmethod
@@ -73,6 +77,11 @@ class Delay(Effect):
         if situation.acquisition.latency > 0.0:
             for share in (-0.1, -0.5, -1.0):
                 yield cls(delay=share * situation.acquisition.latency)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Without input there is nothing that it is late after."""
+        return None if np.any(situation.signal) else "without input a delay is another beginning of the same motion"
 
 
 class RollingShutter(Effect):
