@@ -11,6 +11,15 @@ from numpy.typing import NDArray
 from camid.chain import Acquisition
 from camid.diagnosis import locate as location_step
 from camid.diagnosis.decide import ALL_STEPS, FALSE_ALARM, MOST_EFFECTS, Decision, decide, searched
+from camid.diagnosis.evidence import (
+    coefficients_of,
+    errors,
+    free_covariance,
+    removed_shares,
+    signals_of,
+    tests_of,
+    validation_gains,
+)
 from camid.diagnosis.fit import Fitted, at_best_start, fit, refit
 from camid.diagnosis.horizon import fit_growing
 from camid.diagnosis.limits import undetectable
@@ -122,12 +131,12 @@ def investigate(
         judged = _judged(problem, whole, base, decision, before, validation, nominal.effects)
     final, after, reasons = decision.fitted, judged.after, judged.reasons
     recognised, noise_effects, structured = judged.recognised, judged.noise_effects, bool(judged.reasons)
-    fits = _errors(problem, start, decision, validation, chosen, [])
+    fits = errors(problem, start, decision, validation, chosen, [])
     unlisted = unlisted_weight(base, final, after, reasons, fits)
-    removed = _shares(base, decision)
+    removed = removed_shares(base, decision)
     if structured:
-        fits = _errors(problem, start, decision, validation, chosen, after)
-    gains = _gains(problem, decision, validation)
+        fits = errors(problem, start, decision, validation, chosen, after)
+    gains = validation_gains(problem, decision, validation)
     found = findings(problem, decision, len(known), removed, gains, unlisted) + recognised
     verdict = verdict_of(bool(found), structured)
     strongest = max(before, key=lambda t: t.gain)
@@ -144,14 +153,14 @@ def investigate(
         found,
         fits,
         unseen,
-        _coefficients(problem, nominal, base, final),
-        _tests(problem, base, final, before, after),
-        _signals(problem, start, base, final, validation),
+        coefficients_of(problem, nominal, base, final),
+        tests_of(problem, base, final, before, after),
+        signals_of(problem, start, base, final, validation),
         decision,
         (*final.model.effects, *(e for e, _ in noise_effects)),
         [*effect_deviations(final), *(d for _, d in noise_effects)],
         problem.chain(final.model, 0).declared(),
-        _free_covariance(problem, final),
+        free_covariance(problem, final),
     )
 
 
@@ -260,150 +269,3 @@ def _unweighted(problem: Problem, decision: Decision) -> Decision:
 def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
     innovations = problem.whitened(fitted.residual, whitening)
     return max(float(innovations @ innovations), 1e-300)
-
-
-def _shares(base: Fitted, decision: Decision) -> list[float]:
-    """Share of the refitted sum of squares that each effect removes."""
-    total = max(base.cost, 1e-300)
-    return [min(max((w.cost - decision.fitted.cost) / total, 0.0), 1.0) for w in decision.without]
-
-
-def _simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
-    """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there."""
-    simulated = problem.simulate(model)
-    errors = np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
-    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, rows, strict=True)])
-    spread = float(np.std(recorded)) or 1.0
-    return float(np.sqrt(np.mean(errors**2))) / spread
-
-
-def _errors(
-    problem: Problem,
-    nominal: Model,
-    decision: Decision,
-    validation: Sequence[NDArray[np.bool_]],
-    chosen: bool,
-    left: Sequence[location_step.PlaceTest],
-) -> Fit:
-    final = decision.fitted
-    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
-    structured = max((t.share for t in left), default=0.0)
-    variance = final.cost * (1.0 - structured) / max(len(final.residual) - len(final.packing.names), 1)
-    index = next(i for i, r in enumerate(validation) if r.any())
-    times = problem.times[index][validation[index]]
-    return Fit(
-        _simulated_error(problem, nominal, validation),
-        _simulated_error(problem, decision.base.model, validation),
-        _simulated_error(problem, final.model, validation),
-        float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
-        (float(times[0]), float(times[-1])),
-        chosen,
-        _position_errors(problem, decision, validation) if problem.closed else None,
-    )
-
-
-def _position_errors(
-    problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]
-) -> tuple[float, float]:
-    """Errors of the position in a closed loop, with coefficients re-estimated and with the effects found."""
-    recorded = np.concatenate([p[r] for p, r in zip(problem.positions, validation, strict=True)])
-    errors = []
-    for model in (decision.base.model, decision.fitted.model):
-        moved = np.concatenate([m[0][r] for m, r in zip(problem.motion(model), validation, strict=True)])
-        errors.append(float(np.sqrt(np.mean((recorded - moved) ** 2))) / (float(np.std(recorded)) or 1.0))
-    return errors[0], errors[1]
-
-
-def _gains(problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]) -> list[float | None]:
-    """Share of the mean square error on validation rows that each effect removes beside the others."""
-    if not decision.without:
-        return []
-    final = _simulated_error(problem, decision.fitted.model, validation) ** 2
-    gains: list[float | None] = []
-    for without in decision.without:
-        other = _simulated_error(problem, without.model, validation) ** 2
-        gains.append(1.0 - final / other if other > 0.0 else None)
-    return gains
-
-
-def _free_covariance(problem: Problem, fitted: Fitted) -> Array:
-    count = int(np.count_nonzero(problem.structure.free))
-    return fitted.covariance[:count, :count]
-
-
-def _coefficients(problem: Problem, nominal: Model, base: Fitted, final: Fitted) -> list[Coefficient]:
-    """How far the coefficients had been bent by what was left out."""
-    degree, order = problem.structure.degree, problem.structure.order
-    names = [f"b{degree - i}" for i in range(degree + 1)] + [f"a{order - 1 - i}" for i in range(order)]
-    free = np.flatnonzero(problem.structure.free)
-    spreads = []
-    for fitted in (base, final):
-        deviation = np.zeros(len(names))
-        deviation[free] = np.sqrt(np.diag(_free_covariance(problem, fitted)))
-        spreads.append(deviation)
-    return [
-        Coefficient(
-            name,
-            float(nominal.coefficients[i]),
-            float(base.model.coefficients[i]),
-            float(spreads[0][i]),
-            float(final.model.coefficients[i]),
-            float(spreads[1][i]),
-        )
-        for i, name in enumerate(names)
-    ]
-
-
-def _tests(
-    problem: Problem,
-    base: Fitted,
-    final: Fitted,
-    before: Sequence[location_step.PlaceTest],
-    after: Sequence[location_step.PlaceTest],
-) -> list[Test]:
-    white = problem.whiteness(base.residual, base.sensitivities)
-    still = white if final is base else problem.whiteness(final.residual, final.sensitivities)
-    rows = [Test("whiteness", "Does the residual depend on its own past?", white, still)]
-    rows += [Test(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
-    return rows
-
-
-def _signals(
-    problem: Problem, nominal: Model, base: Fitted, final: Fitted, validation: Sequence[NDArray[np.bool_]]
-) -> Signals:
-    """What the report draws, of the first recording."""
-    experiment, time = problem.experiments[0], problem.times[0]
-    refitted = problem.simulate(base.model)[0]
-    residual = experiment.output - refitted
-    position, velocity = problem.motion(base.model)[0]
-    return Signals(
-        time,
-        experiment.signal,
-        experiment.output,
-        problem.simulate(nominal)[0],
-        refitted,
-        refitted if final is base else problem.simulate(final.model)[0],
-        position if problem.closed else refitted,
-        velocity,
-        _equivalent_input(problem, base, residual),
-        ~validation[0],
-    )
-
-
-def _equivalent_input(problem: Problem, base: Fitted, residual: Array) -> Array:
-    """Input that would have caused a residual, where the plant lets the camera see it (a Wiener filter)."""
-    if problem.closed:  # the control is an input already
-        return residual
-    count, period = len(residual), problem.acquisition.period
-    size = 2 * count
-    angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
-    acquisition = problem.acquisition
-    exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
-    lag = acquisition.latency + 0.5 * exposure
-    response = problem.structure.plant(base.model.coefficients).frequency_response(np.maximum(angular, 1e-6 / period))
-    response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
-    power = np.abs(response) ** 2
-    power = np.where(np.isfinite(power), power, 0.0)
-    regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
-    spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
-    return np.asarray(np.fft.irfft(spectrum, size)[:count])

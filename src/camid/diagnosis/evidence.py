@@ -1,0 +1,168 @@
+"""The numbers and signals behind a diagnosis: errors, gains, coefficients and tests, before and after, and signals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.decide import Decision
+from camid.diagnosis.fit import Fitted
+from camid.diagnosis.locate import PlaceTest
+from camid.diagnosis.problem import Model, Problem
+from camid.diagnosis.result import Coefficient, Fit, Signals, Test
+
+Array = NDArray[np.float64]
+
+
+def removed_shares(base: Fitted, decision: Decision) -> list[float]:
+    """Share of the refitted sum of squares that each effect removes."""
+    total = max(base.cost, 1e-300)
+    return [min(max((w.cost - decision.fitted.cost) / total, 0.0), 1.0) for w in decision.without]
+
+
+def _simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
+    """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there."""
+    simulated = problem.simulate(model)
+    errors = np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
+    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, rows, strict=True)])
+    spread = float(np.std(recorded)) or 1.0
+    return float(np.sqrt(np.mean(errors**2))) / spread
+
+
+def errors(
+    problem: Problem,
+    nominal: Model,
+    decision: Decision,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    left: Sequence[PlaceTest],
+) -> Fit:
+    """Errors on validation rows, and what the noise alone would leave there; ``left`` are the tests of what is left."""
+    final = decision.fitted
+    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
+    structured = max((t.share for t in left), default=0.0)
+    variance = final.cost * (1.0 - structured) / max(len(final.residual) - len(final.packing.names), 1)
+    index = next(i for i, r in enumerate(validation) if r.any())
+    times = problem.times[index][validation[index]]
+    return Fit(
+        _simulated_error(problem, nominal, validation),
+        _simulated_error(problem, decision.base.model, validation),
+        _simulated_error(problem, final.model, validation),
+        float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
+        (float(times[0]), float(times[-1])),
+        chosen,
+        _position_errors(problem, decision, validation) if problem.closed else None,
+    )
+
+
+def _position_errors(
+    problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]
+) -> tuple[float, float]:
+    """Errors of the position in a closed loop, with coefficients re-estimated and with the effects found."""
+    recorded = np.concatenate([p[r] for p, r in zip(problem.positions, validation, strict=True)])
+    errors = []
+    for model in (decision.base.model, decision.fitted.model):
+        moved = np.concatenate([m[0][r] for m, r in zip(problem.motion(model), validation, strict=True)])
+        errors.append(float(np.sqrt(np.mean((recorded - moved) ** 2))) / (float(np.std(recorded)) or 1.0))
+    return errors[0], errors[1]
+
+
+def validation_gains(
+    problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]
+) -> list[float | None]:
+    """Share of the mean square error on validation rows that each effect removes beside the others."""
+    if not decision.without:
+        return []
+    final = _simulated_error(problem, decision.fitted.model, validation) ** 2
+    gains: list[float | None] = []
+    for without in decision.without:
+        other = _simulated_error(problem, without.model, validation) ** 2
+        gains.append(1.0 - final / other if other > 0.0 else None)
+    return gains
+
+
+def free_covariance(problem: Problem, fitted: Fitted) -> Array:
+    """Covariance of the free coefficients."""
+    count = int(np.count_nonzero(problem.structure.free))
+    return fitted.covariance[:count, :count]
+
+
+def coefficients_of(problem: Problem, nominal: Model, base: Fitted, final: Fitted) -> list[Coefficient]:
+    """How far the coefficients had been bent by what was left out."""
+    degree, order = problem.structure.degree, problem.structure.order
+    names = [f"b{degree - i}" for i in range(degree + 1)] + [f"a{order - 1 - i}" for i in range(order)]
+    free = np.flatnonzero(problem.structure.free)
+    spreads = []
+    for fitted in (base, final):
+        deviation = np.zeros(len(names))
+        deviation[free] = np.sqrt(np.diag(free_covariance(problem, fitted)))
+        spreads.append(deviation)
+    return [
+        Coefficient(
+            name,
+            float(nominal.coefficients[i]),
+            float(base.model.coefficients[i]),
+            float(spreads[0][i]),
+            float(final.model.coefficients[i]),
+            float(spreads[1][i]),
+        )
+        for i, name in enumerate(names)
+    ]
+
+
+def tests_of(
+    problem: Problem,
+    base: Fitted,
+    final: Fitted,
+    before: Sequence[PlaceTest],
+    after: Sequence[PlaceTest],
+) -> list[Test]:
+    """Tests of whiteness and of every place, before and after."""
+    white = problem.whiteness(base.residual, base.sensitivities)
+    still = white if final is base else problem.whiteness(final.residual, final.sensitivities)
+    rows = [Test("whiteness", "Does the residual depend on its own past?", white, still)]
+    rows += [Test(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
+    return rows
+
+
+def signals_of(
+    problem: Problem, nominal: Model, base: Fitted, final: Fitted, validation: Sequence[NDArray[np.bool_]]
+) -> Signals:
+    """What the report draws, of the first recording."""
+    experiment, time = problem.experiments[0], problem.times[0]
+    refitted = problem.simulate(base.model)[0]
+    residual = experiment.output - refitted
+    position, velocity = problem.motion(base.model)[0]
+    return Signals(
+        time,
+        experiment.signal,
+        experiment.output,
+        problem.simulate(nominal)[0],
+        refitted,
+        refitted if final is base else problem.simulate(final.model)[0],
+        position if problem.closed else refitted,
+        velocity,
+        _equivalent_input(problem, base, residual),
+        ~validation[0],
+    )
+
+
+def _equivalent_input(problem: Problem, base: Fitted, residual: Array) -> Array:
+    """Input that would have caused a residual, where the plant lets the camera see it (a Wiener filter)."""
+    if problem.closed:  # the control is an input already
+        return residual
+    count, period = len(residual), problem.acquisition.period
+    size = 2 * count
+    angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
+    acquisition = problem.acquisition
+    exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
+    lag = acquisition.latency + 0.5 * exposure
+    response = problem.structure.plant(base.model.coefficients).frequency_response(np.maximum(angular, 1e-6 / period))
+    response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
+    power = np.abs(response) ** 2
+    power = np.where(np.isfinite(power), power, 0.0)
+    regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
+    spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
+    return np.asarray(np.fft.irfft(spectrum, size)[:count])
