@@ -40,6 +40,7 @@ def drive(
     viscous,
     friction=0.0,
     bias=0.0,
+    ripple=0.0,
     position_gain=8.0,
     velocity_gain=150.0,
     limit=np.inf,
@@ -57,9 +58,11 @@ def drive(
         control = float(np.clip(velocity_gain * (position_gain * (reference[k] - y) - v), -limit, limit))
         positions[k], controls[k] = y, control
         for _ in range(SUBSTEPS):
-            v = friction_step(v, (control + bias - viscous * v) / mass, friction / mass, 0.5 * step)
+            # A screw that is not straight: the friction changes along its turns.
+            level = friction * (1.0 + ripple * np.sin(2.0 * np.pi * y / 0.04))
+            v = friction_step(v, (control + bias - viscous * v) / mass, level / mass, 0.5 * step)
             y += step * v
-            v = friction_step(v, (control + bias - viscous * v) / mass, friction / mass, 0.5 * step)
+            v = friction_step(v, (control + bias - viscous * v) / mass, level / mass, 0.5 * step)
     random = np.random.default_rng(np.random.SeedSequence(seed))
     controls = controls + noise * random.standard_normal(count)
     return pd.DataFrame({"t": time, "r": reference, "u": controls, "y": positions})

@@ -32,6 +32,8 @@ FEWEST_STEPS = 2
 FEWEST_STEPS_EVENTS = 3
 MOST_STEPS = 400
 MOST_STEPS_ASTRAY = 64
+# Nodes of the grid of a simulation that doubts itself, beyond which it is left to.
+MOST_NODES = 200_000
 # Change of the motion from half as many steps, in its standard deviations, that is none.
 SETTLED = 2e-5
 # How much finer than at first the steps become where a simulation doubts itself.
@@ -207,7 +209,8 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     times = np.array([t for t, _ in impulses], dtype=float)
     sizes = np.array([s for _, s in impulses], dtype=float)
     steps = _first_steps(chain, acquisition, mechanics) if chain.steps is None else chain.steps
-    most_steps = steps if chain.steps is not None else min(MOST_FINER * steps, MOST_STEPS)
+    affordable = max(MOST_NODES // max(len(signal), 1), steps)
+    most_steps = steps if chain.steps is not None else min(MOST_FINER * steps, MOST_STEPS, affordable)
     most_doubt = MOST_DOUBT
     if any(e.uses_velocity for e in chain.effects):
         most_doubt = MOST_DOUBT_VELOCITY

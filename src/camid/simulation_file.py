@@ -144,6 +144,12 @@ def _controller(content: Mapping[str, Any], where: Callable[..., str]) -> Contro
         raise InputError(
             "a controller, but no input column", where=where("controller"), mend="name the column of its output"
         )
+    if content["input"].get("hold", "zoh") != "zoh":
+        raise InputError(
+            f"a controller's output is held between its samples, and hold is '{content['input']['hold']}'",
+            where=where("input", "hold"),
+            mend="say hold: zoh",
+        )
     numbers = {key: float(written[key]) for key in ("position_gain", "velocity_gain", "limit") if key in written}
     for key in ("position_gain", "velocity_gain"):
         if numbers[key] == 0.0:

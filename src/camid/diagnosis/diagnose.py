@@ -35,6 +35,8 @@ from camid.physics.effect import Effect
 Array = NDArray[np.float64]
 # A residual up to so many times what an earlier diagnosis left unexplained is the same.
 KNOWN_REMAINDER = 1.1
+# Remainder, as a share of the output's standard deviation, from which a model explains nothing.
+LARGEST_REMAINDER = 0.5
 Progress = Callable[[str], None] | None
 
 
@@ -61,6 +63,8 @@ class Outcome:
         Corrected declaration.
     covariance : ndarray, shape (p, p)
         Of the free coefficients.
+    left : float
+        Root mean square of what the improved model leaves, on fitted or on validation rows: the larger.
     """
 
     verdict: str
@@ -77,6 +81,7 @@ class Outcome:
     deviations: list[dict[str, float | None]]
     acquisition: Acquisition
     covariance: Array
+    left: float
 
 
 def investigate(
@@ -109,6 +114,8 @@ def investigate(
     known = tuple(e for e in nominal.effects if not e.noise_like)
     start = at_best_start(problem, replace(nominal, effects=known))
     base = _base(problem, start, known)
+    if not np.all(np.isfinite(base.residual)):
+        raise ValueError("the simulation runs away, whatever its coefficients")
     whole = problem
     problem, base = _without_spoiled(problem, base, start, known)
     say("screening the catalogue")
@@ -161,6 +168,7 @@ def investigate(
         [*effect_deviations(final), *(d for _, d in noise_effects)],
         problem.chain(final.model, 0).declared(),
         free_covariance(problem, final),
+        _left(problem, final, validation),
     )
 
 
@@ -199,7 +207,7 @@ def _base(problem: Problem, start: Model, known: tuple[Effect, ...]) -> Fitted:
     """The nominal structure re-estimated, with the effects that it declares."""
     if not known:
         return refit(problem, start)
-    if not problem.is_linear(start):
+    if problem.is_winding(start) or not problem.is_linear(start):
         return fit_growing(problem, start)
     return fit(problem, start, steps=60)
 
@@ -248,9 +256,21 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
     return decision
 
 
+def _left(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> float:
+    """Root mean square of what a model leaves, on fitted or on validation rows: the larger."""
+    simulated = problem.simulate(final.model)
+    held_out = np.concatenate(
+        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
+    )
+    return float(np.sqrt(max(np.mean(final.residual**2), np.mean(held_out**2))))
+
+
 def _settled(problem: Problem, base: Fitted) -> bool:
-    """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now."""
-    if problem.remainder is None:
+    """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
+
+    A remainder of the size of the output itself is no remainder of a model.
+    """
+    if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * float(np.std(problem.output)):
         return False
     return bool(np.sqrt(base.cost / len(base.residual)) <= KNOWN_REMAINDER * problem.remainder)
 

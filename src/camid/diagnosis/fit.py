@@ -133,7 +133,22 @@ def at_best_start(problem: Problem, model: Model) -> Model:
     predictor = Predictor.around(structure, problem.experiments, denominator)
     polynomials = predictor.split(predictor.with_fitted_initial_states(model.coefficients))[2]
     initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
-    return replace(model, initial=initial)
+    found = replace(model, initial=initial)
+    if not model.effects:
+        return found
+    # Effects may have bent the motion so far from the linear one that its best state is none; the recording shows it.
+    from camid.diagnosis.horizon import recorded_start
+
+    return min((found, recorded_start(problem, model)), key=lambda start: _misfit(problem, start))
+
+
+def _misfit(problem: Problem, model: Model) -> float:
+    """Sum of squared residuals; infinite where the simulation fails."""
+    try:
+        residual = problem.output - problem.fitted(problem.simulate(model))
+    except (ValueError, ArithmeticError):
+        return np.inf
+    return float(np.nan_to_num(residual @ residual, nan=np.inf, posinf=np.inf))
 
 
 def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False) -> Fitted:

@@ -67,8 +67,7 @@ def _remainder(believed: Simulation, outcome: Outcome) -> float | None:
         return believed.remainder
     if outcome.verdict == "explained":
         return None
-    residual = outcome.decision.fitted.residual
-    return float(np.sqrt(np.mean(residual**2)))
+    return outcome.left
 
 
 def _pendulum_covariance(fitted: Fitted, structure: Structure) -> Array:

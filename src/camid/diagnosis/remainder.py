@@ -28,6 +28,8 @@ BEYOND = 5.0
 # The same ratio from which effects that were named do not carry over, however few independent errors say so.
 NOT_CARRIED = 3.0
 LONGEST_CORRELATION = 200
+# Share of the output's variance that coloured noise may be.
+MISFIT = 0.5
 
 
 def reasons_for_structure(
@@ -43,6 +45,8 @@ def reasons_for_structure(
         reasons.append("resonance")
     if _unexpected(problem, final, validation):
         reasons.append("validation")
+    if "coloured-noise" in recognised and final.cost > MISFIT * float(np.var(problem.output)) * len(final.residual):
+        reasons.append("misfit")  # coloured noise that is most of the output is a model that does not fit
     explained = {"timestamp-jitter", "quantisation", "outliers"} & recognised
     if not explained and depends_on_position(problem, final) < UNEVEN:
         reasons.append("variance")

@@ -91,9 +91,17 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
 
     order = simulation.plant.order
+    held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
     return [
         Box(summary.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
-        Box("hold", HOLDS.get(simulation.hold, simulation.hold), "box", None, flags.get("hold", ""), "hold"),
+        Box(
+            "hold",
+            HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input",
+            "box",
+            None,
+            flags.get("hold", ""),
+            "hold",
+        ),
         box("actuator", "command to force"),
         box("disturbance", "force from outside", "source"),
         Box("+", "", "sum", area="force"),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.fit import Fitted
 from camid.diagnosis.problem import Problem
 from camid.physics import known_effects
-from camid.physics.effect import Effect
+from camid.physics.effect import Effect, Situation
 
 Array = NDArray[np.float64]
 
@@ -73,7 +73,19 @@ def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> 
             continue
         view = situation if effect.place == "sensor" else at_plant
         if problem.unseen(effect) is None and effect.invisible(view) is None:
-            yield from effect.candidates(view)
+            yield from _possible(effect, view)
+
+
+def _possible(effect: type[Effect], view: Situation) -> Iterator[Effect]:
+    """First guesses of an effect that its bounds allow."""
+    guesses = effect.candidates(view)
+    while True:
+        try:
+            yield next(guesses)
+        except StopIteration:
+            return
+        except ValueError:  # the generator ends with it
+            return
 
 
 def signature(problem: Problem, base: Fitted, effect: Effect) -> Array | None:

@@ -8,8 +8,6 @@ Young (2011), *Recursive Estimation and Time-Series Analysis*, ch. 8.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,12 +47,11 @@ def _regression(predictor: Predictor, filter_denominator: Array, outputs: list[A
     the sensor: at convergence Σ a_i p^(n-i)/A = 1 and the equation error is exactly y − x, whatever joins the output.
     """
     order, split = predictor.structure.order, predictor.structure.degree + 1
-    between_samples = Acquisition(predictor.experiments[0].acquisition.period, "foh", "instant")
     tables, regressands = [], []
     position = split + order
     for experiment, output in zip(predictor.experiments, outputs, strict=True):
         unit = predictor.time_unit
-        between_samples = replace(between_samples, period=experiment.acquisition.period)
+        between_samples = Acquisition(experiment.acquisition.period, "foh", "instant")
         derivatives = filtered_derivatives(output, filter_denominator, between_samples, unit)
         table = np.zeros((len(output), len(predictor.free)))
         table[:, :split] = filtered_derivatives(experiment.signal, filter_denominator, experiment.acquisition, unit)[

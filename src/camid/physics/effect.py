@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Begin of a recording, in its durations, beyond which a drift from the zero of its clock is a constant.
+FAR_FROM_ZERO = 100.0
 PLACES = ("actuator", "plant", "disturbance", "sensor", "noise")
 SIGNATURE = types.float64(*[types.float64] * 5, types.CPointer(types.float64))
 
@@ -120,6 +122,13 @@ class Situation:
     def duration(self) -> float:
         """Seconds."""
         return float(self.time[-1] - self.time[0])
+
+    @property
+    def far_from_zero(self) -> str | None:
+        """Why drifts, which count from the zero of the time column, cannot be told; None if they can."""
+        if abs(float(self.time[0])) <= FAR_FROM_ZERO * self.duration:
+            return None
+        return "the time column begins far from zero, where drifts count from: let it begin at zero"
 
 
 @dataclass(frozen=True)

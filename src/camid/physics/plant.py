@@ -380,3 +380,8 @@ class ParameterDrift(Effect):
         """Each coefficient, by a twentieth over the recording."""
         for kind in ("stiffness", "damping", "gain"):
             yield cls(coefficient=kind, rate=0.05 / situation.duration)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Of a clock that began long before, the drift is another coefficient."""
+        return situation.far_from_zero

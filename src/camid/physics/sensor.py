@@ -35,7 +35,7 @@ class Exposure(Effect):
     parameters = (Parameter("exposure", "s", "exposure τ; 0 for an instant sensor", 0.0),)
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
-        """The camera with this exposure, at most the period."""
+        """The camera with this exposure, at most the period; periods of several recordings differ by a hair."""
         exposure = min(self.values["exposure"], acquisition.period)
         if exposure <= INSTANT * acquisition.period:
             return replace(acquisition, sensor="instant")
@@ -261,6 +261,11 @@ class SensorDrift(Effect):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Small: the effect is proportional to it."""
         yield cls(rate=0.05 * situation.largest("position") / situation.duration)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Of a clock that began long before, the drift is an offset."""
+        return situation.far_from_zero
 
 
 class AbsoluteValue(Effect):

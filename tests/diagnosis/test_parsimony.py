@@ -1,0 +1,45 @@
+"""Where no law is exact: few names, an honest verdict, and a remainder that the next diagnosis knows."""
+
+import numpy as np
+import pytest
+
+import camid
+from tests import rigs
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """Dry friction that changes along the screw, which no effect of the catalogue does."""
+    return rigs.drive(mass=12.0, viscous=30.0, friction=6.0, ripple=0.25, noise=0.05)
+
+
+@pytest.fixture(scope="module")
+def diagnosis(recording):
+    return camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
+
+
+def test_no_names_for_what_corrects_the_law(diagnosis):
+    """Thousands of samples call for a further effect; friction alone is named, and something is said to be left."""
+    assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
+    assert diagnosis.verdict == "partly-explained"
+    assert abs(diagnosis.findings[0].parameters["force"].value - 6.0) < 0.6
+    assert any(name == "unlisted" for name, _ in diagnosis.findings[0].alternatives)
+
+
+def test_remainder_is_the_size_of_what_is_left(recording, diagnosis):
+    """On the rows that were fitted, or on the others: the larger."""
+    left = diagnosis.signals.recorded - diagnosis.signals.improved
+    fitted = diagnosis.signals.fitted
+    size = max(np.sqrt(np.mean(left[rows] ** 2)) for rows in (fitted, ~fitted))
+    assert diagnosis.improved.remainder == pytest.approx(size, rel=0.02)
+    again = camid.diagnose(recording, diagnosis.improved)
+    assert again.verdict == "adequate"
+    assert "remainder" in again.explanation
+
+
+def test_what_is_beyond_the_remainder_is_looked_for(recording, diagnosis):
+    """A blow on the same rig, in another recording of it."""
+    struck = recording.copy()
+    rows = slice(1500, 1700)
+    struck.loc[struck.index[rows], "u"] += 4.0
+    assert camid.diagnose(struck, diagnosis.improved).verdict != "adequate"
