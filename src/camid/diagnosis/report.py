@@ -94,14 +94,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
     return [
         Box(summary.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
-        Box(
-            "hold",
-            HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input",
-            "box",
-            None,
-            flags.get("hold", ""),
-            "hold",
-        ),
+        Box("hold", held, "box", None, flags.get("hold", ""), "hold"),
         box("actuator", "command to force"),
         box("disturbance", "force from outside", "source"),
         Box("+", "", "sum", area="force"),
