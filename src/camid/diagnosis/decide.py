@@ -103,7 +103,8 @@ def hypotheses(
 
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
     """
-    winding = problem.is_winding(base.model)
+    # Beside a first effect the motion is followed, and the screening is a guide again.
+    winding = problem.is_winding(base.model) and most == MOST_CANDIDATES
     starts = _shortlist(problem, screened, most, winding=winding)
     gross = [] if nominal is None else _from_nominal(problem, nominal, screened)
 
