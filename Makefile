@@ -67,7 +67,9 @@ COMPILE := uv pip compile --universal --python-version 3.11 --generate-hashes --
   --custom-compile-command "make lock"
 
 lock: ## renew the hashed locks (needs uv)
-	$(COMPILE) --extra workflow --extra development pyproject.toml --output-file requirements.lock
+	$(COMPILE) --extra workflow --extra build pyproject.toml --output-file requirements.lock
+	$(COMPILE) --extra workflow --extra development --constraint requirements.lock pyproject.toml \
+	  --output-file requirements-development.lock
 	$(COMPILE) --extra benchmark pyproject.toml --output-file requirements-benchmark.lock
 	$(COMPILE) --extra slurm --constraint requirements.lock pyproject.toml --output-file requirements-slurm.lock
 
