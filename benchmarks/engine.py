@@ -10,11 +10,11 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.report import Goal, Report, number
 from benchmarks.timing import alternate
-from camid.chain import Acquisition
-from camid.engine import Chain
-from camid.engine import run as simulate
-from camid.physics import plant as physics
-from camid.plant import second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import second_order
+from camid.effects import plant as physics
+from camid.engine.run import Chain
+from camid.engine.run import run as simulate
 
 FRAMES, PERIOD, ROUNDS = 2000, 0.02, 15
 PEER_FRAMES = 100  # scipy takes seconds for all

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.identification import FEW_FITS
-from camid.figures import style
+from camid import plotting as style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

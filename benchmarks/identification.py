@@ -13,12 +13,13 @@ from benchmarks.peers import PEERS, Peer
 from benchmarks.report import Goal, Report, number
 from benchmarks.task import IDENTIFICATION, Recording, excitation, generator, nominal, plant, record, truth
 from benchmarks.timing import silence, timed
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
 from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
-from camid.plant import TransferFunction
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

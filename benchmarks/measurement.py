@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from benchmarks.report import Goal, Report, number
 from benchmarks.task import MEASUREMENT, configuration, generator
 from benchmarks.timing import alternate
-from camid.imaging import FrameFormat, Marker, expose, quantise
-from camid.marker import RegionOfInterest, gradient_centroid, grey_level_centroid
+from camid.images.centroids import RegionOfInterest, gradient_centroid, grey_level_centroid
+from camid.images.forming import FrameFormat, Marker, expose, quantise
 
 Image = NDArray[np.uint8]
 Measure = Callable[[Image, RegionOfInterest | None], tuple[float, float]]

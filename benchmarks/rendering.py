@@ -14,7 +14,7 @@ from benchmarks.report import Goal, Report, number
 from benchmarks.task import configuration
 from benchmarks.timing import alternate
 from camid.experiments.marker_images import configured_path
-from camid.imaging import FrameFormat, Marker, circular_path, expose
+from camid.images.forming import FrameFormat, Marker, circular_path, expose
 
 Array = NDArray[np.float64]
 
@@ -140,7 +140,8 @@ def run(frames: int = FRAMES) -> Report:
         "Images by exposure",
         f"One exposure of a disk of {diameter:g} px on {frame.height} × {frame.width} px, one core, the tools in "
         f"turn, median over {frames} frames. Largest pixel error: against the mean of exactly covered areas at "
-        f"{INSTANTS} instants, by a program of its own. `camid.imaging.expose` forms a grey image, or three colours; "
+        f"{INSTANTS} instants, by a program of its own. `camid.images.forming.expose` forms a grey "
+        "image, or three colours; "
         f"OpenCV draws {SUB_INSTANTS} anti-aliased circles with sub-pixel coordinates, which are too large and so get "
         f"a radius smaller by {EXCESS_RADIUS:g} px.",
         table,

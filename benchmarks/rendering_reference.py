@@ -1,4 +1,4 @@
-"""A slow, very exact image by exposure, independent of `camid.imaging`."""
+"""A slow, very exact image by exposure, independent of `camid.images.forming`."""
 
 from __future__ import annotations
 

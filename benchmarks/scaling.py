@@ -9,7 +9,7 @@ from benchmarks.identification import camid_fit
 from benchmarks.report import Report, number
 from benchmarks.task import SCALING, excitation, generator, nominal, plant, record, truth
 from benchmarks.timing import timed
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.identification.accuracy import cramer_rao_bound
 
 PERIOD = 0.1  # s

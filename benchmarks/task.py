@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
-from camid.checked_yaml import read_yaml
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.excitation import pseudo_random_binary_sequence
+from camid.chain.plant import TransferFunction
 from camid.experiments.cases import parameter_vector
 from camid.experiments.datasets import believed_plant, with_closing_frame
 from camid.experiments.sampling_period import noise_level
-from camid.plant import TransferFunction
+from camid.simulation.checked_yaml import read_yaml
 
 Array = NDArray[np.float64]
 

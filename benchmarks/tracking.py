@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from benchmarks.report import Goal, Report, number
 from benchmarks.task import generator
 from benchmarks.timing import alternate
-from camid.imaging import FrameFormat, Marker, circular_path, expose
+from camid.images.forming import FrameFormat, Marker, circular_path, expose
 from camid.tracking.options import Options
 from camid.tracking.track import track_video
 

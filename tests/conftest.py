@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.excitation import pseudo_random_binary_sequence
 
 
 @pytest.fixture(scope="session")

@@ -379,7 +379,7 @@ def test_several_inputs_or_outputs_are_refused(tmp_path, changes):
 
 
 def test_select_order():
-    from camid.api import select_order
+    from camid.commands.order import select_order
 
     told = []
     result = select_order(rig.recording(), believed(), largest=2, progress=told.append)

@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 
 import camid
-from camid.chain import Acquisition, sample, straight_line_corners
-from camid.plant import second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample, straight_line_corners
+from camid.chain.plant import second_order
 
 PERIOD, COUNT = 0.01, 4000
 PLANT = second_order(1.0, 60.0, 0.05)

@@ -2,9 +2,10 @@ import control
 import numpy as np
 import pytest
 
-from camid import camera
-from camid.chain import Acquisition, sample
-from camid.plant import TransferFunction, second_order
+from camid.chain import camera_models as camera
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 
 PERIODS = [0.02, 0.1, 0.3]
 

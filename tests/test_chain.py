@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from camid.chain import Acquisition, _exponential_and_integral, sample
-from camid.plant import TransferFunction, second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import _exponential_and_integral, sample
+from camid.chain.plant import TransferFunction, second_order
 from tests.reference import integrate_chain
 
 PERIOD = 0.02

@@ -5,7 +5,7 @@ import pytest
 
 import camid
 from camid.errors import InputError
-from camid.simulation import load_simulation
+from camid.simulation.file import load_simulation
 from tests import rigs
 
 RIG = {"mass": 12.0, "viscous": 30.0, "friction": 6.0, "bias": 1.5}

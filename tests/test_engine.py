@@ -8,13 +8,16 @@ from math import exp, pi, sin
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
-from camid.diagnosis.problem import companion_state
-from camid.engine import Chain, NotApplicable, move, run
-from camid.identification.predictor import Experiment, Predictor, Structure
-from camid.physics import actuator, disturbance, sensor
-from camid.physics import plant as physics
-from camid.plant import TransferFunction, second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
+from camid.effects import actuator, disturbance, sensor
+from camid.effects import plant as physics
+from camid.engine.run import Chain, NotApplicable, move, run
+from camid.fitting.problem import companion_state
+from camid.identification.experiment import Experiment
+from camid.identification.predictor import Predictor
+from camid.identification.structure import Structure
 from tests.motion_reference import Reference, follow, mapped, pieces_of, play
 
 OMEGA = 10.0

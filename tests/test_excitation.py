@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from camid.excitation import multilevel, multisine, pseudo_random_binary_sequence, two_level_amplitudes
+from camid.chain.excitation import multilevel, multisine, pseudo_random_binary_sequence, two_level_amplitudes
 
 
 @pytest.mark.parametrize("order", [2, 5, 9, 11])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camid.imaging import FrameFormat, Marker, circular_path, expose, quantise
+from camid.images.forming import FrameFormat, Marker, circular_path, expose, quantise
 
 EXPOSURE = 0.02
 WHITE = Marker(intensity=1.0)

@@ -11,8 +11,8 @@ from scipy.signal import lsim
 import camid
 from camid.cli import main
 from camid.errors import InputError
-from camid.loading import experiments_of, load_recordings, warnings_of
-from camid.simulation import load_simulation
+from camid.identification.loading import experiments_of, load_recordings, warnings_of
+from camid.simulation.file import load_simulation
 from tests import rig
 
 TRUTH = np.array([*rig.NUMERATOR, *rig.DENOMINATOR])

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 from scipy.ndimage import convolve
 
-from camid.imaging import FrameFormat, Marker, circular_path, expose, quantise
-from camid.marker import MarkerNotFound, RegionOfInterest, gradient_centroid, gradient_image, grey_level_centroid
+from camid.images.centroids import (
+    MarkerNotFound,
+    RegionOfInterest,
+    gradient_centroid,
+    gradient_image,
+    grey_level_centroid,
+)
+from camid.images.forming import FrameFormat, Marker, circular_path, expose, quantise
 
 EXPOSURE = 0.02
 POSITION = (201.3, 97.85)

@@ -2,7 +2,7 @@ import control
 import numpy as np
 import pytest
 
-from camid.plant import TransferFunction, second_order
+from camid.chain.plant import TransferFunction, second_order
 
 
 def test_second_order_is_equation_15():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import camid
-from camid.simulation import load_simulation
+from camid.simulation.file import load_simulation
 from tests.test_loading import believed, load, refusal, table
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camid.imaging import FrameFormat, Marker, circular_path, expose
-from camid.marker import grey_level_centroid
-from camid.rolling_shutter import expose_rolling, time_in_row
+from camid.images.centroids import grey_level_centroid
+from camid.images.forming import FrameFormat, Marker, circular_path, expose
+from camid.images.rolling_shutter import expose_rolling, time_in_row
 
 LINE_TIME = 0.02 / 300
 WHITE = Marker(intensity=1.0)

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
 from camid.errors import InputError
-from camid.sampling import grid_of
+from camid.recording.time_grid import grid_of
 
 PERIOD = 0.04
 

@@ -10,7 +10,7 @@ from scipy.signal import tf2ss
 
 import camid
 from camid.errors import InputError
-from camid.simulation import load_simulation, write_simulation
+from camid.simulation.file import load_simulation, write_simulation
 from tests import rig
 
 GOOD = """\

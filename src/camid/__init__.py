@@ -9,12 +9,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from camid.api import diagnose, identify, select_order, simulate, track
+    from camid.commands.diagnose import diagnose
+    from camid.commands.identify import identify
+    from camid.commands.order import select_order
+    from camid.commands.simulate import simulate
+    from camid.commands.track import track
     from camid.diagnosis.result import Diagnosis
     from camid.errors import InputError
     from camid.identification.result import Identification
-    from camid.recording import Recording, read_recording
-    from camid.simulation import Simulation, load_simulation, write_simulation
+    from camid.recording.recording import Recording, read_recording
+    from camid.simulation.file import load_simulation, write_simulation
+    from camid.simulation.model import Simulation
     from camid.tracking.result import Track
 
 __version__ = "0.1.0"
@@ -23,17 +28,17 @@ _HOMES = {
     "Diagnosis": "diagnosis.result",
     "Identification": "identification.result",
     "InputError": "errors",
-    "Recording": "recording",
-    "Simulation": "simulation",
+    "Recording": "recording.recording",
+    "Simulation": "simulation.model",
     "Track": "tracking.result",
-    "diagnose": "api",
-    "identify": "api",
-    "load_simulation": "simulation",
-    "read_recording": "recording",
-    "select_order": "api",
-    "simulate": "api",
-    "track": "api",
-    "write_simulation": "simulation",
+    "diagnose": "commands.diagnose",
+    "identify": "commands.identify",
+    "load_simulation": "simulation.file",
+    "read_recording": "recording.recording",
+    "select_order": "commands.order",
+    "simulate": "commands.simulate",
+    "track": "commands.track",
+    "write_simulation": "simulation.file",
 }
 
 __all__ = [

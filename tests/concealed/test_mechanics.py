@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
 from camid.concealed import slots as s
 from camid.concealed.cases import CATALOGUE
 from camid.concealed.detectability import strength_for

@@ -237,8 +237,9 @@ def test_table_holds_every_rate_against_its_target():
 
 def write_rig(folder, gains, offset):
     """Recordings of a rig with an input bias, and an improved model whose gain is given."""
-    from camid.chain import Acquisition, sample
-    from camid.plant import TransferFunction
+    from camid.chain.acquisition import Acquisition
+    from camid.chain.exact import sample
+    from camid.chain.plant import TransferFunction
 
     generator = np.random.default_rng(5)
     plant = TransferFunction((100.0,), (1.0, 2.0, 100.0))

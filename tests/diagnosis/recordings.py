@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from camid.chain import Acquisition
-from camid.engine import Chain, run
-from camid.physics import known_effects
-from camid.plant import TransferFunction
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+from camid.effects import known_effects
+from camid.engine.run import Chain, run
 
 PERIOD, COUNT = 0.02, 700
 PLANT = TransferFunction((100.0,), (1.0, 2.0, 100.0))

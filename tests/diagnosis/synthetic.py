@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camid.chain.plant import TransferFunction
 from camid.diagnosis.result import (
     Coefficient,
     Diagnosis,
@@ -15,8 +16,7 @@ from camid.diagnosis.result import (
     Test,
     Undetectable,
 )
-from camid.plant import TransferFunction
-from camid.simulation import Simulation
+from camid.simulation.model import Simulation
 
 PERIOD, COUNT, STEPS = 0.02, 2044, 10
 FORCE, NOISE = 0.15, 0.012

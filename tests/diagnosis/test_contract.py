@@ -10,10 +10,10 @@ from jsonschema import Draft202012Validator
 
 import camid
 from camid.cli import main
-from camid.diagnosis.files import FILES, write_diagnosis
 from camid.diagnosis.result import VERDICTS
-from camid.physics import known_effects
-from camid.simulation import load_simulation
+from camid.diagnosis.results_folder import FILES, write_diagnosis
+from camid.effects import known_effects
+from camid.simulation.file import load_simulation
 from tests import rig
 from tests.diagnosis import synthetic
 from tests.diagnosis.recordings import COUNT, PERIOD, effect, record, simulation

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from camid.diagnosis.files import FILES
 from camid.diagnosis.result import VERDICTS
+from camid.diagnosis.results_folder import FILES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "diagnosis.md").read_text(encoding="utf-8")
 CONSTANT = re.compile(r"`([A-Z_]+)` ([0-9.]+·10⁻[⁰¹²³⁴-⁹]+|10⁻[⁰¹²³⁴-⁹]+|[0-9.]+)")
@@ -25,7 +25,7 @@ def number(text):
 ROWS = [
     (name, number(value), module)
     for line in PAGE.splitlines()
-    if (module := next(iter(re.findall(r"`diagnosis/(\w+)\.py`", line)), None))
+    if (module := next(iter(re.findall(r"`((?:diagnosis|fitting)/\w+)\.py`", line)), None))
     for name, value in CONSTANT.findall(line)
 ]
 
@@ -36,7 +36,7 @@ def test_the_page_lists_constants():
 
 @pytest.mark.parametrize(("name", "value", "module"), ROWS)
 def test_constants_are_those_of_the_code(name, value, module):
-    assert getattr(importlib.import_module(f"camid.diagnosis.{module}"), name) == pytest.approx(value, rel=1e-9)
+    assert getattr(importlib.import_module(f"camid.{module.replace('/', '.')}"), name) == pytest.approx(value, rel=1e-9)
 
 
 def test_files_and_verdicts_are_all_explained():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import camid
-from camid.plant import TransferFunction
+from camid.chain.plant import TransferFunction
 from tests.diagnosis.recordings import COUNT, PERIOD, command, effect, record, simulation
 
 FORCE = 0.2

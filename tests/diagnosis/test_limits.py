@@ -5,10 +5,10 @@ import pandas as pd
 import pytest
 
 import camid
-from camid.chain import Acquisition
-from camid.engine import Chain, run
-from camid.physics import known_effects
-from camid.plant import second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import second_order
+from camid.effects import known_effects
+from camid.engine.run import Chain, run
 
 COUNT, PERIOD, NOISE = 600, 0.05, 0.03
 # A few of each place; for each so many noise seeds.

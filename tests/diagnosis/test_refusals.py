@@ -9,7 +9,7 @@ import pytest
 
 import camid
 from camid.cli import INTERRUPTED, main
-from camid.diagnosis.files import FILES, write_diagnosis
+from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.errors import InputError
 from tests import rig
 from tests.diagnosis import synthetic
@@ -161,7 +161,7 @@ def test_no_file_is_written_if_one_cannot_be_made(tmp_path, monkeypatch):
     def broken(diagnosis):
         raise RuntimeError("no picture")
 
-    monkeypatch.setattr("camid.diagnosis.report.render", broken)
+    monkeypatch.setattr("camid.diagnosis.report.page.render", broken)
     with pytest.raises(RuntimeError):
         write_diagnosis(synthetic.diagnosis("explained"), tmp_path / "found")
     assert not (tmp_path / "found").exists()
@@ -209,7 +209,7 @@ def test_an_interrupt_leaves_nothing_half_written(folder, capsys, monkeypatch, s
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"camid.diagnosis.files.{step}", interrupted)
+    monkeypatch.setattr(f"camid.commands.diagnose.{step}", interrupted)
     assert main(COMMAND) == INTERRUPTED
     out, err = capsys.readouterr()
     assert out == ""

@@ -11,10 +11,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from camid.diagnosis import pictures, report, summary
+from camid.diagnosis.report import page as report
+from camid.diagnosis.report import pictures, summary
 from camid.diagnosis.result import VERDICTS, Location, ParameterEstimate
+from camid.effects import known_effects
 from camid.errors import InputError
-from camid.physics import known_effects
 from tests.diagnosis import synthetic
 
 SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]

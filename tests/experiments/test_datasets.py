@@ -2,7 +2,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from camid.camera import closed_form
+from camid.chain.camera_models import closed_form
 from camid.experiments.cases import declared_experiment
 from camid.experiments.datasets import (
     neglected_mode_outputs,

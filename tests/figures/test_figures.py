@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from camid import plotting as style
 from camid.experiments.camera_models import camera_model_responses
-from camid.figures import block_diagrams, camera_models, neglected_mode, sampling_period, style
+from camid.figures import block_diagrams, camera_models, neglected_mode, sampling_period
 
 
 def draw_block_diagram():

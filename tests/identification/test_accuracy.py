@@ -1,12 +1,14 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 from camid.identification.accuracy import characteristics, cramer_rao_bound, innovation_variance
 from camid.identification.discrete_time import least_squares
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
-from camid.plant import TransferFunction, second_order
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
 
 PLANT = second_order(1.0, 10.0, 0.1)
 TRUTH = np.array([100.0, 2.0, 100.0])
@@ -87,7 +89,7 @@ def test_innovation_variance_is_the_noise_variance(excitation):
 
 @pytest.mark.parametrize("period", [0.02, 0.1, 0.3])
 def test_discrete_time_model_of_section_3_1(period, excitation):
-    from camid.camera import closed_form
+    from camid.chain.camera_models import closed_form
 
     output = sample(PLANT, excitation, Acquisition(period))
     model = least_squares(excitation, output, poles=2, zeros=2, delay=1)

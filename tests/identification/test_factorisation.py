@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
+from camid.identification.experiment import Experiment
 from camid.identification.factorisation import BLOCK, Records, fold, output_error_costs
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.predictor import Predictor
+from camid.identification.structure import Structure
 
 ACQUISITIONS = [
     Acquisition(0.1),

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.identification.estimate import estimate
+from camid.identification.experiment import Experiment
 from camid.identification.order_selection import cancels, poles_determined, select_order
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.structure import Structure
 from tests.identification.test_residual_analysis import excite, film
 
 PERIOD = 0.05

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, least_squares
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.experiment import Experiment
 from camid.identification.profile import WIDTH
-from camid.plant import TransferFunction, second_order
+from camid.identification.structure import Structure
 
 STRUCTURE = Structure.of_order(2, 0)
 

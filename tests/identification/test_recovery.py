@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
-from camid.plant import TransferFunction, second_order
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
 
 PERIOD = 0.02
 PRODUCTS = [0.05, 0.2, 0.8, 1.6, 2.4, 2.8, 0.98 * np.pi]

@@ -7,13 +7,14 @@ import pytest
 from scipy.signal import cont2discrete, lfilter, max_len_seq
 from scipy.stats import binomtest, kstest
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
 from camid.identification.declarations import alternative_declarations, contradiction, refitted
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import analyse_residual
 from camid.identification.residual_statistics import Moments, Rows
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 MODE = ([100.0], [1.0, 2.0, 100.0])
 PERIOD = 0.1

@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, polynomial_roots, second_order
 from camid.identification.discrete_time_start import alias_angles, alias_denominators
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
-from camid.plant import TransferFunction, polynomial_roots, second_order
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
 
 STRUCTURE = Structure.of_order(2, 0)
 

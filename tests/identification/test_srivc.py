@@ -3,12 +3,15 @@ import itertools
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.experiment import Experiment
+from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
-from camid.plant import TransferFunction, second_order
+from camid.identification.structure import Structure
 
 PLANT = second_order(1.0, 10.0, 0.1)
 TRUTH = np.array([100.0, 2.0, 100.0])

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
-from camid.engine import Chain, run
-from camid.physics import PLACES, Situation, known_effects
-from camid.plant import TransferFunction, second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
+from camid.effects import PLACES, Situation, known_effects
+from camid.engine.run import Chain, run
 
 PERIOD = 0.02
 PLANT = second_order(1.0, 10.0, 0.1)

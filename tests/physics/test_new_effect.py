@@ -9,14 +9,15 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition
-from camid.diagnosis.fit import refit
-from camid.diagnosis.problem import Model, Problem
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import second_order
 from camid.diagnosis.screen import screen
-from camid.engine import Chain, run
-from camid.identification.predictor import Experiment, Structure
-from camid.physics import document, known_effects
-from camid.plant import second_order
+from camid.effects import document, known_effects
+from camid.engine.run import Chain, run
+from camid.fitting.problem import Model, Problem
+from camid.fitting.refit import refit
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
 from tests.motion_reference import Reference, pieces_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
@@ -73,7 +74,7 @@ def test_without_it_the_catalogue_does_not_know_it():
 
 def test_the_table_of_the_page_is_that_of_the_catalogue():
     page = PAGE.read_text(encoding="utf-8")
-    assert page == document.updated(page), "run: python -m camid.physics docs/effects.md"
+    assert page == document.updated(page), "run: python -m camid.effects docs/effects.md"
     with pytest.raises(ValueError, match="mark"):
         document.updated("a page without marks")
     assert all(f"`{name}`" in page for name in known_effects())

@@ -12,9 +12,9 @@ import pytest
 from ruamel.yaml import YAML
 
 import camid
-from camid.benchmark_recordings import BENCHMARK_RECORDINGS, FOLDER_VARIABLE, SILVERBOX_PERIOD, SILVERBOX_TRAINING
 from camid.experiments.recordings_page import page
 from camid.experiments.tolerances import compare, without_targets
+from camid.real_recordings.download import BENCHMARK_RECORDINGS, FOLDER_VARIABLE, SILVERBOX_PERIOD, SILVERBOX_TRAINING
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIFT = 1234.5  # seconds

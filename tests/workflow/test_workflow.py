@@ -79,11 +79,15 @@ def test_deleted_figure_takes_one_job(computed):
             {"latency_runs"},
             {"exposure_runs", "monte_carlo_shard", "fig7"},
         ),
-        ("src/camid/figures/style.py", FIGURES, DATASETS | {"neglected_mode", "sampling_period"}),
+        ("src/camid/plotting.py", FIGURES, DATASETS | {"neglected_mode", "sampling_period"}),
         ("src/camid/identification/srivc.py", {"sampling_period", "neglected_mode", "fig7"}, DATASETS | {"fig6"}),
-        ("src/camid/chain.py", {"sampling_period_outputs", "neglected_mode_outputs"}, {"excitation", "marker_image"}),
-        ("src/camid/excitation.py", {"excitation", "noise", "fig7", "fig8"}, {"marker_image", "fig1", "fig6"}),
-        ("src/camid/imaging.py", {"marker_image", "marker_trajectory", "fig1", "fig3"}, {"excitation", "fig7"}),
+        (
+            "src/camid/chain/exact.py",
+            {"sampling_period_outputs", "neglected_mode_outputs"},
+            {"excitation", "marker_image"},
+        ),
+        ("src/camid/chain/excitation.py", {"excitation", "noise", "fig7", "fig8"}, {"marker_image", "fig1", "fig6"}),
+        ("src/camid/images/forming.py", {"marker_image", "marker_trajectory", "fig1", "fig3"}, {"excitation", "fig7"}),
     ],
 )
 def test_changed_source_reruns_the_rules_that_use_it_and_no_others(computed, module, rerun, kept):
@@ -201,7 +205,7 @@ MUTATIONS = {
         "largest_error_camera",
     ),
     "wrong PRBS": (
-        "src/camid/excitation.py",
+        "src/camid/chain/excitation.py",
         "max_len_seq(order)",
         "max_len_seq(order, taps=[order - 1])",
         "largest_side_of_autocorrelation",

@@ -1,7 +1,7 @@
 # Real recordings. Not part of `all`: they carry no licence and need a local copy (CAMID_RECORDINGS) or the network. Only
 # results leave results/: the recorded samples are neither committed nor drawn into a table.
 
-from camid.benchmark_recordings import BENCHMARK_RECORDINGS, reason_absent
+from camid.real_recordings.download import BENCHMARK_RECORDINGS, reason_absent
 
 # Recordings that are not diagnosed as they are: their file is measured first.
 TRACKED = {"pendulum_clip": "--colour red"}
@@ -135,7 +135,7 @@ rule silverbox:
         training=rules.silverbox_parts.output.training,
         multisine=rules.silverbox_parts.output.multisine,
         simulation="config/simulations/silverbox_{hold}.yaml",
-        sources=sources("src/camid/cli/__init__.py", "src/camid/api.py"),
+        sources=sources("src/camid/cli/__init__.py", "src/camid/commands/simulate.py"),
     output:
         model="results/recordings/silverbox_{hold}.yaml",
         simulated="results/recordings/silverbox_{hold}_multisine.csv",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.experiments.log import logged
-from camid.recording import write_whole
+from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -9,8 +9,8 @@ import pandas as pd
 from camid.concealed.rates import coverage
 from camid.concealed.targets import lines, quantities, to_markdown
 from camid.experiments.log import logged
-from camid.figures.style import rounded
-from camid.recording import write_whole
+from camid.plotting import rounded
+from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -7,7 +7,7 @@ import pandas as pd
 from camid.concealed.targets import lines, quantities
 from camid.experiments.log import logged
 from camid.figures.concealed.sample import draw
-from camid.figures.style import save
+from camid.plotting import save
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.experiments.log import logged
 from camid.experiments.tables import write_dataset
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from camid.experiments.log import logged
 from camid.figures.gradient_image import draw
-from camid.figures.style import save
+from camid.plotting import save
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

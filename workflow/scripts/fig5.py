@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from camid.experiments.log import logged
 from camid.figures.block_diagrams import draw_second_version
-from camid.figures.style import save
+from camid.plotting import save
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

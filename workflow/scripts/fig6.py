@@ -6,7 +6,7 @@ import pandas as pd
 
 from camid.experiments.log import logged
 from camid.figures.camera_models import draw
-from camid.figures.style import save
+from camid.plotting import save
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.benchmark_recordings import fetch
 from camid.experiments.log import logged
+from camid.real_recordings.download import fetch
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -7,7 +7,7 @@ import pandas as pd
 
 from camid.experiments.log import logged
 from camid.experiments.recordings_page import page
-from camid.recording import write_whole
+from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.benchmark_recordings import silverbox_parts
 from camid.experiments.log import logged
-from camid.recording import write_table
+from camid.real_recordings.download import silverbox_parts
+from camid.writing import write_table
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -25,8 +25,8 @@ def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, rep
 
     Of several recordings the last one validates, unless the simulation says which rows do.
     """
-    from camid.api import diagnose as run
-    from camid.diagnosis.files import check_folder, write_diagnosis
+    from camid.commands.diagnose import diagnose as run
+    from camid.diagnosis.results_folder import check_folder, write_diagnosis
     from camid.identification.result import without_infinities
 
     check_folder(output, [*recording, simulation])
@@ -36,7 +36,7 @@ def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, rep
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
     else:
-        from camid.diagnosis.summary import print_summary
+        from camid.diagnosis.report.summary import print_summary
 
         print_summary(result, written)
     for sentence in result.warnings:

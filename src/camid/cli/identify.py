@@ -59,10 +59,10 @@ def identify(
     **declared: Any,
 ) -> None:
     """Re-estimate the plant from one or several RECORDINGs of a rig."""
-    from camid.api import identify as run
-    from camid.printing import print_identification
-    from camid.recording import write_table
-    from camid.simulation import write_simulation
+    from camid.cli.printing import print_identification
+    from camid.commands.identify import identify as run
+    from camid.simulation.file import write_simulation
+    from camid.writing import write_table
 
     if simulation is not None and order is not None:
         raise contradiction("order", simulation)

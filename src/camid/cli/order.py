@@ -30,10 +30,10 @@ def order(
     **declared: Any,
 ) -> None:
     """Find how many poles and zeros one or several RECORDINGs of a rig call for."""
-    from camid.api import select_order
+    from camid.cli.printing import print_orders
+    from camid.commands.order import select_order
     from camid.identification.result import without_infinities
-    from camid.printing import print_orders
-    from camid.recording import write_table
+    from camid.writing import write_table
 
     believed = declared_simulation(simulation, declared)
     check_output(output, [*recording, *([simulation] if simulation else [])])

@@ -13,7 +13,7 @@ import click
 from camid.errors import InputError
 
 if TYPE_CHECKING:
-    from camid.simulation import Simulation
+    from camid.simulation.model import Simulation
 
 
 @contextmanager
@@ -78,8 +78,9 @@ def contradiction(option: str, simulation: Path) -> InputError:
 
 def declared_simulation(simulation: Path | None, declared: dict[str, Any]) -> Simulation:
     """The simulation file, or what the options declare in its place."""
-    from camid.plant import TransferFunction
-    from camid.simulation import Simulation, load_simulation
+    from camid.chain.plant import TransferFunction
+    from camid.simulation.file import load_simulation
+    from camid.simulation.model import Simulation
 
     given = {k: v for k, v in declared.items() if v is not None}
     if simulation is not None:
@@ -109,7 +110,7 @@ def declared_simulation(simulation: Path | None, declared: dict[str, Any]) -> Si
 
 def check_output(output: Path | None, inputs: list[Path], option: str = "--output") -> None:
     """Refuse, before the work is done, an output that cannot be written or that is one of the inputs."""
-    from camid.recording import check_writable
+    from camid.writing import check_writable
 
     for path in inputs:
         if output is not None and output.exists() and path.exists() and output.samefile(path):

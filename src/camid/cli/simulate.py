@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
 def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
     """Run a simulation on the input of a RECORDING: one row a recorded row."""
-    from camid.api import simulate as run
+    from camid.commands.simulate import simulate as run
     from camid.identification.result import without_infinities
-    from camid.recording import write_table
-    from camid.simulation import load_simulation
+    from camid.simulation.file import load_simulation
+    from camid.writing import write_table
 
     check_output(output, [recording, simulation])
     believed = load_simulation(simulation)

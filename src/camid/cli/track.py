@@ -61,9 +61,7 @@ Examples:
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
 def track(*, video: Path, output: Path, preview: Path | None, as_json: bool, **options: Any) -> None:
     """Measure the positions of a marker in a VIDEO (a file, or a folder of PNG images)."""
-    # Not by way of camid.api, which imports the compiler that identification needs.
-    from camid.tracking.options import Options
-    from camid.tracking.track import track_video
+    from camid.commands.track import track as run
     from camid.writing import write_table
 
     check_output(output, [video])
@@ -74,7 +72,7 @@ def track(*, video: Path, output: Path, preview: Path | None, as_json: bool, **o
         if preview.resolve() == output.resolve():
             raise InputError("--output and --preview are the same file", where=str(output), mend="name two files")
     with progress_display(as_json) as progress:
-        result = track_video(video, Options(**options), preview=preview, progress=progress)
+        result = run(video, preview=preview, progress=progress, **options)
     write_table(result.table, output)
     written = [str(path) for path in (output, preview) if path is not None]
     if as_json:

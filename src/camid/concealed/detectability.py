@@ -12,12 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
 from camid.concealed.integrator import DivergedError
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.experiment import Experiment
+from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

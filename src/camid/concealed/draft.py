@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.concealed.cases import CATALOGUE, OUTSIDE, TWO_LEVELS_HIDE, Case
 from camid.concealed.detectability import Belief, multiple, strength_for
 from camid.concealed.excitations import KINDS, TWO_LEVEL, Excitation, draw_excitation

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.excitation import multilevel, multisine, pseudo_random_binary_sequence
+from camid.chain.excitation import multilevel, multisine, pseudo_random_binary_sequence
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from camid.concealed.integrator import Trajectory
 from camid.concealed.sensors import position_at
 from camid.concealed.setup import Setup
-from camid.imaging import FrameFormat, Marker, expose, quantise
-from camid.marker import grey_level_centroid
+from camid.images.centroids import grey_level_centroid
+from camid.images.forming import FrameFormat, Marker, expose, quantise
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.plant import TransferFunction, second_order
 from camid.concealed import slots as s
-from camid.plant import TransferFunction, second_order
 
 Array = NDArray[np.float64]
 

@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.fit import Fitted, evaluate, fit
-from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.screen import WORKERS, Candidate, screen, trials
 from camid.diagnosis.weigh import Hypothesis, refuted
-from camid.physics import known_effects
-from camid.physics.effect import Effect
+from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.fitting.fit import Fitted, evaluate, fit
+from camid.fitting.problem import Model, Problem
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None] | None

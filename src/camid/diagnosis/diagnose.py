@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.diagnosis import locate as location_step
 from camid.diagnosis.decide import ALL_STEPS, FALSE_ALARM, MOST_EFFECTS, Decision, decide, searched
 from camid.diagnosis.evidence import (
@@ -20,17 +20,18 @@ from camid.diagnosis.evidence import (
     tests_of,
     validation_gains,
 )
-from camid.diagnosis.fit import Fitted, at_best_start, fit, refit
-from camid.diagnosis.horizon import fit_growing
 from camid.diagnosis.limits import undetectable
 from camid.diagnosis.parsimony import simplest
-from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.recognise import noise_findings, spoiled_rows
 from camid.diagnosis.remainder import reasons_for_structure, unlisted_weight
 from camid.diagnosis.result import Coefficient, Finding, Fit, Location, Signals, Test, Undetectable
 from camid.diagnosis.screen import screen
 from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
-from camid.physics.effect import Effect
+from camid.effects.base import Effect
+from camid.fitting.fit import Fitted, fit
+from camid.fitting.growing_horizon import fit_growing
+from camid.fitting.problem import Model, Problem
+from camid.fitting.refit import at_best_start, refit
 
 Array = NDArray[np.float64]
 # A residual up to so many times what an earlier diagnosis left unexplained is the same.

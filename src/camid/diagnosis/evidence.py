@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.decide import Decision
-from camid.diagnosis.fit import Fitted
 from camid.diagnosis.locate import PlaceTest
-from camid.diagnosis.problem import Model, Problem
 from camid.diagnosis.result import Coefficient, Fit, Signals, Test
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Model, Problem
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from camid.diagnosis.decide import FALSE_ALARM
-from camid.diagnosis.fit import Fitted
-from camid.diagnosis.problem import Problem
 from camid.diagnosis.result import Undetectable
 from camid.diagnosis.screen import WORKERS, Candidate, Metric, metrics, signature, trials
-from camid.physics import known_effects
-from camid.physics.effect import Effect
+from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645

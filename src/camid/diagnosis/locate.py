@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import sample
-from camid.diagnosis.fit import Fitted
-from camid.diagnosis.problem import Problem, plant_of
+from camid.chain.exact import sample
 from camid.diagnosis.result import Location
 from camid.diagnosis.screen import WORKERS, Metric, metrics
-from camid.engine import run, steps_of
-from camid.physics.effect import PLACES
+from camid.effects.base import PLACES
+from camid.engine.run import run, steps_of
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem, plant_of
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from camid.diagnosis.decide import ALL_STEPS, Decision
-from camid.diagnosis.fit import Fitted, fit
-from camid.diagnosis.problem import Problem
 from camid.diagnosis.weigh import Hypothesis
+from camid.fitting.fit import Fitted, fit
+from camid.fitting.problem import Problem
 
 # Share of what the other effects leave, noise taken off, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5

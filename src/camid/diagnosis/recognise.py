@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.fit import Fitted
-from camid.diagnosis.problem import Problem
 from camid.diagnosis.result import Finding
 from camid.diagnosis.verdict import recognised
-from camid.physics import known_effects
-from camid.physics.effect import Effect, Recognition, Situation
-from camid.physics.noise import ColouredNoise, tail, variance_regression
+from camid.effects import known_effects
+from camid.effects.base import Effect, Recognition, Situation
+from camid.effects.noise import ColouredNoise, tail, variance_regression
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
 
 # A noise-like effect is named where its absence would show as much in fewer recordings than this.
 RECOGNISED = 1e-4

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.fit import Fitted
 from camid.diagnosis.locate import PlaceTest
-from camid.diagnosis.problem import Problem
 from camid.diagnosis.recognise import depends_on_position, force_like
 from camid.diagnosis.result import Fit
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
 
 # A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
 # recordings in a thousand alarm although nothing is missing.

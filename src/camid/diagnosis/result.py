@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.simulation import Simulation
+from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.fit import Fitted
-from camid.diagnosis.problem import Problem
-from camid.physics import known_effects
-from camid.physics.effect import Effect, Situation
+from camid.effects import known_effects
+from camid.effects.base import Effect, Situation
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 

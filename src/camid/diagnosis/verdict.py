@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.decide import Decision, p_value
-from camid.diagnosis.fit import Fitted
-from camid.diagnosis.problem import Problem
 from camid.diagnosis.result import Finding, Fit, Location, ParameterEstimate
 from camid.diagnosis.separate import separating_experiment
 from camid.diagnosis.weigh import weights
-from camid.physics.effect import Effect, Recognition
+from camid.effects.base import Effect, Recognition
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.fit import Fitted
+from camid.fitting.fit import Fitted
 
 Array = NDArray[np.float64]
 

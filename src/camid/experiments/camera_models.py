@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from camid.camera import model_1_response, model_2_response, model_3_response
+from camid.chain.camera_models import model_1_response, model_2_response, model_3_response
 
 
 def camera_model_responses(configuration: Mapping[str, Any]) -> pd.DataFrame:

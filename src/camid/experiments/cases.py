@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
-from camid.identification.predictor import Experiment
+from camid.chain.acquisition import Acquisition
+from camid.identification.experiment import Experiment
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from camid.concealed.sealing import check_seal, seal
-from camid.recording import write_whole
+from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from camid.concealed.generator import ConcealedRecording

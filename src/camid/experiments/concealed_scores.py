@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from camid.concealed.scoring import parameter_rows, score, weight_rows
 from camid.errors import InputError
 from camid.experiments.concealed import DIAGNOSIS, HELD_OUT, IMPROVED, RECORDING, SIMULATION, read_truth
-from camid.simulation import Simulation
+from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 
@@ -69,7 +69,8 @@ def recovered_shares(index: int, recordings: Path, held_out: Path, diagnoses: Pa
         (``improved_…``) and of the noise-free output (``floor_…``), and ``share_…`` = (refitted − improved) /
         (refitted − floor); NaN where the refitted simulation leaves nothing to gain.
     """
-    from camid.api import identify, simulate
+    from camid.commands.identify import identify
+    from camid.commands.simulate import simulate
 
     folder = recordings / str(index)
     try:

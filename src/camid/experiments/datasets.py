@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
-from camid.plant import TransferFunction, second_order
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 
 Array = NDArray[np.float64]
 

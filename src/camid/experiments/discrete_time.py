@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.camera import closed_form, first_order_hold_equivalent, sampled_model
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.camera_models import closed_form, first_order_hold_equivalent, sampled_model
+from camid.chain.exact import sample
 from camid.experiments.datasets import believed_plant
 from camid.identification.discrete_time import least_squares
 

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.imaging import FrameFormat, Marker, circular_path, expose, quantise
-from camid.marker import gradient_centroid, gradient_image, grey_level_centroid
+from camid.images.centroids import gradient_centroid, gradient_image, grey_level_centroid
+from camid.images.forming import FrameFormat, Marker, circular_path, expose, quantise
 
 Array = NDArray[np.float64]
 Path = Callable[[Array], Array]

@@ -10,7 +10,7 @@ import pandas as pd
 from camid.experiments.cases import PARAMETERS, declared_experiment, parameter_vector
 from camid.experiments.datasets import believed_plant
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
+from camid.identification.structure import Structure
 
 
 def identify_neglected_mode(

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.experiments.recordings import Results
-from camid.loading import load_recordings
-from camid.recording import Recording
+from camid.identification.loading import load_recordings
+from camid.recording.recording import Recording
 
 Array = NDArray[np.float64]
 

@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from camid.api import diagnose, simulate
-from camid.benchmark_recordings import SILVERBOX_ARROW, SILVERBOX_MULTISINE, SILVERBOX_TRANSIENT
-from camid.plant import TransferFunction
-from camid.simulation import Simulation, load_simulation
+from camid.chain.plant import TransferFunction
+from camid.commands.diagnose import diagnose
+from camid.commands.simulate import simulate
+from camid.real_recordings.download import SILVERBOX_ARROW, SILVERBOX_MULTISINE, SILVERBOX_TRANSIENT
+from camid.simulation.file import load_simulation
+from camid.simulation.model import Simulation
 
 RECORDINGS = {
     "silverbox": "Silverbox: an electronic oscillator",

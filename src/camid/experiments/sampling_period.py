@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.experiments.cases import PARAMETERS, declared_experiment, parameter_vector
 from camid.experiments.datasets import believed_plant
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from camid.recording import write_whole
+from camid.writing import write_whole
 
 METADATA_KEY = b"camid"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.figures import style
+from camid import plotting as style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

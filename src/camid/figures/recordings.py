@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from camid import plotting as style
 from camid.experiments.recording_laws import Law
 from camid.experiments.recordings import RECORDINGS, Results
-from camid.figures import style
-from camid.recording import write_whole
+from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,10 +7,12 @@ from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
-from camid.identification.fit import LARGEST_CONDITION, UNDETERMINED_SHARE
-from camid.identification.predictor import Experiment, Predictor, Structure
-from camid.plant import TransferFunction
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+from camid.identification.experiment import Experiment
+from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE
+from camid.identification.predictor import Predictor
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.experiment import Experiment
+from camid.identification.predictor import Predictor
 from camid.identification.residual_analysis import (
     ALARM,
     ResidualAnalysis,
@@ -19,7 +21,7 @@ from camid.identification.residual_analysis import (
     in_units_of_the_data,
     shown,
 )
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from camid.chain.plant import polynomial_roots
+from camid.identification.experiment import Experiment
 from camid.identification.factorisation import BLOCK, fold
-from camid.identification.predictor import Experiment
-from camid.plant import polynomial_roots
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

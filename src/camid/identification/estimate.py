@@ -8,18 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.plant import TransferFunction
 from camid.identification.accuracy import covariance_from
+from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records
-from camid.identification.fit import Fit
+from camid.identification.iteration import Fit
 from camid.identification.output_error import output_error
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.predictor import Predictor
 from camid.identification.profile import Interval, intervals, standard_deviations
 from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.search import Search
 from camid.identification.selection import Rival
 from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
 from camid.identification.starts import evaluate
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]

@@ -14,10 +14,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from camid.chain import begin_interval, driven, sampling_matrices
+from camid.chain.exact import begin_interval, driven, sampling_matrices
 
 if TYPE_CHECKING:
-    from camid.identification.predictor import Experiment
+    from camid.identification.experiment import Experiment
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Records(NamedTuple):
     first_order, straddles, early, initial : ndarray of bool, shape (E,)
         First-order hold; window in two intervals; initial state that of the first exposure; initial state unknown.
     period, start, length : ndarray, shape (E,)
-        In seconds, see :meth:`camid.chain.Acquisition.window`.
+        In seconds, see :meth:`camid.chain.acquisition.Acquisition.window`.
     delay : ndarray of int, shape (E,)
     """
 

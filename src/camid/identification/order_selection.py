@@ -21,8 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.identification.estimate import Estimate, estimate
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import ALARM, analyse_residual
+from camid.identification.structure import Structure
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.fit import Fit
+from camid.identification.iteration import Fit
 from camid.identification.predictor import Predictor
 
 

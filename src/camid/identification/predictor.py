@@ -15,97 +15,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, companion, derivative_rows, respond, time_scale
+from camid.chain.exact import companion, derivative_rows, respond, time_scale
+from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records, factorise, solve
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """One recording as identification sees it.
-
-    Attributes
-    ----------
-    signal, output : ndarray, shape (N,)
-        Input samples u_k and sensor samples w_k.
-    acquisition : Acquisition
-    used : ndarray of bool, shape (N,)
-        Rows that are fitted; the others are simulated through.
-    estimate_initial_state : bool
-        False: at rest before the first sample.
-    """
-
-    signal: Array
-    output: Array
-    acquisition: Acquisition
-    used: NDArray[np.bool_]
-    estimate_initial_state: bool = False
-
-    @property
-    def free_motion_before_record(self) -> bool:
-        """Whether the unknown initial state is that before the first frame's exposure, or that at the first sample.
-
-        A free decay is the same motion before and after the first sample. Where an input acts that is not recorded
-        before it, frames exposed earlier are not fitted, and a state at their time would have lost its fast part since.
-        """
-        return bool(self.used[: self.acquisition.window()[0]].any())
-
-
-@dataclass(frozen=True)
-class Structure:
-    """Which plant is looked for: degrees of B and A, and what is free in them.
-
-    Attributes
-    ----------
-    numerator, denominator : ndarray, shapes (m + 1,) and (n + 1,)
-        Descending powers of s, monic denominator. Values of the coefficients that are not free.
-    free_numerator, free_denominator : ndarray of bool, same shapes
-        What is estimated; the leading denominator coefficient never is.
-    """
-
-    numerator: Array
-    denominator: Array
-    free_numerator: NDArray[np.bool_]
-    free_denominator: NDArray[np.bool_]
-
-    @classmethod
-    def of_order(cls, poles: int, zeros: int) -> Structure:
-        """All coefficients free, no values known."""
-        monic = np.eye(poles + 1)[0]
-        return cls(np.zeros(zeros + 1), monic, np.ones(zeros + 1, bool), monic == 0.0)
-
-    @classmethod
-    def fixed(cls, plant: TransferFunction) -> Structure:
-        """Structure of a plant of which nothing is to be estimated."""
-        monic = plant.monic
-        numerator, denominator = np.array(monic.numerator), np.array(monic.denominator)
-        return cls(numerator, denominator, np.zeros(len(numerator), bool), np.zeros(len(denominator), bool))
-
-    @property
-    def order(self) -> int:
-        """Number of poles n."""
-        return len(self.denominator) - 1
-
-    @property
-    def degree(self) -> int:
-        """Degree of the numerator m."""
-        return len(self.numerator) - 1
-
-    @property
-    def free(self) -> NDArray[np.bool_]:
-        """Which of [b_0 … b_m, a_1 … a_n] are estimated, shape (m + 1 + n,)."""
-        return np.concatenate([self.free_numerator, self.free_denominator[1:]])
-
-    def coefficients(self) -> Array:
-        """[b_0 … b_m, a_1 … a_n]."""
-        return np.concatenate([self.numerator, self.denominator[1:]])
-
-    def plant(self, coefficients: Array) -> TransferFunction:
-        """Transfer function of [b_0 … b_m, a_1 … a_n]."""
-        split = self.degree + 1
-        return TransferFunction(tuple(coefficients[:split]), (1.0, *coefficients[split:]))
 
 
 @dataclass

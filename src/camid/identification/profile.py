@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.fit import Fit
+from camid.identification.iteration import Fit
 from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
 

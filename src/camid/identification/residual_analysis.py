@@ -33,8 +33,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+from camid.identification.experiment import Experiment
+from camid.identification.predictor import Predictor
 from camid.identification.residual_statistics import (
     Moments,
     Rows,
@@ -45,7 +47,7 @@ from camid.identification.residual_statistics import (
     sums_of_products,
     whiteness,
 )
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from camid.identification.predictor import Experiment
+from camid.identification.experiment import Experiment
 
 Array = NDArray[np.float64]
 

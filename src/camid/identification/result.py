@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.identification.accuracy import characteristics
 from camid.identification.declarations import Alternative, contradiction
 from camid.identification.estimate import Estimate
-from camid.identification.residual_analysis import (
-    ResidualAnalysis,
-)
-from camid.simulation import Simulation
+from camid.identification.residual_analysis import ResidualAnalysis
+from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
     import control

@@ -8,10 +8,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from camid.chain.plant import STABILITY_TOLERANCE
 from camid.identification.factorisation import Records, factorise, solve
-from camid.identification.fit import LARGEST_CONDITION, UNDETERMINED_SHARE, Fit
+from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE, Fit
 from camid.identification.predictor import Predictor
-from camid.plant import STABILITY_TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ REPORTED_ITERATIONS = 10
 
 @njit(cache=True)
 def _is_stable(denominator: Array) -> bool:
-    """As :func:`camid.identification.fit.has_stable`; non-negative coefficients suffice up to the order two."""
+    """As :func:`camid.identification.iteration.has_stable`; non-negative coefficients suffice up to the order two."""
     if not np.all(np.isfinite(denominator)):
         return False
     if len(denominator) <= 3 and np.all(denominator >= 0.0):

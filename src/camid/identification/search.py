@@ -12,19 +12,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.plant import polynomial_roots
 from camid.identification.accuracy import innovation_variance
 from camid.identification.discrete_time_start import alias_denominators
+from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
-from camid.identification.selection import (
-    Optimum,
-    Rival,
-    conclusive,
-    plausible_cost,
-    rivals,
-    select,
-)
+from camid.identification.selection import Optimum, Rival, conclusive, plausible_cost, rivals, select
 from camid.identification.starts import (
     Candidate,
     discrete_time_candidates,
@@ -33,7 +28,7 @@ from camid.identification.starts import (
     grid_candidates,
     start_window,
 )
-from camid.plant import polynomial_roots
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]

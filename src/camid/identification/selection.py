@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.plant import polynomial_roots
 from camid.identification.accuracy import LONGEST_REGRESSION
-from camid.identification.fit import Fit, has_stable
+from camid.identification.iteration import Fit, has_stable
 from camid.identification.predictor import Predictor
-from camid.plant import polynomial_roots
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, companion, derivative_rows, respond
-from camid.identification.fit import Fit, sum_of_squares
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import companion, derivative_rows, respond
+from camid.identification.iteration import Fit, sum_of_squares
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]

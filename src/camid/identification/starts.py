@@ -13,11 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import time_scale
+from camid.chain.exact import time_scale
 from camid.identification.discrete_time_start import HIGHEST_FREQUENCY, continuous_denominators, discrete_time_poles
+from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records, output_error_costs
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.predictor import Predictor
 from camid.identification.srivc import least_squares_state_variable_filter, reflect
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

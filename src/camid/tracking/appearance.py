@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError, nearest_match
-from camid.marker import RegionOfInterest
+from camid.images.centroids import RegionOfInterest
 from camid.tracking.picture import BLUE_DIFFERENCE, FULL_SCALE, RED_DIFFERENCE, Grid, Image, Picture
 from camid.tracking.video import Source
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camid.marker import CLEARANCE
+from camid.images.centroids import CLEARANCE
 from camid.tracking.appearance import LEAST_CONTRAST
 from camid.tracking.noise import pixel_noise
 from camid.tracking.picture import Image

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from camid.errors import InputError
-from camid.marker import MarkerNotFound, RegionOfInterest
+from camid.images.centroids import MarkerNotFound, RegionOfInterest
 from camid.tracking.appearance import Appearance, Moving
 from camid.tracking.find import EQUALLY_LIKELY, Candidate, candidates
 from camid.tracking.measure import Measurement, measure

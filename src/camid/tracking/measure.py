@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.marker import (
+from camid.images.centroids import (
     CLEARANCE,
     NORMAL_DEVIATION_RANK,
     MarkerNotFound,
@@ -16,14 +16,7 @@ from camid.marker import (
     grey_level_centroid,
 )
 from camid.tracking.find import GAP
-from camid.tracking.noise import (
-    SOBEL_NOISE,
-    filtered,
-    gradient_deviation,
-    grey_level_deviation,
-    noise_inside,
-    noise_of,
-)
+from camid.tracking.noise import SOBEL_NOISE, filtered, gradient_deviation, grey_level_deviation, noise_inside, noise_of
 from camid.tracking.picture import Image
 
 METHODS = ("grey-level", "gradient")

@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.marker import SOBEL_SUM
+from camid.images.centroids import SOBEL_SUM
 from camid.tracking.picture import Image
 
 # J. Immerkær, Fast noise variance estimation, Computer Vision and Image Understanding 64 (1996): this filter answers

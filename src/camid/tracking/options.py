@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 from camid.errors import InputError
-from camid.marker import RegionOfInterest
+from camid.images.centroids import RegionOfInterest
 from camid.tracking.appearance import Appearance, Bright, Colour, Dark, moving
 from camid.tracking.follow import LONGEST_GAP
 from camid.tracking.image_folder import ImageFolder
@@ -78,7 +78,7 @@ class Options:
             if self.unit is None:
                 raise InputError("--scale without --unit", mend="say the unit, e.g. --unit m")
             if self.unit != PIXELS:
-                from camid.reading import si_factor
+                from camid.recording.options import si_factor
 
                 try:
                     si_factor(self.unit, "--unit", "[length]")

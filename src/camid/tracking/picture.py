@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.marker import RegionOfInterest
+from camid.images.centroids import RegionOfInterest
 
 if TYPE_CHECKING:
     import av

@@ -49,7 +49,7 @@ def save_preview(
 
     from matplotlib import pyplot as plt
 
-    from camid.figures import style
+    from camid import plotting as style
 
     style.apply()
     plt.rcParams.update({"font.size": 9.0, "axes.titlesize": 9.0, "axes.labelsize": 9.0})

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.excitation import pseudo_random_binary_sequence
+from camid.chain.plant import second_order
 from camid.experiments.ablations.latency import compute, conclusion, first_order_bias, quantities
 from camid.figures.ablations.latency import draw
-from camid.plant import second_order
 
 SHARED = {
     "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},

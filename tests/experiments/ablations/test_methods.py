@@ -2,19 +2,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from camid.chain import Acquisition, sample
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.excitation import pseudo_random_binary_sequence
+from camid.chain.plant import second_order
 from camid.experiments.ablations._identification import percent_errors, whole_experiment
-from camid.experiments.ablations.methods import (
-    METHODS,
-    by_method,
-    compute,
-    conclusion,
-    continuous_time,
-    quantities,
-)
+from camid.experiments.ablations.methods import METHODS, by_method, compute, conclusion, continuous_time, quantities
 from camid.figures.ablations.methods import draw
-from camid.plant import second_order
 
 SHARED = {
     "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},

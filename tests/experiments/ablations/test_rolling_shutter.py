@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
-from camid.chain import Acquisition, sample
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.excitation import pseudo_random_binary_sequence
+from camid.chain.plant import second_order
 from camid.experiments.ablations import rolling_shutter
 from camid.experiments.ablations._held_motion import HeldMotion
 from camid.experiments.marker_images import time_mean
 from camid.figures.ablations.rolling_shutter import draw
-from camid.imaging import FrameFormat, Marker
-from camid.marker import grey_level_centroid
-from camid.plant import second_order
-from camid.rolling_shutter import expose_rolling, time_in_row
+from camid.images.centroids import grey_level_centroid
+from camid.images.forming import FrameFormat, Marker
+from camid.images.rolling_shutter import expose_rolling, time_in_row
 from tests.experiments.test_claims import ROOT
 
 PLANT = {"static_gain": 1.5, "natural_frequency": 10.0, "damping": 0.1}

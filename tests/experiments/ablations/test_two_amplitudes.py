@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
-from camid.chain import Acquisition, sample
-from camid.excitation import multilevel, pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.excitation import multilevel, pseudo_random_binary_sequence
+from camid.chain.plant import second_order
 from camid.experiments.ablations.two_amplitudes import SIGNALS, compute, conclusion, film, quantities
 from camid.figures.ablations.two_amplitudes import draw
-from camid.plant import second_order
 
 SHARED = {"plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1}, "seed": 1}
 SETTINGS = {

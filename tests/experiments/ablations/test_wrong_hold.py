@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import second_order
 from camid.experiments.ablations import wrong_hold
 from camid.experiments.ablations._identification import excitation_signal, whole_experiment
 from camid.figures.ablations.wrong_hold import draw
 from camid.identification.declarations import refitted
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
-from camid.plant import second_order
+from camid.identification.structure import Structure
 from tests.experiments.test_claims import ROOT
 
 SETTINGS = {

@@ -1,6 +1,6 @@
 """Motion of the paper's plant (15) between the samples of a held input, in closed form.
 
-Independent of :mod:`camid.chain`: neither matrix exponentials nor its sensor, so that one checks the other.
+Independent of :mod:`camid.chain.exact`: neither matrix exponentials nor its sensor, so that one checks the other.
 """
 
 from __future__ import annotations

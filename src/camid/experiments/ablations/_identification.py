@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.excitation import pseudo_random_binary_sequence
+from camid.chain.plant import TransferFunction
 from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.experiments.datasets import with_closing_frame
 from camid.identification.accuracy import cramer_rao_bound
-from camid.identification.predictor import Experiment
-from camid.plant import TransferFunction
+from camid.identification.experiment import Experiment
 
 Array = NDArray[np.float64]
 

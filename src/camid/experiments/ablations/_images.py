@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.experiments.marker_images import configured_path, frame_format
-from camid.imaging import Marker, expose
-from camid.marker import RegionOfInterest
+from camid.images.centroids import RegionOfInterest
+from camid.images.forming import Marker, expose
 
 Array = NDArray[np.float64]
 Path = Callable[[Array], Array]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from camid.experiments.ablations._images import even_fractions, grey_levels
 from camid.experiments.marker_images import arc_length_mean, time_mean
-from camid.marker import gradient_centroid, grey_level_centroid
+from camid.images.centroids import gradient_centroid, grey_level_centroid
 
 Array = NDArray[np.float64]
 Motion = Callable[[Array], Array]

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from camid.experiments.ablations._images import circles, grey_levels, root_mean_square, swept_region
 from camid.experiments.marker_images import time_mean
-from camid.imaging import quantise
-from camid.marker import RegionOfInterest, gradient_centroid, grey_level_centroid
+from camid.images.centroids import RegionOfInterest, gradient_centroid, grey_level_centroid
+from camid.images.forming import quantise
 
 Array = NDArray[np.float64]
 Measure = Callable[[NDArray[Any], RegionOfInterest], tuple[float, float]]

@@ -16,7 +16,7 @@ import pandas as pd
 
 from camid.experiments.ablations._images import Path, circles, even_fractions, grey_levels, root_mean_square
 from camid.experiments.marker_images import arc_length_mean
-from camid.marker import gradient_centroid, grey_level_centroid
+from camid.images.centroids import gradient_centroid, grey_level_centroid
 
 # Points from which the arc length of the figure of eight is inverted; they are a fortieth of a pixel apart.
 KNOTS = 20_001

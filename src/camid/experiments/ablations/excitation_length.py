@@ -16,8 +16,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
-from camid.excitation import pseudo_random_binary_sequence
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.excitation import pseudo_random_binary_sequence
+from camid.chain.plant import TransferFunction
 from camid.experiments.ablations._identification import (
     by_parameter,
     percent_bound,
@@ -29,8 +31,7 @@ from camid.experiments.cases import PARAMETERS
 from camid.experiments.datasets import believed_plant, with_closing_frame
 from camid.experiments.sampling_period import noise_level
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from camid.experiments.ablations._images import Path, even_fractions, root_mean_square, swept_region
 from camid.experiments.marker_images import time_mean
-from camid.imaging import FrameFormat, Marker, circular_path, expose, quantise
-from camid.marker import RegionOfInterest, gradient_centroid, grey_level_centroid
+from camid.images.centroids import RegionOfInterest, gradient_centroid, grey_level_centroid
+from camid.images.forming import FrameFormat, Marker, circular_path, expose, quantise
 
 Array = NDArray[np.float64]
 Image = NDArray[Any]

@@ -16,7 +16,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction
 from camid.experiments.ablations._identification import (
     NO_BIAS,
     by_parameter,
@@ -27,8 +29,8 @@ from camid.experiments.ablations._identification import (
 from camid.experiments.cases import PARAMETERS
 from camid.experiments.datasets import believed_plant
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Predictor, Structure
-from camid.plant import TransferFunction
+from camid.identification.predictor import Predictor
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from camid.experiments.ablations._images import circles, grey_levels, outward
 from camid.experiments.marker_images import arc_length_mean
-from camid.marker import gradient_centroid, grey_level_centroid
+from camid.images.centroids import gradient_centroid, grey_level_centroid
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction
 from camid.experiments.ablations._identification import (
     by_parameter,
     excitation_signal,
@@ -35,9 +37,10 @@ from camid.experiments.datasets import believed_plant
 from camid.experiments.sampling_period import noise_level
 from camid.identification.discrete_time import least_squares as discrete_least_squares
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Predictor, Structure
+from camid.identification.experiment import Experiment
+from camid.identification.predictor import Predictor
 from camid.identification.srivc import least_squares_state_variable_filter, reflect
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

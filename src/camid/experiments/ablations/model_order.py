@@ -14,14 +14,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 from camid.experiments.ablations._identification import excitation_signal, unit_noise, whole_experiment
 from camid.experiments.datasets import believed_plant
 from camid.experiments.sampling_period import noise_level
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.order_selection import select_order
-from camid.identification.predictor import Structure
-from camid.plant import TransferFunction, second_order
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -13,14 +13,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
 from camid.experiments.ablations._identification import excitation_signal, unit_noise, whole_experiment
 from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.experiments.datasets import believed_plant, sweep_periods
 from camid.experiments.sampling_period import noise_level
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -15,17 +15,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from camid.chain import Acquisition, sample
-from camid.experiments.ablations._identification import (
-    NO_BIAS,
-    by_parameter,
-    excitation_signal,
-    percent_errors,
-)
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.experiments.ablations._identification import NO_BIAS, by_parameter, excitation_signal, percent_errors
 from camid.experiments.cases import PARAMETERS, declared_experiment
 from camid.experiments.datasets import believed_plant
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
+from camid.identification.structure import Structure
 
 LAG_WITHOUT_SHIFT = {"foh": 1.0, "zoh": 0.5}  # frames
 RIGHT = ("foh", 1)

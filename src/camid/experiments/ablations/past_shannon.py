@@ -13,7 +13,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction, second_order
 from camid.experiments.ablations._identification import excitation_signal, unit_noise, whole_experiment
 from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.experiments.datasets import believed_plant
@@ -21,9 +23,8 @@ from camid.experiments.sampling_period import noise_level
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.factorisation import Records
-from camid.identification.predictor import Structure
 from camid.identification.starts import evaluate
-from camid.plant import TransferFunction, second_order
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
+from camid.chain.acquisition import Acquisition
 from camid.experiments.ablations._held_motion import HeldMotion
 from camid.experiments.ablations._identification import (
     by_parameter,
@@ -34,10 +34,10 @@ from camid.experiments.cases import PARAMETERS
 from camid.experiments.datasets import believed_plant
 from camid.experiments.marker_images import frame_format, time_mean
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
-from camid.imaging import Marker
-from camid.marker import grey_level_centroid
-from camid.rolling_shutter import expose_rolling, time_in_row
+from camid.identification.structure import Structure
+from camid.images.centroids import grey_level_centroid
+from camid.images.forming import Marker
+from camid.images.rolling_shutter import expose_rolling, time_in_row
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
 from camid.experiments.ablations._identification import (
     by_parameter,
     excitation_signal,
@@ -21,7 +22,7 @@ from camid.experiments.cases import PARAMETERS
 from camid.experiments.datasets import believed_plant
 from camid.experiments.sampling_period import noise_level
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Structure
+from camid.identification.structure import Structure
 
 # The paper's "SNR of 10" as a ratio of powers, and of amplitudes.
 POWER_READING, AMPLITUDE_READING = 10.0, 20.0

@@ -16,8 +16,9 @@ import pandas as pd
 from numba import njit
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition
-from camid.excitation import multilevel, multisine, pseudo_random_binary_sequence, two_level_amplitudes
+from camid.chain.acquisition import Acquisition
+from camid.chain.excitation import multilevel, multisine, pseudo_random_binary_sequence, two_level_amplitudes
+from camid.chain.plant import TransferFunction
 from camid.experiments.ablations._identification import (
     by_parameter,
     percent_bound,
@@ -29,8 +30,8 @@ from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.experiments.datasets import believed_plant, with_closing_frame
 from camid.experiments.sampling_period import noise_level
 from camid.identification.estimate import Estimate, estimate
-from camid.identification.predictor import Experiment, Structure
-from camid.plant import TransferFunction
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

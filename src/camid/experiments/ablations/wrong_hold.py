@@ -13,7 +13,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.chain import Acquisition, sample
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction
 from camid.experiments.ablations._identification import excitation_signal, whole_experiment
 from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.experiments.datasets import believed_plant
@@ -21,9 +23,9 @@ from camid.experiments.sampling_period import noise_level
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.declarations import alternative_declarations, explanations, refitted
 from camid.identification.estimate import estimate
-from camid.identification.predictor import Experiment, Structure
+from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import ALARM, analyse_residual
-from camid.plant import TransferFunction
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from camid import plotting as style
 from camid.experiments.ablations.excitation_length import by_length
-from camid.figures import style
 from camid.figures.ablations._identification import SYMBOLS, printed
 
 if TYPE_CHECKING:

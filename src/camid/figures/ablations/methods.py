@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid import plotting as style
 from camid.experiments.ablations.methods import by_method
-from camid.figures import style
 from camid.figures.ablations._identification import SYMBOLS, printed
 
 if TYPE_CHECKING:

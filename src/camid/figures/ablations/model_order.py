@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid import plotting as style
 from camid.experiments.ablations.model_order import TRUE_POLES, by_order
-from camid.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from camid import plotting as style
 from camid.experiments.ablations.monte_carlo import with_ratios
-from camid.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from camid.figures import style
+from camid import plotting as style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

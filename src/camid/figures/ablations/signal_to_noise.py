@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid import plotting as style
 from camid.experiments.ablations.signal_to_noise import AMPLITUDE_READING, LEFT_BOUND, POWER_READING, by_level
-from camid.figures import style
 from camid.figures.ablations._identification import SYMBOLS, printed
 
 if TYPE_CHECKING:

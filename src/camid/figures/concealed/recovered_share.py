@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from camid import plotting as style
 from camid.concealed.scoring import STRONG
-from camid.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid import plotting as style
 from camid.concealed.rates import STRENGTHS, by_strength
 from camid.concealed.scoring import STRONG
-from camid.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

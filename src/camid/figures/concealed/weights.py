@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid import plotting as style
 from camid.concealed.rates import reliability
-from camid.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

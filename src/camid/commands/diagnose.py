@@ -1,0 +1,117 @@
+"""``camid.diagnose``: recordings and a simulation, loaded, diagnosed and put together into one result."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.diagnose import investigate
+from camid.diagnosis.improved import improved
+from camid.diagnosis.result import Diagnosis
+from camid.diagnosis.validation_rows import with_validation
+from camid.effects.declared import effects_of
+from camid.engine.run import NotApplicable
+from camid.errors import InputError
+from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.identification.experiment import Experiment
+from camid.identification.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.identification.structure import Structure
+from camid.recording.recording import Recording
+from camid.simulation.file import load_simulation
+
+Array = NDArray[np.float64]
+# Rows that are needed for an unknown of the plant, and in any case: the tests for structure hold up to sixty functions
+# of input, motion and output against the residual.
+ROWS_A_NUMBER = 5
+FEWEST_ROWS = 100
+
+
+def diagnose(
+    recording: RecordingSource | Sequence[RecordingSource],
+    simulation: SimulationSource,
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Find, name and model what a simulation leaves out.
+
+    Parameters
+    ----------
+    recording : path, DataFrame, or list of them
+        Of one rig. Of several the last one validates and the others are fitted, unless the simulation says which rows
+        validate.
+    simulation : path, mapping or Simulation
+        What is believed of the rig: structure, nominal coefficients, declarations, effects that are known already.
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Returns
+    -------
+    Diagnosis
+        :func:`camid.diagnosis.results_folder.write_diagnosis` puts it into files.
+
+    Raises
+    ------
+    InputError
+        If recording and simulation do not fit together or the data are too few.
+    """
+    begun = time.perf_counter()
+    believed = load_simulation(simulation)
+    effects = effects_of(believed)
+    if believed.input_column is None and not believed.estimates_initial_state:
+        raise InputError(
+            "without input and at rest nothing moves",
+            where=believed.source,
+            mend="set initial_state: estimate for a free decay",
+        )
+    recordings, experiments, held_out = experiments_of(recording, believed, progress)
+    structure = structure_of(believed)
+    _refuse_few(structure, experiments, recordings)
+    problem = problem_of(believed, structure, recordings, experiments)
+    nominal = model_of(believed, structure, effects)
+    try:
+        problem, validation, chosen = with_validation(problem, nominal, held_out)
+        outcome = investigate(problem, nominal, validation, chosen, progress)
+    except InputError:
+        raise
+    except NotApplicable as error:
+        raise InputError(
+            str(error),
+            where=believed.effects[0].where if believed.effects else believed.source,
+            mend="remove the effect, or give the plant more poles than zeros",
+        ) from None
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
+        raise InputError(
+            f"no diagnosis: {error}", where=recordings[0].source, mend="check the simulation and the units"
+        ) from None
+    return Diagnosis(
+        outcome.verdict,
+        outcome.explanation,
+        outcome.location,
+        outcome.findings,
+        outcome.fit,
+        outcome.undetectable,
+        outcome.coefficients,
+        outcome.tests,
+        outcome.signals,
+        improved(believed, structure, outcome, problem.acquisition),
+        [r.source for r in recordings],
+        int(sum(e.used.sum() for e in problem.experiments)),
+        recordings[0].period,
+        time.perf_counter() - begun,
+        list(warnings_of(recordings)),
+    )
+
+
+def _refuse_few(structure: Structure, experiments: list[Experiment], recordings: list[Recording]) -> None:
+    unknowns = int(structure.free.sum()) + structure.order * sum(e.estimate_initial_state for e in experiments)
+    rows = int(sum(e.used.sum() for e in experiments))
+    needed = max(ROWS_A_NUMBER * (unknowns + 1), FEWEST_ROWS)
+    if rows < needed:
+        raise InputError(
+            f"{rows} samples are too few to diagnose a plant of {unknowns} unknowns",
+            where=recordings[0].source,
+            mend=f"record at least {needed} outside of the validation rows",
+        )

@@ -1,0 +1,70 @@
+"""``camid.select_order``: how many poles and zeros a recording supports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from camid.errors import InputError
+from camid.identification.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.simulation.file import load_simulation
+
+if TYPE_CHECKING:
+    from camid.identification.order_selection import OrderSelection
+
+
+def select_order(
+    recording: RecordingSource | Sequence[RecordingSource],
+    simulation: SimulationSource,
+    *,
+    largest: int = 4,
+    progress: Callable[[str], None] | None = None,
+) -> OrderSelection:
+    """Estimate plants of every order and choose the lowest that explains one or several recordings of a rig.
+
+    Parameters
+    ----------
+    recording : path, DataFrame, or list of them
+    simulation : path, mapping or Simulation
+        What is believed of input, sensor and initial state; its plant counts for nothing.
+    largest : int
+        Largest number of poles.
+    progress : callable, optional
+        Called with a sentence about the step at hand.
+
+    Returns
+    -------
+    OrderSelection
+        ``table`` of all candidates, and ``poles`` and ``zeros`` of the chosen one.
+
+    Raises
+    ------
+    InputError
+        If recording and simulation do not fit together, there is no input, or the data are too few.
+    """
+    from camid.identification.order_selection import select_order as run
+
+    believed = load_simulation(simulation)
+    if believed.input_column is None:
+        raise InputError("a free decay says nothing of the zeros", where=believed.source, mend="record an input, too")
+    if believed.effects:
+        raise InputError(
+            "order compares linear chains, and this simulation has effects",
+            where=believed.effects[0].where,
+            mend="remove the effects",
+        )
+    if believed.controller is not None:
+        raise InputError(
+            "order compares plants behind an input that nothing feeds back to, and this one has a controller",
+            where=believed.source,
+            mend="write the plant, and let identify or diagnose estimate it in its loop",
+        )
+    if largest < 1:
+        raise InputError(f"the largest order is {largest}", mend="it takes at least one pole")
+    recordings, experiments, _ = experiments_of(recording, believed, progress)
+    try:
+        selection = run(experiments, largest, progress=progress)
+        return replace(selection, recording_warnings=warnings_of(recordings))
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(str(error), where=recordings[0].source, mend="record longer, or check the units") from None

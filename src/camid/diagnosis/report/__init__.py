@@ -1,0 +1,1 @@
+"""report.html and what is printed of a diagnosis."""

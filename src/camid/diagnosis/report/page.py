@@ -1,0 +1,245 @@
+"""The page of a diagnosis: one HTML file that needs no network, no other file and no script."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camid.diagnosis.report import summary
+from camid.diagnosis.result import Coefficient, Diagnosis, Finding
+from camid.writing import write_whole
+
+STRUCTURE_BELOW = 0.01  # p-values below it are set in bold: chance hardly makes them
+HOLDS = {"zoh": "zero-order hold", "foh": "first-order hold", "band-limited": "band-limited input"}
+
+
+@dataclass(frozen=True)
+class Box:
+    """An element of the chain as it is drawn.
+
+    Attributes
+    ----------
+    name, detail : str
+    kind : str
+        ``signal``, ``box``, ``sum`` or ``source`` (a box that enters at a sum).
+    share : float or None
+        Share of the mismatch that the best description here accounts for.
+    flag : str
+        Empty, ``here`` (where the mismatch sits) or ``also here`` (the place of a weaker effect).
+    area : str
+        Where it stands in the drawing.
+    """
+
+    name: str
+    detail: str
+    kind: str
+    share: float | None = None
+    flag: str = ""
+    area: str = ""
+
+
+def equation(latex: str, size: float = 17.0) -> str | None:
+    """Inline SVG of an equation in mathtext, in the colour of the text; None where mathtext cannot read it."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    # The page has room for tall fractions; mathtext lacks the commands for the size of a delimiter.
+    latex = re.sub(r"\\[bB]igg?[lrm]?(?![A-Za-z])", "", latex.replace(r"\frac", r"\dfrac"))
+    font = FontProperties(math_fontfamily="dejavusans")
+    try:
+        path = TextPath((0.0, 0.0), f"${latex}$", size=size, prop=font)
+    except (ValueError, RuntimeError):  # a command that mathtext does not have
+        return None
+    if not len(path.vertices):
+        return None
+    letters = {1: "M", 2: "L", 3: "Q", 4: "C", 79: "Z"}
+    parts = []
+    for vertices, code in path.iter_segments(simplify=False, curves=True):
+        points = " ".join(f"{v:.2f}" for v in vertices * np.resize([1.0, -1.0], len(vertices)))
+        parts.append("Z" if code == 79 else f"{letters[int(code)]}{points}")
+    box = path.get_extents()
+    margin = 1.0
+    view = (box.x0 - margin, -box.y1 - margin, box.width + 2.0 * margin, box.height + 2.0 * margin)
+    return (
+        f'<svg class="equation" role="img" viewBox="{" ".join(f"{v:.2f}" for v in view)}" '
+        f'width="{view[2]:.1f}" height="{view[3]:.1f}"><path fill="currentColor" d="{"".join(parts)}"/></svg>'
+    )
+
+
+def chain(diagnosis: Diagnosis) -> list[Box]:
+    """The chain of the design with the located box marked."""
+    simulation, location = diagnosis.improved, diagnosis.location
+    # The hold is part of the actuator's side, and drawn as a box of its own.
+    flags = {"hold" if f.identifier == "input-hold" else f.place: "also here" for f in diagnosis.findings}
+    strongest = diagnosis.findings[0].identifier if diagnosis.findings else None
+    if location.place is not None:
+        flags["hold" if strongest == "input-hold" else location.place] = "here"
+    # Where there is no mismatch, or the noise is all of it, no place has a share of it.
+    shares = {} if location.place in {None, "noise"} else location.places
+    sensor = "instant"
+    if simulation.sensor == "camera":
+        exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
+        sensor = f"camera, exposure {summary.plain(1e3 * exposure, unit='ms')}"
+    if simulation.latency:
+        sensor += f", latency {summary.plain(1e3 * simulation.latency, unit='ms')}"
+
+    def box(place: str, detail: str, kind: str = "box") -> Box:
+        return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
+
+    order = simulation.plant.order
+    held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
+    return [
+        Box(summary.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
+        Box("hold", held, "box", None, flags.get("hold", ""), "hold"),
+        box("actuator", "command to force"),
+        box("disturbance", "force from outside", "source"),
+        Box("+", "", "sum", area="force"),
+        box("plant", f"{order} {'pole' if order == 1 else 'poles'}"),
+        box("sensor", sensor),
+        box("noise", "of the measurement", "source"),
+        Box("+", "", "sum", area="added"),
+        Box(summary.printable(simulation.output_column), "recorded", "signal", area="recorded"),
+    ]
+
+
+def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, str]]:
+    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    rows = []
+    for name, parameter in finding.parameters.items():
+        unit = summary.unit_of(parameter.unit, *names)
+        if isinstance(parameter.value, str):
+            value, interval = HOLDS.get(parameter.value, parameter.value), "–"
+        elif isinstance(parameter.value, list | tuple):
+            value, interval = summary.with_deviation(parameter.value, parameter.standard_deviation), "–"
+        else:
+            value = summary.with_deviation(parameter.value, parameter.standard_deviation)
+            interval = summary.interval(parameter.value, parameter.standard_deviation)
+            if unit == "rad/s":
+                unit += f" ({summary.plain(parameter.value / (2.0 * np.pi), unit='Hz')})"
+        rows.append({"name": name.replace("_", " "), "value": value, "interval": interval, "unit": unit})
+    return rows
+
+
+def _coefficient_row(coefficient: Coefficient) -> dict[str, str]:
+    """A row of the table of coefficients, with what the refit alone had bent."""
+    c = coefficient
+    bend = c.refitted - c.improved
+    spread = float(np.hypot(c.refitted_deviation, c.improved_deviation))
+    return {
+        "name": c.name,
+        "nominal": summary.plain(c.nominal, 6),
+        "refitted": summary.with_deviation(c.refitted, c.refitted_deviation),
+        "improved": summary.with_deviation(c.improved, c.improved_deviation),
+        "nominal_off": _change(c.nominal - c.improved, c.improved),
+        "bend": _change(bend, c.improved),
+        "bend_deviations": summary.number(abs(bend) / spread, 2) if spread > 0.0 else "–",
+    }
+
+
+def _change(difference: float, reference: float) -> str:
+    if not reference:
+        return "–"
+    sign = "+" if difference * reference > 0.0 else ""
+    return (
+        f"{sign}{summary.number(100.0 * difference / abs(reference), 2)}{summary.SPACE}%"
+        if difference
+        else f"0{summary.SPACE}%"
+    )
+
+
+def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    from markupsafe import Markup
+
+    found = []
+    for finding in diagnosis.findings:
+        drawn = equation(finding.equation) if finding.equation else None
+        members = [(finding.title, finding.weight, True)] if finding.alternatives else []
+        rivals = sorted(finding.alternatives, key=lambda pair: -pair[1])
+        members += [(summary.title_of(name), weight, False) for name, weight in rivals]
+        found.append(
+            {
+                "finding": finding,
+                # The path is made of numbers alone, so it needs no escaping.
+                "equation": None if drawn is None else Markup(drawn),
+                "parameters": _parameter_rows(finding, diagnosis),
+                "evidence": summary.evidence_lines(finding.evidence),
+                "members": members,
+            }
+        )
+    return found
+
+
+def _context(diagnosis: Diagnosis) -> dict[str, Any]:
+    from markupsafe import Markup
+
+    import camid
+    from camid.diagnosis.report.pictures import draw
+
+    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    seen, unseen = summary.sorted_undetectable(diagnosis.undetectable)
+    pictures = draw(diagnosis)
+    state = diagnosis.location.state
+    return {
+        "diagnosis": diagnosis,
+        "verdict": summary.VERDICT_WORDS[diagnosis.verdict],
+        "chain": chain(diagnosis),
+        "findings": _findings(diagnosis),
+        # Matplotlib has escaped the labels.
+        "pictures": {key: [(p, Markup(p.svg)) for p in panels] for key, panels in pictures.items()},
+        "state": state and summary.state_text(state, *names),
+        "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
+        "bent": bool(diagnosis.findings),
+        "seen": [(u, summary.unit_of(u.unit, *names)) for u in seen],
+        "unseen": unseen,
+        "input_name": summary.printable(names[0]) if names[0] else None,
+        "output_name": summary.printable(names[1]),
+        "compared_name": summary.printable(diagnosis.compared),
+        "recordings": [summary.printable(name) for name in diagnosis.recordings],
+        "rows": len(diagnosis.signals.time),
+        "version": camid.__version__,
+        "structure_below": STRUCTURE_BELOW,
+        "likely": summary.LIKELY,
+        "number": summary.number,
+        "plain": summary.plain,
+        "span": summary.span,
+        "percentage": summary.percentage,
+        "probability": summary.probability,
+        "title_of": summary.title_of,
+    }
+
+
+def render(diagnosis: Diagnosis) -> str:
+    """The page as text."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("camid.diagnosis.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html").render(_context(diagnosis))
+
+
+def write_report(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> None:
+    """Write report.html.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    path : path
+        One file, UTF-8, which holds everything that it shows.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist or cannot be written to.
+    """
+    page = render(diagnosis)
+    # A name from a file system may hold bytes that are no text.
+    write_whole(path, lambda temporary: temporary.write_bytes(page.encode("utf-8", errors="replace")))

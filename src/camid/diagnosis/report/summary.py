@@ -1,0 +1,275 @@
+"""What a diagnosis says in a terminal, and the words and numbers that it shares with the page."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from camid.diagnosis.result import Diagnosis, Finding, ParameterEstimate, Undetectable
+
+# Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
+VERDICT_WORDS = {
+    "adequate": ("✓", "Adequate", "the simulation leaves nothing out that this recording shows"),
+    "explained": ("◆", "Explained", "what the simulation leaves out is named, and what remains is noise"),
+    "partly-explained": ("◐", "Partly explained", "something is named, and something structured remains"),
+    "unexplained": ("?", "Unexplained", "something is left out, and this recording does not say what"),
+}
+UNLISTED = "unlisted"
+NORMAL_95 = 1.959964  # half the width of a 95 % interval in standard deviations
+LIKELY = 0.95  # weight from which the alternatives to an effect are remote
+SCIENTIFIC_ABOVE, SCIENTIFIC_BELOW = 5, -4
+SMALLEST_PROBABILITY = 1e-4
+SPACE = "\u00a0"  # between a number and its unit: no line breaks there
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def printable(name: str) -> str:
+    """A name from a file, without line breaks and control characters."""
+    return "".join(c if c.isprintable() else "?" for c in name)
+
+
+def title_of(identifier: str) -> str:
+    """An effect's title in the catalogue."""
+    from camid.effects import known_effects
+
+    if identifier == UNLISTED:
+        return "physics outside the catalogue"
+    known = known_effects().get(identifier)
+    words = identifier.replace("-", " ")
+    return words[:1].upper() + words[1:] if known is None else known.title
+
+
+def _fixed(value: float, decimals: int) -> str:
+    return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", "−")
+
+
+def _exponent(value: float) -> int:
+    return math.floor(math.log10(abs(value))) if value else 0
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number with this many significant digits; powers of ten where it is very small or large."""
+    if not math.isfinite(value):
+        return "not determined" if math.isnan(value) else ("∞" if value > 0 else "−∞")
+    value = float(f"{value:.{digits - 1}e}")
+    exponent = _exponent(value)
+    if SCIENTIFIC_BELOW <= exponent <= SCIENTIFIC_ABOVE:
+        return _fixed(value, digits - 1 - exponent)
+    return f"{_fixed(value / 10.0**exponent, digits - 1)}·10{str(exponent).translate(SUPERSCRIPTS)}"
+
+
+def plain(value: float, digits: int = 4, unit: str = "") -> str:
+    """A number that somebody declared, and its unit: without the zeros at its end."""
+    text = number(value, digits)
+    head, power, tail = text.partition("·")
+    head = head.rstrip("0").rstrip(".") if "." in head else head
+    return head + power + tail + (SPACE + unit if unit else "")
+
+
+def with_deviation(value: Any, deviation: Any) -> str:
+    """``value ± deviation``, cut where the deviation has two significant digits; one behind the other for lists."""
+    if isinstance(value, list | tuple):
+        spreads = deviation if isinstance(deviation, list | tuple) else [deviation] * len(value)
+        return "; ".join(with_deviation(v, d) for v, d in zip(value, spreads, strict=True))
+    if deviation is None or not math.isfinite(deviation) or deviation <= 0.0 or not math.isfinite(value):
+        return number(value, 4)
+    deviation = float(f"{deviation:.1e}")
+    largest, last = _exponent(max(abs(value), deviation)), _exponent(deviation) - 1
+    if SCIENTIFIC_BELOW <= largest <= SCIENTIFIC_ABOVE:
+        return f"{_fixed(value, -last)} ± {_fixed(deviation, -last)}"
+    scale, decimals = 10.0**largest, largest - last
+    power = str(largest).translate(SUPERSCRIPTS)
+    return f"({_fixed(value / scale, decimals)} ± {_fixed(deviation / scale, decimals)})·10{power}"
+
+
+def interval(value: float, deviation: float | None) -> str:
+    """95 % interval of a normal estimate."""
+    if deviation is None or not math.isfinite(deviation) or deviation <= 0.0:
+        return "–"
+    digits = min(9, max(3, _exponent(max(abs(value), deviation)) - _exponent(deviation) + 2))
+    return " to ".join(number(value + sign * NORMAL_95 * deviation, digits) for sign in (-1, 1))
+
+
+def percentage(share: float | None, digits: int = 3) -> str:
+    """A share of one in per cent."""
+    return "–" if share is None or math.isnan(share) else f"{number(100.0 * share, digits)}{SPACE}%"
+
+
+def probability(value: float | None) -> str:
+    """A p-value."""
+    if value is None or math.isnan(value):
+        return "–"
+    return f"< {number(SMALLEST_PROBABILITY, 1)}" if value < SMALLEST_PROBABILITY else number(value, 2)
+
+
+def unit_of(unit: str | None, input_name: str | None, output_name: str) -> str:
+    """A unit in u, y and s with the names of the columns in place of u and y."""
+    if not unit or unit in {"1", "-"}:
+        return ""
+    names = {"u": input_name or "u", "y": output_name}
+
+    def name(match: re.Match[str]) -> str:
+        column = printable(names[match.group()])
+        return column if re.fullmatch(r"\w+", column) else f"[{column}]"
+
+    named = re.sub(r"(?<![\w%])[uy](?![\w%])", name, unit.replace("**", "^").replace("*", "·"))
+    return re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(SUPERSCRIPTS), named)
+
+
+def estimate_text(parameter: ParameterEstimate, input_name: str | None, output_name: str) -> str:
+    """Value, standard deviation and unit in one line."""
+    if isinstance(parameter.value, str):
+        return parameter.value
+    text = with_deviation(parameter.value, parameter.standard_deviation)
+    return f"{text} {unit_of(parameter.unit, input_name, output_name)}".rstrip()
+
+
+def is_noise_only(evidence: dict[str, Any]) -> bool:
+    """Whether an effect changes the noise and not the expected output, so that it removes no error."""
+    return evidence.get("share") == 0.0 and evidence.get("validation_gain") is None
+
+
+def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
+    """Pairs of what was measured and its value: first the known kinds of evidence, then the others as they come."""
+    lines = []
+    known: dict[str, tuple[str, Callable[[float], str]]] = {
+        "share": ("error that it removes, fitted rows", percentage),
+        "validation_gain": ("error that it removes, held-out rows", percentage),
+        "false_alarm_probability": ("probability of as much by chance", probability),
+        "delta_bic": ("ΔBIC against leaving it out", number),
+        "delta_bic_to_next_best": ("ΔBIC to the next best", number),
+    }
+    noise_only = is_noise_only(evidence)
+    if noise_only:
+        lines.append(("error that it removes", "none: it changes the noise"))
+    for key, (words, text) in known.items():
+        if key == "share" and noise_only:
+            continue
+        if isinstance(evidence.get(key), int | float):
+            lines.append((words, text(float(evidence[key]))))
+    for key, value in evidence.items():
+        if key in known and (value is None or isinstance(value, int | float)):
+            continue
+        if key == "next_best":
+            if isinstance(value, str):
+                lines.append(("next best", title_of(value)))
+            continue
+        if isinstance(value, bool) or value is None:
+            shown = {True: "yes", False: "no", None: "–"}[value]
+        elif isinstance(value, int | float):
+            shown = number(float(value), 4) if isinstance(value, float) else str(value)
+        else:
+            shown = value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)
+        lines.append((key.replace("_", " "), shown))
+    return lines
+
+
+def sorted_undetectable(undetectable: list[Undetectable]) -> tuple[list[Undetectable], list[Undetectable]]:
+    """Those that a certain size would have shown, and those that no size would, each by name."""
+    ordered = sorted(undetectable, key=lambda u: title_of(u.identifier).lower())
+    return [u for u in ordered if u.value is not None], [u for u in ordered if u.value is None]
+
+
+def alternatives_text(finding: Finding) -> str:
+    """The effects that cannot be told apart from a finding, with their weights."""
+    return ", ".join(
+        f"{title_of(name)} ({percentage(weight, 2)})"
+        for name, weight in sorted(finding.alternatives, key=lambda pair: -pair[1])
+    )
+
+
+def place_text(diagnosis: Diagnosis) -> str:
+    """Place, time, band and region of the mismatch in a line."""
+    location, names = diagnosis.location, diagnosis.improved
+    if location.place is None and diagnosis.verdict == "adequate":
+        return "nowhere"
+    parts = [location.place or "no place of the chain stands out"]
+    if location.time is not None:
+        parts.append(span(location.time, "s"))
+    if location.frequency is not None:
+        parts.append(span(location.frequency, "Hz"))
+    if location.state is not None:
+        parts.append(state_text(location.state, names.input_column, names.output_column))
+    return ", ".join(parts)
+
+
+def state_text(state: tuple[str, float, float], input_name: str | None, output_name: str) -> str:
+    """Region of a signal, with its column's name."""
+    variable, low, high = state
+    column = printable(input_name or "u") if variable == "input" else printable(output_name)
+    unit = f"{column}/s" if variable == "velocity" else column
+    return f"{variable} from {span((low, high), unit)}"
+
+
+def span(limits: tuple[float, float], unit: str) -> str:
+    """Two limits and their unit."""
+    return f"{plain(limits[0])} to {plain(limits[1], unit=unit)}"
+
+
+def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
+    """Print verdict, place, effects, errors and warnings for a person.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    written : list of Path
+        Files that hold the rest.
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    # Names of files and columns may look like rich's markup.
+    console = Console(highlight=False, markup=False, emoji=False)
+    symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
+    console.print(f"{symbol} {word.upper()}: {meaning}", style="bold", soft_wrap=True)
+    console.print(printable(diagnosis.explanation), soft_wrap=True)
+    console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
+    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    if diagnosis.findings:
+        table = Table(title="What was found", title_justify="left")
+        for heading in ("effect", "place", "parameter", "value", "error removed"):
+            table.add_column(heading, overflow="fold")
+        for finding in diagnosis.findings:
+            noise_only = is_noise_only(finding.evidence)
+            removed = "– (noise)" if noise_only else percentage(finding.evidence.get("share"))
+            rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
+            for i, (name, parameter) in enumerate(rows):
+                head = (finding.title, finding.place) if i == 0 else ("", "")
+                value = estimate_text(parameter, *names)
+                table.add_row(*head, name.replace("_", " "), value, removed if i == 0 else "")
+        console.print(table)
+    for finding in diagnosis.findings:
+        if finding.alternatives:
+            relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
+            line = f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {alternatives_text(finding)}"
+            console.print(line, soft_wrap=True)
+        if finding.separating_experiment:
+            console.print(f"  what would: {finding.separating_experiment}", soft_wrap=True)
+    fit = diagnosis.fit
+    console.print(
+        f"error on held-out rows ({span(fit.validation, 's')}"
+        f"{', chosen by camid' if fit.chosen else ''}), in % of the output's standard deviation: "
+        f"as given {percentage(fit.nominal)}, coefficients re-estimated {percentage(fit.refitted)}, "
+        f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
+        soft_wrap=True,
+    )
+    if fit.position is not None:
+        console.print(
+            f"these errors are of the control ({printable(diagnosis.compared)}); of the position: re-estimated "
+            f"{percentage(fit.position[0])}, improved {percentage(fit.position[1])}",
+            soft_wrap=True,
+        )
+    unseen = len(diagnosis.undetectable)
+    if unseen:
+        invisible = len(sorted_undetectable(diagnosis.undetectable)[1])
+        console.print(
+            f"not found: {unseen} other effects, {invisible} of which would not have shown at any size", soft_wrap=True
+        )
+    for warning in diagnosis.warnings:
+        console.print(f"warning: {printable(warning)}", style="yellow", soft_wrap=True)
+    for path in written:
+        console.print(f"written to {printable(str(path))}", soft_wrap=True)

@@ -1,0 +1,142 @@
+"""The folder of a diagnosis: diagnosis.json, improved.yaml, residuals.csv and report.html."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.result import Diagnosis
+from camid.errors import InputError
+from camid.identification.result import without_infinities
+from camid.simulation.file import simulation_text
+from camid.writing import check_writable, write_whole
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+FILES = ("diagnosis.json", "improved.yaml", "residuals.csv", "report.html")
+RESIDUALS = (
+    "recorded",
+    "nominal",
+    "refitted",
+    "improved",
+    "residual_refitted",
+    "residual_improved",
+    "equivalent_input",
+    "fitted",
+)
+
+
+def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, report: bool = True) -> list[Path]:
+    """Write the files of a diagnosis into a folder, which is made if its parent is there; each whole or not at all.
+
+    Everything is made before the first file is written, so that what goes wrong leaves the folder as it was.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    folder : path
+    report : bool
+        Whether to draw report.html, too; if not, one of an earlier diagnosis in the folder is removed.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to; it says which files were written before.
+    """
+    folder = Path(folder)
+    check_folder(folder)
+    contents = {
+        FILES[0]: json.dumps(without_infinities(diagnosis.to_mapping()), indent=2, ensure_ascii=False) + "\n",
+        FILES[1]: simulation_text(
+            diagnosis.improved,
+            f"improved by camid diagnose from {', '.join(diagnosis.recordings)}: {diagnosis.verdict}",
+        ),
+        FILES[2]: residuals(diagnosis).to_csv(index=False),
+    }
+    if report:
+        from camid.diagnosis.report.page import render
+
+        contents[FILES[3]] = render(diagnosis)
+    written: list[Path] = []
+    try:
+        folder.mkdir(exist_ok=True)
+        if not report:
+            (folder / FILES[3]).unlink(missing_ok=True)
+        for name, content in contents.items():
+            # A name from a file system may hold bytes that are no text.
+            data = content.encode("utf-8", errors="replace")
+            write_whole(folder / name, lambda path, data=data: path.write_bytes(data))  # type: ignore[misc]
+            written.append(folder / name)
+    except (OSError, InputError) as error:
+        done = f"; written before: {', '.join(p.name for p in written)}" if written else ""
+        problem = error.problem if isinstance(error, InputError) else f"cannot write ({error.strerror or error})"
+        raise InputError(f"{problem}{done}", where=str(folder), mend="make room, or write elsewhere") from None
+    return written
+
+
+def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
+    """Table of residuals.csv: one row a row of the (first) recording."""
+    import pandas as pd
+
+    signals = diagnosis.signals
+    time = diagnosis.improved.time_column
+    return pd.DataFrame(
+        {
+            # A time column that is called like one of the others keeps its place under a name of its own.
+            time if time not in RESIDUALS else f"{time} (time)": signals.time,
+            "recorded": signals.recorded,
+            "nominal": signals.nominal,
+            "refitted": signals.refitted,
+            "improved": signals.improved,
+            "residual_refitted": signals.recorded - signals.refitted,
+            "residual_improved": signals.recorded - signals.improved,
+            "equivalent_input": signals.equivalent_input,
+            "fitted": signals.fitted.astype(int),
+        }
+    )
+
+
+def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
+    """Refuse, before the work is done, a folder that the results cannot go to.
+
+    Parameters
+    ----------
+    folder : Path
+    inputs : sequence of Path
+        What the results are made from, and what they may not overwrite.
+
+    Raises
+    ------
+    InputError
+        If it is a file or cannot be written to, its parent does not exist, or one of the results would overwrite an
+        input or is called like a folder.
+    """
+    parent = folder.resolve().parent
+    if folder.exists() and not folder.is_dir():
+        raise InputError("this is a file", where=str(folder), mend="name a folder for the results")
+    if not parent.is_dir():
+        raise InputError("no such folder", where=str(parent), mend="make it, or write elsewhere")
+    if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
+        raise InputError("no right to write here", where=str(folder), mend="write elsewhere")
+    for name in FILES:
+        target = folder / name
+        for path in inputs:
+            if target.exists() and path.exists() and target.samefile(path):
+                raise InputError(
+                    f"{name} would overwrite what it is made from", where=str(path), mend="name another folder"
+                )
+        if folder.exists():
+            check_writable(target)

@@ -1,0 +1,59 @@
+"""Which rows of the recordings judge, where the simulation does not say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.fitting.problem import Model, Problem
+from camid.fitting.refit import refit
+
+Array = NDArray[np.float64]
+# Share of a recording that validates where the simulation does not say, and how much more of the mismatch than
+# elsewhere that part may hold before another one is taken.
+VALIDATION_SHARE = 0.2
+CONCENTRATED = 3.0
+# A part with a smaller share of the largest variance of the output is at rest.
+AT_REST = 0.02
+
+
+def with_validation(
+    problem: Problem, nominal: Model, held_out: list[NDArray[np.bool_]]
+) -> tuple[Problem, list[NDArray[np.bool_]], bool]:
+    """The problem without the rows that validate, these rows, and whether they were chosen here."""
+    if any(rows.any() for rows in held_out):
+        return problem, held_out, False
+    experiments = problem.experiments
+    if len(experiments) > 1:
+        validation = [np.zeros(len(e.used), bool) for e in experiments[:-1]] + [experiments[-1].used.copy()]
+        # The last recording's initial state has to come from somewhere: from its first fifth.
+        if experiments[-1].estimate_initial_state:
+            validation[-1][: len(validation[-1]) // 5] = False
+    else:
+        validation = [_quiet_part(problem, nominal)]
+    used = [e.used & ~rows for e, rows in zip(experiments, validation, strict=True)]
+    return problem.with_used(used), validation, True
+
+
+def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
+    """The last part of a recording that judges: another one where the rig rests or a single event makes the mismatch.
+
+    Where the rig hardly moves in the last part (a free decay), it is the part after the first that moves most; where a
+    single event makes most of the mismatch in it, the part with the least.
+    """
+    experiment = problem.experiments[0]
+    residual = experiment.output - problem.simulate(refit(problem, replace(nominal, effects=())).model)[0]
+    parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
+    energy = np.array([float(np.median(residual[p] ** 2)) for p in parts])
+    motion = np.array([float(np.var(experiment.output[p])) for p in parts])
+    if motion[-1] < AT_REST * float(np.max(motion[1:])):
+        part = parts[int(np.argmax(motion[1:])) + 1]
+    elif energy[-1] > CONCENTRATED * float(np.mean(energy[:-1])):
+        part = parts[int(np.argmin(energy[1:])) + 1]
+    else:
+        part = parts[-1]
+    rows = np.zeros(len(residual), bool)
+    rows[part] = True
+    return rows & experiment.used

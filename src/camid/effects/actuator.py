@@ -1,0 +1,301 @@
+"""Effects between the commanded input and the force that reaches the plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+
+from camid.chain.acquisition import HOLDS, Acquisition
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Array, Effect, Parameter, Situation
+
+# Shares of the largest input, or of its changes, at which thresholds are looked for.
+SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)
+LARGE_SHARES = (0.97, 0.9, 0.75, 0.55, 0.3)
+DELAYS = (0.05, 0.3, 1.0, 3.0)
+LEAST_FACTOR = 1e-9
+
+
+def levels(signal: Array) -> int:
+    """Number of different absolute values of an input, at most three counted."""
+    sizes = np.abs(signal)
+    largest = float(np.max(sizes, initial=0.0)) or 1.0
+    return min(len(np.unique(np.round(sizes / largest, 6))), 3)
+
+
+def _one_level(situation: Situation, effect: str) -> str | None:
+    if situation.acquisition.hold == "zoh" and levels(situation.signal) == 1:
+        return f"the input has one absolute value only, for which {effect} is a change of the gain"
+    return None
+
+
+class DeadZone(Effect):
+    """No force for a command that is smaller than the half width."""
+
+    identifier = "dead-zone"
+    place = "actuator"
+    title = "Dead zone of the actuator"
+    equation = r"u' = \mathrm{sgn}(u)\,\max(|u| - d,\ 0)"
+    reference = "Tao & Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities"
+    parameters = (Parameter("half_width", "u", "command d that has no effect", 0.0),)
+    strength = "half_width"
+    keeps_hold = True
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Subtract the half width."""
+        width = self.values["half_width"]
+        return _both(lambda u: np.sign(u) * np.maximum(np.abs(u) - width, 0.0), start, end)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Several shares of the largest input."""
+        for share in SMALL_SHARES:
+            yield cls(half_width=share * situation.largest("signal"))
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """A two-level input shows nothing of it."""
+        return _one_level(situation, "a dead zone")
+
+
+class Saturation(Effect):
+    """No force beyond a limit."""
+
+    identifier = "saturation"
+    place = "actuator"
+    title = "Saturation of the actuator"
+    equation = r"u' = \max(-s,\ \min(u,\ s))"
+    reference = "Khalil (2002), Nonlinear Systems, 3rd ed., section 1.2"
+    parameters = (Parameter("limit", "u", "largest force s in units of the command", 0.0),)
+    keeps_hold = True
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Clip at the limit."""
+        limit = self.values["limit"]
+        return _both(lambda u: np.clip(u, -limit, limit), start, end)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Several shares of the largest input."""
+        for share in LARGE_SHARES:
+            yield cls(limit=share * situation.largest("signal")).measured_from(situation.largest("signal"))
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """A two-level input shows nothing of it."""
+        return _one_level(situation, "saturation")
+
+
+@njit(cache=True)
+def _play(start: Array, end: Array, half_width: float) -> tuple[Array, Array]:
+    behind, behind_end = np.empty_like(start), np.empty_like(end)
+    value = 0.0
+    for k in range(len(start)):
+        value = min(max(value, start[k] - half_width), start[k] + half_width)
+        behind[k] = value
+        value = min(max(value, end[k] - half_width), end[k] + half_width)
+        behind_end[k] = value
+    return behind, behind_end
+
+
+class Backlash(Effect):
+    """Play between command and force: a reversal has to cross the gap first."""
+
+    identifier = "backlash"
+    place = "actuator"
+    title = "Backlash (play) of the actuator"
+    equation = r"u'_k = \min(\max(u'_{k-1},\ u_k - b),\ u_k + b)"
+    reference = "Nordin & Gutman (2002), Automatica 38, 1633-1649"
+    parameters = (Parameter("half_width", "u", "half b of the gap", 0.0),)
+    strength = "half_width"
+    keeps_hold = True
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Play operator, from the middle of the gap."""
+        return _play(np.ascontiguousarray(start), np.ascontiguousarray(end), self.values["half_width"])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Several shares of the largest input."""
+        for share in SMALL_SHARES:
+            yield cls(half_width=share * situation.largest("signal"))
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """A two-level input shows nothing of it."""
+        return _one_level(situation, "backlash")
+
+
+@njit(cache=True)
+def _follow(start: Array, end: Array, step: float, rate: float) -> tuple[Array, Array]:
+    """The command followed at a limited rate; each piece has the right mean, though a corner lies within it."""
+    behind, behind_end = np.empty_like(start), np.empty_like(end)
+    value = 0.0
+    longest = rate * step
+    for k in range(len(start)):
+        slope = end[k] - start[k]
+        distance = start[k] - value
+        following = value
+        mean = 0.0
+        closing = longest - slope if distance > 0.0 else longest + slope
+        if abs(distance) <= closing * 1e-12 or (closing > 0.0 and abs(distance) < closing):
+            # The command is reached within the step, at this share of it; behind that it is followed if it is slow.
+            share = abs(distance) / closing
+            sign = 1.0 if distance > 0.0 else -1.0
+            reached = value + sign * longest * share
+            if abs(slope) <= longest:
+                following = end[k]
+            else:
+                following = reached + (1.0 if slope > 0.0 else -1.0) * longest * (1.0 - share)
+            mean = 0.5 * (value + reached) * share + 0.5 * (reached + following) * (1.0 - share)
+        else:
+            following = value + (longest if distance > 0.0 else -longest)
+            mean = 0.5 * (value + following)
+        # A straight piece of the same mean and the same slope on average.
+        middle = 0.5 * (following - value)
+        behind[k], behind_end[k] = mean - middle, mean + middle
+        value = following
+    return behind, behind_end
+
+
+class RateLimit(Effect):
+    """The actuator follows its command no faster than a rate."""
+
+    identifier = "rate-limit"
+    place = "actuator"
+    title = "Rate limit of the actuator"
+    equation = r"|\dot u'| \leq r"
+    reference = "Khalil (2002), Nonlinear Systems, 3rd ed.; Franklin, Powell & Emami-Naeini, Feedback Control"
+    parameters = (Parameter("rate", "u/s", "largest rate r", 0.0),)
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Follow at a limited rate, from zero."""
+        return _follow(np.ascontiguousarray(start), np.ascontiguousarray(end), step, self.values["rate"])
+
+    def scaled(self, factor: float) -> RateLimit:
+        """Another time for the same change: the effect is proportional to the inverse of the rate."""
+        return self.with_vector(self.vector / max(factor, LEAST_FACTOR))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Rates at which the largest change takes from a tenth of a period to many periods."""
+        change = float(np.max(np.abs(np.diff(situation.signal)), initial=0.0)) or 1.0
+        for periods in (0.15, 0.4, 1.0, 2.5, 6.0):
+            yield cls(rate=change / (periods * situation.acquisition.period))
+
+
+class ActuatorLag(Effect):
+    """First-order lag between command and force."""
+
+    identifier = "actuator-lag"
+    place = "actuator"
+    title = "First-order lag of the actuator"
+    equation = r"\tau\,\dot u' + u' = u"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 4.3"
+    parameters = (Parameter("time_constant", "s", "time constant τ", 0.0),)
+    strength = "time_constant"
+
+    def before_plant(self) -> TransferFunction | None:
+        """1 / (τ s + 1)."""
+        constant = self.values["time_constant"]
+        return TransferFunction((1.0,), (constant, 1.0)) if constant > 1e-7 else None
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Several shares of the period."""
+        for periods in DELAYS:
+            yield cls(time_constant=periods * situation.acquisition.period)
+
+
+class GainAsymmetry(Effect):
+    """Another gain for negative commands than for positive ones."""
+
+    identifier = "gain-asymmetry"
+    place = "actuator"
+    title = "Asymmetric gain of the actuator"
+    equation = r"u' = u\ \ (u \geq 0),\quad u' = \rho\,u\ \ (u < 0)"
+    reference = "Jelali & Kroll (2003), Hydraulic Servo-systems, chapter 2 (asymmetric actuators)"
+    parameters = (Parameter("ratio", "", "negative over positive gain ρ", 0.0),)
+    keeps_hold = True
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Scale negative commands."""
+        ratio = self.values["ratio"]
+        return _both(lambda u: np.where(u < 0.0, ratio * u, u), start, end)
+
+    @property
+    def one_sided(self) -> bool:
+        """The negative gain may be smaller or larger."""
+        return False
+
+    def scaled(self, factor: float) -> GainAsymmetry:
+        """The distance of the ratio from one, scaled."""
+        return self.with_vector(np.array([1.0 + factor * (self.values["ratio"] - 1.0)]))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """A small asymmetry: the effect is proportional to it."""
+        yield cls(ratio=0.95)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """An input of one sign shows nothing of it."""
+        if np.min(situation.signal) >= 0.0 or np.max(situation.signal) <= 0.0:
+            return "the input has one sign only, for which an asymmetric gain is a change of the gain"
+        return None
+
+
+class InputHold(Effect):
+    """The input is held otherwise than declared."""
+
+    identifier = "input-hold"
+    place = "actuator"
+    title = "Hold of the input"
+    equation = (
+        r"u(t) = u_k\ \mathrm{(zoh)},\ \ u_k + (u_{k+1}-u_k)\,\tau/T\ \mathrm{(foh)},\ \ "
+        r"\sum_j u_j\,\mathrm{sinc}(t/T-j)\ \mathrm{(band-limited)}"
+    )
+    reference = "Laroche & Delavigne, section 3.2; Pintelon & Schoukens (2012), System Identification, section 13.2"
+    parameters = (Parameter("hold", "", "intersample behaviour of the input", choices=HOLDS),)
+
+    def declare(self, acquisition: Acquisition) -> Acquisition:
+        """Another hold."""
+        return replace(acquisition, hold=self.values["hold"])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """The holds that were not declared."""
+        for hold in HOLDS:
+            if hold != situation.acquisition.hold:
+                yield cls(hold=hold)
+
+
+class InputBias(Effect):
+    """A constant that is added to the command."""
+
+    identifier = "input-bias"
+    place = "actuator"
+    title = "Bias of the input"
+    equation = r"u' = u + b"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
+    parameters = (Parameter("bias", "u", "constant b"),)
+    strength = "bias"
+    keeps_hold = True
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Add the bias."""
+        return _both(lambda u: u + self.values["bias"], start, end)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """A small bias: the effect is proportional to it."""
+        yield cls(bias=0.02 * situation.largest("signal"))
+
+
+def _both(function, start: Array, end: Array) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
+    """A static function of both ends of each step; a held input stays one array."""
+    first = function(start)
+    return first, (first if end is start else function(end))

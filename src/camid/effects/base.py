@@ -1,0 +1,366 @@
+"""The form of every effect: one class with its equation, parameters, first guesses and contribution to the chain.
+
+An effect is an instance with values. What it does is said by the hooks below; a class overrides those it needs and is
+then known everywhere: catalogue, simulation files, engine, diagnosis, report and documentation. docs/effects.md shows
+how one is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+from numba import cfunc, types
+from numpy.typing import NDArray
+
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+
+if TYPE_CHECKING:
+    from camid.chain.motion import Motion
+
+Array = NDArray[np.float64]
+
+# Begin of a recording, in its durations, beyond which a drift from the zero of its clock is a constant.
+FAR_FROM_ZERO = 100.0
+PLACES = ("actuator", "plant", "disturbance", "sensor", "noise")
+SIGNATURE = types.float64(*[types.float64] * 5, types.CPointer(types.float64))
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect.
+
+    Attributes
+    ----------
+    name, meaning : str
+    unit : str
+        In u, y and s, for instance ``u/y^3``; empty for a pure number.
+    lower, upper : float
+        Bounds, in that unit.
+    choices : tuple of str
+        Values of a parameter that is no number.
+    sequence : bool
+        Whether the value is a list of numbers.
+    scale : str
+        What a small change of it is measured by: the ``value`` itself, the sampling ``period``, ``one``, or the
+        ``resolution`` in frequency that the length of the recording allows.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    lower: float = -inf
+    upper: float = inf
+    choices: tuple[str, ...] = ()
+    sequence: bool = False
+    scale: str = "value"
+
+
+class Compiled:
+    """A function (time, position, velocity, input, memory, values) → float that the integrator calls by its address.
+
+    It is compiled when it is first needed and kept on disk. ``values`` is indexed like an array. Time in seconds,
+    velocity in units of y per second.
+    """
+
+    def __init__(self, function: Callable[..., float]) -> None:
+        self.function = function
+        self._callback: Any = None
+
+    @property
+    def address(self) -> int:
+        """Where the compiled function lies in memory."""
+        if self._callback is None:
+            self._callback = cfunc(SIGNATURE, cache=True)(self.function)
+        return int(self._callback.address)
+
+
+def compiled(function: Callable[..., float]) -> Compiled:
+    """Mark a function of an effect's class body as compiled code, see :class:`Compiled`."""
+    return Compiled(function)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What is known when an effect is first guessed: the recording and the refitted simulation without the effect.
+
+    Attributes
+    ----------
+    time, signal, recorded, position, velocity, residual : ndarray, shape (N,)
+        Time in seconds, input, output, simulated output, its derivative by time, recorded minus simulated output.
+    plant : TransferFunction
+    acquisition : Acquisition
+    used : ndarray of bool, shape (N,)
+        Rows that are fitted; on the others the residual is zero.
+    """
+
+    time: Array
+    signal: Array
+    recorded: Array
+    position: Array
+    velocity: Array
+    residual: Array
+    plant: TransferFunction
+    acquisition: Acquisition
+    used: NDArray[np.bool_]
+
+    def largest(self, name: str, share: float = 1.0) -> float:
+        """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
+
+        Without input the force that would hold the plant where it moves stands for it.
+        """
+        found = float(np.quantile(np.abs(getattr(self, name)), share))
+        if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
+            found = abs(self.plant.denominator[-1] / self.plant.numerator[-1]) * self.largest("position", share)
+        return found or 1.0
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def far_from_zero(self) -> str | None:
+        """Why drifts, which count from the zero of the time column, cannot be told; None if they can."""
+        if abs(float(self.time[0])) <= FAR_FROM_ZERO * self.duration:
+            return None
+        return "the time column begins far from zero, where drifts count from: let it begin at zero"
+
+
+@dataclass(frozen=True)
+class Recognition:
+    """An effect that changes the noise, as residual and recorded values show it.
+
+    Attributes
+    ----------
+    effect : Effect
+    standard_deviations : dict of str to float
+        Of its parameters.
+    p_value : float
+        Probability that its absence shows as much.
+    spoiled : ndarray of bool, shape (N,)
+        Rows that say nothing of the motion.
+    """
+
+    effect: Effect
+    standard_deviations: dict[str, float]
+    p_value: float
+    spoiled: NDArray[np.bool_]
+
+
+_catalogue: dict[str, type[Effect]] = {}
+
+
+class Effect:
+    """Base of all effects.
+
+    Attributes
+    ----------
+    identifier, place, title, equation, reference : str
+        ``equation`` is LaTeX without dollar signs.
+    parameters : tuple of Parameter
+    strength : str or None
+        Parameter to which the effect is proportional while it is small; None where none is.
+    trials : str
+        How many different effects a search over the shape amounts to: ``shapes`` (as many as candidates), ``frames``
+        (anywhere in the recording) or ``frequencies``.
+    keeps_hold : bool
+        Whether a held input is still held behind the effect.
+    noise_like : bool
+        Whether the effect changes the noise and not the expected output, so that no simulation shows it.
+    uses_velocity : bool
+        Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is missing, unknown, not finite or out of its bounds.
+    """
+
+    identifier: ClassVar[str]
+    place: ClassVar[str]
+    title: ClassVar[str]
+    equation: ClassVar[str]
+    reference: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    strength: ClassVar[str | None] = None
+    trials: ClassVar[str] = "shapes"
+    keeps_hold: ClassVar[bool] = False
+    noise_like: ClassVar[bool] = False
+    uses_velocity: bool = False
+    # Compiled parts; see :class:`Compiled` for their arguments.
+    force: ClassVar[Compiled | None] = None
+    """Force against the motion, in units of u."""
+    friction_level: ClassVar[Compiled | None] = None
+    """Dry friction at a speed ≥ 0, in units of u; at speed zero what holds a body that sticks."""
+    memory_after: ClassVar[Compiled | None] = None
+    """Inner state, zero at first, that the force depends on: what becomes of ``memory`` over a displacement, which
+    stands in the place of ``position``."""
+    switch: ClassVar[Compiled | None] = None
+    """Function whose change of sign marks a kink of the force."""
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if "identifier" in vars(cls):
+            if cls.place not in PLACES:
+                raise ValueError(f"{cls.__name__}: place '{cls.place}' is none of {', '.join(PLACES)}")
+            _catalogue[cls.identifier] = cls
+
+    def __init__(self, **values: Any) -> None:
+        known = [p.name for p in self.parameters]
+        for name in values:
+            if name not in known:
+                raise ValueError(f"{self.identifier} has no parameter '{name}' (known: {', '.join(known) or 'none'})")
+        self.values: dict[str, Any] = {}
+        self._neutral: tuple[float, ...] | None = None
+        for parameter in self.parameters:
+            if parameter.name not in values:
+                raise ValueError(f"{self.identifier} needs the parameter '{parameter.name}'")
+            self.values[parameter.name] = _checked(self.identifier, parameter, values[parameter.name])
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
+
+    # -- parameters ------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def numeric(cls) -> tuple[Parameter, ...]:
+        """Parameters that are numbers, in order."""
+        return tuple(p for p in cls.parameters if not p.choices and not p.sequence)
+
+    @property
+    def vector(self) -> Array:
+        """Values of the parameters that are numbers, in order."""
+        return np.array([self.values[p.name] for p in self.numeric()], dtype=float)
+
+    def with_vector(self, vector: Array) -> Self:
+        """The same effect with other numbers, moved to the nearest allowed value."""
+        changed = {p.name: float(min(max(v, p.lower), p.upper)) for p, v in zip(self.numeric(), vector, strict=True)}
+        moved = type(self)(**{**self.values, **changed})
+        moved._neutral = self._neutral
+        return moved
+
+    def measured_from(self, *neutral: float) -> Self:
+        """The same effect, told at which values of its parameters this recording shows nothing of it."""
+        self._neutral = neutral
+        return self
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether the effect exists in one direction only: its strength cannot be negative, or it has none."""
+        if self.strength is None:
+            return True
+        return next(p.lower for p in self.parameters if p.name == self.strength) >= 0.0
+
+    def simplified(self) -> Effect | None:
+        """A simpler effect of about the same size that is a special case of this one; None if there is none."""
+        return None
+
+    def scaled(self, factor: float) -> Self:
+        """The same effect, changing the output by about ``factor`` ≥ 0 times as much; the same where it has no size."""
+        if self.strength is not None:
+            vector = self.vector
+            vector[[p.name for p in self.numeric()].index(self.strength)] *= factor
+            return self.with_vector(vector)
+        if self._neutral is not None:
+            neutral = np.asarray(self._neutral)
+            return self.with_vector(neutral + max(factor, 0.0) * (self.vector - neutral))
+        return self
+
+    # -- what the effect does; a class overrides what it needs -----------------------------------------------------
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """What the compiled parts get as ``values``."""
+        return list(self.vector)
+
+    def frequency(self, plant: TransferFunction) -> float:
+        """Angular frequency in rad/s that the effect adds to those of the plant; the integrator's step follows it."""
+        return 0.0
+
+    def breaks(self) -> tuple[float, ...]:
+        """Times in seconds at which the force jumps."""
+        return ()
+
+    def impulses(self) -> tuple[tuple[float, float], ...]:
+        """Times in seconds and sizes (u·s) of impulses at the plant's input."""
+        return ()
+
+    def declare(self, acquisition: Acquisition) -> Acquisition:
+        """Another declaration of hold, sensor, exposure or latency."""
+        return acquisition
+
+    def before_plant(self) -> TransferFunction | None:
+        """Linear dynamics between hold and plant."""
+        return None
+
+    def behind_plant(self) -> TransferFunction | None:
+        """Linear dynamics between plant and sensor."""
+        return None
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Input behind the effect on a grid: value at the begin and at the end of each step of ``step`` seconds."""
+        return start, end
+
+    def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:
+        """Begin and end of the exposures in seconds, shape (N,), where the effect shifts them."""
+        return start, end
+
+    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
+        """What an exposure yields, shape (N,), where it is not the mean; None where it is."""
+        return None
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """What becomes of the sensor's samples, shape (N,), at the recorded times."""
+        return output
+
+    # -- what the diagnosis asks -----------------------------------------------------------------------------------
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """First guesses from the data: one for each value of the shape, of a strength that is small but visible."""
+        raise NotImplementedError(f"{cls.__name__} guesses nothing")
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """For noise-like effects: whether residual and recorded values show it."""
+        raise NotImplementedError(f"{cls.__name__} changes the expected output")
+
+    @classmethod
+    def limit_of_recognition(cls, situation: Situation) -> str:
+        """For noise-like effects: what size of it this recording would have shown, in words."""
+        return "it shows in the noise only, and the noise does not show it"
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Why this recording cannot show the effect, whatever its size; None if it can."""
+        return None
+
+
+def _checked(identifier: str, parameter: Parameter, value: Any) -> Any:
+    if parameter.choices:
+        if value not in parameter.choices:
+            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is none of {', '.join(parameter.choices)}")
+        return str(value)
+    if parameter.sequence:
+        numbers = np.asarray(value, dtype=float)
+        if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
+            raise ValueError(f"{identifier}, {parameter.name}: {value!r} is no list of finite numbers")
+        return numbers.tolist()
+    if isinstance(value, str | bool) or not isfinite(float(value)):
+        raise ValueError(f"{identifier}, {parameter.name}: {value!r} is no finite number")
+    number = float(value)
+    if not parameter.lower <= number <= parameter.upper:
+        raise ValueError(
+            f"{identifier}, {parameter.name} = {number:g}: it must lie between {parameter.lower:g} and "
+            f"{parameter.upper:g}"
+        )
+    return number
+
+
+def known_effects() -> Mapping[str, type[Effect]]:
+    """All effects by identifier."""
+    return _catalogue

@@ -1,0 +1,88 @@
+"""Effects as simulation files declare them, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isfinite
+
+from camid.effects import known_effects
+from camid.effects.base import Effect, Parameter
+from camid.errors import InputError, nearest_match
+from camid.simulation.model import DeclaredEffect, Simulation
+
+
+def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
+    """Effects that a simulation declares.
+
+    Raises
+    ------
+    InputError
+        If an identifier or a parameter is not known, missing or out of range, or an effect stands twice.
+    """
+    found: list[Effect] = []
+    for declared in simulation.effects:
+        kind = known_effects().get(declared.identifier)
+        if kind is None:
+            raise InputError(
+                f"no effect '{declared.identifier}'",
+                where=declared.where,
+                mend=nearest_match(declared.identifier, known_effects()),
+            )
+        if any(type(e) is kind for e in found):
+            raise InputError(f"the effect '{declared.identifier}' stands twice", where=declared.where, mend="keep one")
+        names = [p.name for p in kind.parameters]
+        for name in declared.parameters:
+            if name not in names:
+                raise InputError(
+                    f"{declared.identifier} has no parameter '{name}'",
+                    where=declared.where,
+                    mend=nearest_match(name, names) if names else "it has none",
+                )
+        for parameter in kind.parameters:
+            _refuse_value(declared, parameter)
+        try:
+            found.append(kind(**declared.parameters))
+        except (ValueError, TypeError) as error:
+            raise InputError(str(error), where=declared.where, mend="see docs/effects.md") from None
+    return tuple(found)
+
+
+def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
+    """Refuse a value that is missing, of another kind or out of range."""
+    name = f"{declared.identifier}, {parameter.name}"
+    unit = f" in {parameter.unit}" if parameter.unit else ""
+    if parameter.name not in declared.parameters:
+        raise InputError(
+            f"{declared.identifier} needs the parameter '{parameter.name}'",
+            where=declared.where,
+            mend=f"add it: {parameter.meaning}{unit}",
+        )
+    value = declared.parameters[parameter.name]
+    if parameter.choices:
+        if value not in parameter.choices:
+            raise InputError(
+                f"{name}: '{value}' is none of {', '.join(parameter.choices)}",
+                where=declared.where,
+                mend=nearest_match(str(value), parameter.choices),
+            )
+        return
+    numbers = value if parameter.sequence and isinstance(value, list | tuple) else [value]
+    for number in numbers:
+        if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
+            raise InputError(
+                f"{name}: {number!r} is no finite number", where=declared.where, mend=f"{parameter.meaning}{unit}"
+            )
+        low, high = parameter.lower, parameter.upper
+        if not low <= number <= high:
+            # A lower bound of next to nothing stands for "positive".
+            least = "positive" if 0.0 < low < 1e-200 else f"at least {low:g}"
+            bounds = least if high == inf else f"at most {high:g}" if low == -inf else f"from {low:g} to {high:g}"
+            raise InputError(f"{name} = {number:g}", where=declared.where, mend=f"it must be {bounds}")
+
+
+def declared(effects: Sequence[Effect], deviations: Sequence[dict[str, float | None]]) -> tuple[DeclaredEffect, ...]:
+    """Effects as a file declares them, with the standard deviations that are known."""
+    return tuple(
+        DeclaredEffect(e.identifier, dict(e.values), {k: v for k, v in d.items() if v is not None} or None)
+        for e, d in zip(effects, deviations, strict=True)
+    )

@@ -1,0 +1,154 @@
+"""Forces at the plant's input that do not depend on the motion: functions of the recorded time."""
+
+# Compiled parts are functions that stand in a class body: they have no self, and Compiled says what they get.
+# ruff: noqa: D102, N805
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi, sin
+
+import numpy as np
+
+from camid.chain.exact import sample
+from camid.effects.base import Array, Effect, Parameter, Situation, compiled
+
+# Spectral lines of the residual, and times, that are looked into.
+LINES = 4
+TIMES = 3
+
+
+class PeriodicDisturbance(Effect):
+    """A sinusoidal force."""
+
+    identifier = "periodic-disturbance"
+    place = "disturbance"
+    title = "Periodic disturbance"
+    equation = r"d = a\,\sin(\omega t + \varphi)"
+    reference = "Bodson & Douglas (1997), Automatica 33, 2213-2221"
+    parameters = (
+        Parameter("amplitude", "u", "amplitude a", 0.0),
+        Parameter("frequency", "rad/s", "angular frequency ω", 0.0, scale="resolution"),
+        Parameter("phase", "rad", "phase φ at time zero", scale="one"),
+    )
+    strength = "amplitude"
+    trials = "frequencies"
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return -values[0] * sin(values[1] * time + values[2])
+
+    def frequency(self, plant: object) -> float:
+        """Its own."""
+        return float(self.values["frequency"])
+
+    def canonical(self) -> PeriodicDisturbance:
+        """The same with a phase between -π and π."""
+        phase = (self.values["phase"] + pi) % (2.0 * pi) - pi
+        return PeriodicDisturbance(**{**self.values, "phase": phase})
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """The highest lines of the residual's spectrum, brought back to the plant's input."""
+        count, period = len(situation.residual), situation.acquisition.period
+        window = np.hanning(count)
+        transform = np.fft.rfft(situation.residual * window, 4 * count)
+        power = np.abs(transform)
+        frequencies = 2.0 * pi * np.fft.rfftfreq(4 * count, period)
+        power[frequencies < 2.0 * pi / (count * period)] = 0.0
+        middle = situation.time - situation.acquisition.latency
+        if situation.acquisition.sensor == "camera":
+            middle = middle - 0.5 * float(situation.acquisition.exposure or 0.0)
+        for _ in range(LINES):
+            i = int(np.argmax(power))
+            if power[i] == 0.0:
+                return
+            angular = frequencies[i]
+            basis = np.exp(-1j * angular * middle) * window
+            phasor = 2j * (situation.residual @ basis) / np.sum(window)  # a sine's amplitude and phase
+            gain = complex(situation.plant.frequency_response(angular))
+            if situation.acquisition.sensor == "camera":
+                gain *= np.sinc(angular * float(situation.acquisition.exposure or 0.0) / (2.0 * pi))
+            force = phasor / gain if abs(gain) > 0.0 else phasor
+            yield cls(amplitude=float(abs(force)), frequency=float(angular), phase=float(np.angle(force)))
+            power[max(i - 10, 0) : i + 11] = 0.0
+
+
+def _best_times(situation: Situation, response: Array) -> list[float]:
+    """Times at which a response that begins there fits the residual best, in seconds."""
+    count = len(situation.residual)
+    size = 2 * count
+    correlation = np.fft.irfft(np.fft.rfft(situation.residual, size) * np.conj(np.fft.rfft(response, size)), size)
+    energy = np.cumsum(response**2)[::-1]  # what is left of the response before the record ends
+    score = correlation[:count] ** 2 / np.maximum(energy, 1e-3 * energy[0])
+    times = []
+    for _ in range(TIMES):
+        i = int(np.argmax(score))
+        times.append(float(situation.time[i]))
+        score[max(i - count // 50 - 3, 0) : i + count // 50 + 4] = -1.0
+    return times
+
+
+class StepDisturbance(Effect):
+    """A force that sets in and stays."""
+
+    identifier = "step-disturbance"
+    place = "disturbance"
+    title = "Step disturbance"
+    equation = r"d = s\ \ (t \geq t_0),\quad d = 0\ \ (t < t_0)"
+    reference = "Basseville & Nikiforov (1993), Detection of Abrupt Changes, chapter 7"
+    parameters = (
+        Parameter("size", "u", "size s"),
+        Parameter("time", "s", "onset t_0", scale="period"),
+    )
+    strength = "size"
+    trials = "frames"
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return -values[0] if time >= values[1] else 0.0
+
+    def breaks(self) -> tuple[float, ...]:
+        """Its onset."""
+        return (self.values["time"],)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Where the response to a step fits the residual best."""
+        response = sample(situation.plant, np.ones(len(situation.time)), situation.acquisition)
+        size = 0.05 * situation.largest("signal")
+        for time in _best_times(situation, response):
+            for shift in (0.0, -0.5):
+                yield cls(size=size, time=time + shift * situation.acquisition.period)
+
+
+class ImpulseDisturbance(Effect):
+    """A blow: a force that is over before the camera can follow it."""
+
+    identifier = "impulse-disturbance"
+    place = "disturbance"
+    title = "Impulse disturbance"
+    equation = r"d = s\,\delta(t - t_0)"
+    reference = "Basseville & Nikiforov (1993), Detection of Abrupt Changes, chapter 7"
+    parameters = (
+        Parameter("size", "u s", "size s"),
+        Parameter("time", "s", "time t_0", scale="period"),
+    )
+    strength = "size"
+    trials = "frames"
+
+    def impulses(self) -> tuple[tuple[float, float], ...]:
+        """The blow."""
+        return ((self.values["time"], self.values["size"]),)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Where the response to a blow fits the residual best."""
+        signal = np.zeros(len(situation.time))
+        signal[0] = 1.0
+        response = sample(situation.plant, signal, situation.acquisition)
+        period = situation.acquisition.period
+        size = 0.05 * situation.largest("signal") * period
+        for time in _best_times(situation, response):
+            for shift in (0.5, 0.0):
+                yield cls(size=size, time=time + shift * period)

@@ -1,0 +1,272 @@
+"""Effects that change the noise and not the expected output: recognised from the residual and the recorded values."""
+
+from __future__ import annotations
+
+from math import erfc, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.effects.base import Array, Effect, Parameter, Recognition, Situation
+
+# A lattice whose rounding error has less than this share of the residual's variance does not matter.
+NEGLIGIBLE_ROUNDING = 0.02
+# Residuals beyond so many robust standard deviations are outliers: one in 16,000 and in 1.7 million of Gaussian noise.
+OUTLYING = (4.0, 5.0, 7.0)
+FEWEST = 1
+# Values that differ by less than this share of their range are the same.
+SAME_VALUE = 1e-10
+# Digits smaller than this share of a lattice's step do not hide it.
+FINE_PRINT = 0.02
+# Residuals beyond so many robust standard deviations count as these in a regression of the variance.
+HEAVY = 6.0
+# Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
+CERTAIN = 1e-4
+# Residuals fewer than these show no spread.
+FEWEST_ROWS = 8
+
+
+def lattice_step(values: Array) -> float | None:
+    """Step of the lattice on which all values lie, None where there is none or it is finer than what they show."""
+    distinct = np.unique(values)
+    # Values that differ by the rounding of the arithmetic that made them are the same.
+    distinct = distinct[np.append(True, np.diff(distinct) > SAME_VALUE * max(float(np.ptp(values)), 1e-300))]
+    if len(distinct) < 3 or len(distinct) > 0.9 * len(values):
+        return None
+    gaps = np.diff(distinct)
+    step = float(np.min(gaps))
+    # Values printed with a few digits lie beside their lattice by less than a digit.
+    printed = resolution(values)
+    slack = 1e-3 * step + (2.0 * printed if printed < FINE_PRINT * step else 0.0)
+    step = float(np.median(gaps[gaps <= step + 2.0 * slack]))
+    multiples = np.round(gaps / step)
+    step = float(np.ptp(distinct) / np.sum(multiples))
+    if np.max(np.abs(gaps - multiples * step)) > slack * max(1.0, float(np.max(multiples)) * 1e-3):
+        return None
+    return step
+
+
+def resolution(values: Array) -> float:
+    """Digit to which values are written: a power of ten, or the rounding of floating point."""
+    largest = float(np.max(np.abs(values)))
+    rounding = 4.0 * float(np.spacing(largest))
+    for decimals in range(16):
+        digit = 10.0**-decimals
+        if digit <= rounding:
+            break
+        if np.max(np.abs(np.round(values, decimals) - values)) <= rounding:
+            return digit
+    return rounding
+
+
+def tail(deviation: float) -> float:
+    """Probability that a standard Gaussian exceeds a deviation."""
+    return 0.5 * erfc(deviation / sqrt(2.0))
+
+
+def rare_count(count: int, trials: int, probability: float) -> float:
+    """Bound (Chernoff) on the probability of at least ``count`` events in so many trials."""
+    expected = trials * probability
+    return 1.0 if count <= expected else float(np.exp(count - expected - count * log(count / expected)))
+
+
+class Quantisation(Effect):
+    """Values on a coarse lattice."""
+
+    identifier = "quantisation"
+    place = "sensor"
+    title = "Quantisation of the measurement"
+    equation = r"w = q\,\mathrm{round}(w/q)"
+    reference = "Widrow & Kollar (2008), Quantization Noise"
+    parameters = (Parameter("step", "y", "step q of the lattice", 1e-300),)
+    noise_like = True
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Round to the lattice."""
+        return np.asarray(self.values["step"] * np.round(output / self.values["step"]))
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """All values lie on a lattice that is coarse beside the residual."""
+        step = lattice_step(situation.recorded)
+        if step is None or step**2 / 12.0 < NEGLIGIBLE_ROUNDING * float(
+            np.mean(situation.residual[situation.used] ** 2)
+        ):
+            return None
+        # Values without a lattice would lie on it by chance only.
+        return Recognition(cls(step=step), {"step": 1e-3 * step}, 1e-12, np.zeros(len(situation.time), bool))
+
+
+class DroppedFrames(Effect):
+    """Frames that never came: the last one is delivered again."""
+
+    identifier = "dropped-frames"
+    place = "sensor"
+    title = "Dropped frames"
+    equation = r"w_k = w_{k-1}\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
+    reference = "Laroche & Delavigne, section 2 (every frame is delivered)"
+    parameters = (Parameter("fraction", "", "share p of repeated frames", 0.0, 1.0),)
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """Values are repeated exactly although noise would never repeat them."""
+        values = situation.recorded
+        step = lattice_step(values)
+        spread = float(np.std(situation.residual[situation.used]))
+        if step is not None and step > 0.02 * spread:
+            return None
+        # At the edges of a clipped range values repeat without a lost frame.
+        inside = (values > np.min(values)) & (values < np.max(values))
+        repeated = np.append(False, values[1:] == values[:-1]) & inside
+        count = int(np.sum(repeated))
+        if count < FEWEST:
+            return None
+        share = count / len(values)
+        fineness = resolution(values) if step is None else step
+        chance = min(fineness / max(spread, fineness), 1.0)
+        return Recognition(
+            cls(fraction=share),
+            {"fraction": sqrt(share * (1.0 - share) / len(values))},
+            rare_count(count, len(values), chance),
+            repeated,
+        )
+
+
+def _repeated(situation: Situation) -> NDArray[np.bool_]:
+    """Rows that repeat the last frame, where that is recognised."""
+    found = DroppedFrames.recognise(situation)
+    return found.spoiled if found is not None and found.p_value < CERTAIN else np.zeros(len(situation.time), bool)
+
+
+def _spread_over_speed(residual: Array, velocity: Array) -> Array:
+    """Relative standard deviation of each row: one, or that of a noise that grows with the speed where it does."""
+    # Single outliers would bend the regression, so that the largest residuals count as less.
+    limit = HEAVY * 1.4826 * float(np.median(np.abs(residual)))
+    square, speed = np.clip(residual, -limit, limit) ** 2, velocity**2
+    _, slope, _, score = variance_regression(square, speed)
+    if 2.0 * tail(score) >= CERTAIN or slope <= 0.0:
+        return np.ones(len(residual))
+    base = max(float(np.mean(square) - slope * np.mean(speed)), 0.05 * float(np.mean(square)))
+    return np.asarray(np.sqrt((base + slope * speed) / (base + slope * float(np.median(speed)))))
+
+
+class Outliers(Effect):
+    """Single frames in which something else than the marker was found."""
+
+    identifier = "outliers"
+    place = "sensor"
+    title = "Outliers"
+    equation = r"w_k = w + o_k\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
+    reference = "Huber & Ronchetti (2009), Robust Statistics, 2nd ed."
+    parameters = (Parameter("fraction", "", "share p of the frames", 0.0, 1.0),)
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """Isolated residuals far outside of the robust spread of the others."""
+        # Neither a repeated frame nor the wide noise of a jittering clock at high speed is an outlier.
+        usable = situation.used & ~_repeated(situation)
+        known = situation.residual[usable]
+        if len(known) < FEWEST_ROWS:
+            return None
+        residual = np.where(usable, situation.residual - np.median(known), 0.0)
+        residual[usable] /= _spread_over_speed(residual[usable], situation.velocity[usable])
+        spread = 1.4826 * float(np.median(np.abs(residual[usable])))
+        if spread <= 0.0:
+            return None
+        total = len(known)
+        rarest = 1.0
+        far: NDArray[np.bool_] = np.zeros(len(residual), bool)
+        for threshold in OUTLYING:  # a few far ones, or many that are not so far
+            beyond = np.abs(residual) > threshold * spread
+            chance = rare_count(int(np.sum(beyond)), total, 2.0 * tail(0.97 * threshold)) * len(OUTLYING)
+            if np.any(beyond) and chance < rarest:
+                rarest, far = chance, beyond
+        count = int(np.sum(far))
+        if count == 0:
+            return None
+        neighbours = np.zeros(len(far), bool)
+        neighbours[1:] |= far[:-1]
+        neighbours[:-1] |= far[1:]
+        if np.sum(far & ~neighbours) < 0.7 * count or count > 0.2 * len(far):
+            return None
+        share = count / total
+        return Recognition(
+            cls(fraction=share),
+            {"fraction": sqrt(share * (1.0 - share) / total)},
+            min(rarest, 1.0),
+            far,
+        )
+
+
+class TimestampJitter(Effect):
+    """Frames are exposed a little earlier or later than their time stamps say."""
+
+    identifier = "timestamp-jitter"
+    place = "sensor"
+    title = "Jitter of the time stamps"
+    equation = r"w_k = w(t_k + \delta_k),\quad \delta_k \sim \mathcal{N}(0, \sigma_t^2)"
+    reference = "Souders et al. (1990), IEEE Trans. Instrum. Meas. 39, 80-85"
+    parameters = (Parameter("std", "s", "standard deviation σ_t of the times", 0.0),)
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """The residual's variance grows with the square of the speed, and not rather with that of the position."""
+        usable = situation.used & ~_repeated(situation)
+        if np.sum(usable) < FEWEST_ROWS:
+            return None
+        square = situation.residual[usable] ** 2
+        speed, position = situation.velocity[usable] ** 2, situation.position[usable] ** 2
+        gain, jitter, deviation, score = variance_regression(square, speed)
+        other = variance_regression(square, position)
+        if jitter <= 0.0 or other[0] > gain:
+            return None
+        timing = sqrt(jitter)
+        spoiled = np.zeros(len(situation.time), bool)
+        return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
+
+
+def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
+    """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
+    mean = float(np.mean(square))
+    centred = regressor - np.mean(regressor)
+    if mean <= 0.0 or not np.any(centred):
+        return 0.0, 0.0, 1.0, 0.0
+    # Fourth moments as they are, so that heavy tails are not taken for a dependence.
+    excess = square / mean - 1.0
+    score = float(centred @ excess / sqrt(float(np.mean(excess**2)) * float(centred @ centred)))
+    base, slope = mean, 0.0
+    information = np.eye(2)
+    for _ in range(30):  # Fisher scoring for the two variances
+        variance = np.maximum(base + slope * regressor, 1e-3 * mean)
+        basis = np.column_stack([np.ones_like(regressor), regressor]) / variance[:, None]
+        information = 0.5 * basis.T @ basis
+        step = np.linalg.lstsq(information, 0.5 * basis.T @ (square / variance - 1.0), rcond=None)[0]
+        base, slope = max(base + step[0], 1e-3 * mean), max(slope + step[1], 0.0)
+        if abs(step[0]) < 1e-6 * mean:
+            break
+    variance = np.maximum(base + slope * regressor, 1e-3 * mean)
+    gain = 0.5 * float(len(square) * (log(mean) + 1.0) - np.sum(np.log(variance) + square / variance))
+    deviation = float(np.sqrt(max(np.linalg.pinv(information)[1, 1], 0.0)))
+    return gain, float(slope), deviation, score
+
+
+class ColouredNoise(Effect):
+    """Noise whose samples depend on each other: vibration of the camera, drift of the light, a filter."""
+
+    identifier = "coloured-noise"
+    place = "noise"
+    title = "Coloured noise"
+    equation = r"n_k = \sum_i \alpha_i\,n_{k-i} + \varepsilon_k"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 4.2"
+    parameters = (
+        Parameter("spectrum", "", "coefficients α_i of the autoregression with the noise's spectrum", sequence=True),
+    )
+    noise_like = True
+
+    @classmethod
+    def recognise(cls, situation: Situation) -> Recognition | None:
+        """The diagnosis tests every residual for whiteness, with regard to what was fitted, and asks nothing here."""
+        return None

@@ -1,0 +1,1 @@
+"""The compiled simulation of a whole chain with any effects."""

@@ -1,0 +1,1 @@
+"""Coefficients and effects fitted together: what simulate, identify and diagnose share."""

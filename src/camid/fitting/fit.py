@@ -1,0 +1,253 @@
+"""Fit effects and the plant's coefficients together: output error through the whole chain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.engine.run import NotApplicable
+from camid.fitting.packing import Packing
+from camid.fitting.problem import Model, Noise, Problem
+
+Array = NDArray[np.float64]
+
+# Step of the differences that stand for derivatives, as a share of what a parameter is measured by.
+DIFFERENCE = 1e-5
+# Residual of a simulation that ran away, in standard deviations of the output.
+HOPELESS = 1e3
+TOLERANCE = 1e-7
+# A rank-one update that misses this share of the change it should explain is no update.
+MISSED = 0.4
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted model.
+
+    Attributes
+    ----------
+    problem : Problem
+    model : Model
+    residual : ndarray, shape (M,)
+        Recorded minus simulated output on the fitted rows.
+    noise : Noise
+    packing : Packing
+    weighted : bool
+        Whether it was fitted in the metric of its noise.
+    """
+
+    problem: Problem
+    model: Model
+    residual: Array
+    noise: Noise
+    packing: Packing
+    weighted: bool = False
+
+    @cached_property
+    def sensitivities(self) -> Array:
+        """Derivatives of the simulated output, shape (M, p).
+
+        By the free coefficients, the effects' parameters and the initial states, in this order.
+        """
+        vector = self.packing.pack(self.model)
+        simulated = self.problem.output - self.residual
+        return _sensitivities(self.problem, self.packing, vector, simulated) / self.packing.units
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def criterion(self) -> float:
+        """Bayes's information criterion, up to a constant of the recordings; initial states do not count."""
+        return self.noise.deviance + len(self.residual_parameters) * float(np.log(len(self.residual)))
+
+    @property
+    def residual_parameters(self) -> list[str]:
+        """Names of the free coefficients and parameters."""
+        return [name for name in self.packing.names if not name.startswith("initial")]
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the packed parameters in their own units, shape (p, p); infinite where undetermined.
+
+        Of least squares in coloured noise it is the sandwich (Ljung 1999, section 9.4 and appendix II).
+        """
+        innovations = self.problem.whitened(self.residual, self.noise.whitening)
+        table, residual = self.sensitivities, self.residual
+        if self.weighted:
+            table, residual = self.problem.whitened(table, self.noise.whitening), innovations
+        lengths = np.linalg.norm(table, axis=0)
+        moving = lengths > 0.0
+        result = np.full((len(lengths), len(lengths)), np.inf)
+        if not moving.any():
+            return result
+        scaled = table[:, moving] / lengths[moving]
+        variance = float(residual @ residual) / max(len(residual) - len(lengths), 1)
+        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12)
+        if self.weighted or len(self.noise.whitening) == 1:
+            inverse = inverse * variance
+        else:
+            from scipy.signal import lfilter
+
+            # Noise e = H ε has the covariance σ² H Hᵀ; Hᵀ runs backwards through the rows.
+            carried = lfilter([1.0], self.noise.whitening, scaled[::-1], axis=0)
+            spread = float(innovations @ innovations) / max(len(residual) - len(lengths), 1)
+            inverse = inverse @ (carried.T @ carried) @ inverse * spread
+        result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])
+        return result
+
+
+def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False) -> Fitted:
+    """Residual and noise of a model as it is."""
+    packing = Packing.of(problem, model, fixed)
+    residual = problem.output - problem.fitted(problem.simulate(model))
+    return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing, weighted)
+
+
+def _sensitivities(
+    problem: Problem, packing: Packing, vector: Array, simulated: Array, columns: range | None = None
+) -> Array:
+    """Derivatives by (some of) the packed vector, shape (M, p), by one-sided differences into the allowed range."""
+    columns = range(len(vector)) if columns is None else columns
+    table = np.empty((len(simulated), len(columns)))
+    for position, i in enumerate(columns):
+        step = DIFFERENCE if vector[i] + DIFFERENCE <= packing.upper[i] else -DIFFERENCE
+        moved = vector.copy()
+        moved[i] += step
+        try:
+            table[:, position] = (problem.fitted(problem.simulate(packing.unpack(moved))) - simulated) / step
+        except (ValueError, ArithmeticError):
+            table[:, position] = 0.0
+    table[~np.isfinite(table)] = 0.0
+    return table
+
+
+class _Derivative:
+    """Sensitivities along a fit: differences where they are needed, Broyden's rank-one updates in between.
+
+    A simulation a parameter is what a fit costs; an update costs none (Broyden 1965, Math. Comp. 19, 577–593).
+    """
+
+    def __init__(self, problem: Problem, packing: Packing, base: Fitted | None, refreshes: int) -> None:
+        self.problem, self.packing, self.base, self.refreshes = problem, packing, base, refreshes
+        self.vector: Array | None = None
+        self.simulated: Array
+        self.table: Array
+
+    def at(self, vector: Array, simulated: Array) -> Array:
+        """Sensitivities at a point whose simulated output is known, shape (M, p)."""
+        if self.vector is None:
+            self.table = self._first(vector, simulated)
+        else:
+            step = vector - self.vector
+            length = float(step @ step)
+            if length > 0.0:
+                change = simulated - self.simulated
+                missed = change - self.table @ step
+                wrong = float(np.linalg.norm(missed)) > MISSED * float(np.linalg.norm(change))
+                if wrong and self.refreshes > 0:
+                    self.refreshes -= 1
+                    self.table = _sensitivities(self.problem, self.packing, vector, simulated)
+                else:
+                    self.table = self.table + np.outer(missed, step / length)
+        self.vector, self.simulated = vector.copy(), simulated
+        return self.table
+
+    def _first(self, vector: Array, simulated: Array) -> Array:
+        """Columns that a fit without the last effect has already, and differences for the others."""
+        if self.base is None:
+            return _sensitivities(self.problem, self.packing, vector, simulated)
+        names = self.packing.names
+        new = f"{len(self.packing.template.effects) - 1} "
+        fresh = [i for i, name in enumerate(names) if name.startswith(new)]
+        table = np.empty((len(simulated), len(names)))
+        table[:, [i for i in range(len(names)) if i not in fresh]] = self.base.sensitivities
+        table *= self.packing.units
+        if fresh:
+            columns = range(fresh[0], fresh[-1] + 1)
+            table[:, fresh] = _sensitivities(self.problem, self.packing, vector, simulated, columns)
+        return table
+
+
+def fit(
+    problem: Problem,
+    start: Model,
+    *,
+    steps: int = 25,
+    whitening: Array | None = None,
+    fixed: int = 0,
+    base: Fitted | None = None,
+    refreshes: int = 10,
+    finest: bool = True,
+) -> Fitted:
+    """Least squares from one start.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : Model
+    steps : int
+        Largest number of evaluations of the residual.
+    whitening : ndarray, optional
+        Filter of the noise, for generalised least squares.
+    fixed : int
+        So many of the model's effects, from the first on, keep their values.
+    base : Fitted, optional
+        A fit of the same model without its last effect, whose sensitivities begin this one.
+    refreshes : int
+        How often the sensitivities may be taken anew by differences.
+    finest : bool
+        Whether the integrator's steps are as fine as the start needs, or only what its plant suggests.
+
+    Raises
+    ------
+    NotApplicable
+        If an effect has no meaning with this plant.
+    """
+    from scipy.optimize import least_squares
+
+    problem = problem.pinned(start, finest=finest)
+    packing = Packing.of(problem, start, fixed)
+    whitening = np.ones(1) if whitening is None else whitening
+    worst = HOPELESS * (float(np.std(problem.output)) or 1.0)
+    derivative = _Derivative(problem, packing, base, refreshes)
+    latest: list[tuple[Array, Array]] = []
+
+    def simulated(vector: Array) -> Array:
+        try:
+            rows = problem.fitted(problem.simulate(packing.unpack(vector)))
+        except NotApplicable:
+            raise
+        except (ValueError, ArithmeticError):
+            return np.full(len(problem.output), worst)
+        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
+
+    def residual(vector: Array) -> Array:
+        rows = simulated(vector)
+        latest[:] = [*latest[-1:], (vector.copy(), rows)]
+        return problem.whitened(problem.output - rows, whitening)
+
+    def jacobian(vector: Array) -> Array:
+        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
+        known = next((rows for point, rows in reversed(latest) if np.array_equal(point, vector)), None)
+        table = derivative.at(vector, simulated(vector) if known is None else known)
+        return -problem.whitened(table, whitening)
+
+    vector = np.clip(packing.pack(start), packing.lower, packing.upper)
+    found = least_squares(
+        residual,
+        vector,
+        jac=jacobian,
+        bounds=(packing.lower, packing.upper),
+        x_scale="jac",
+        ftol=TOLERANCE,
+        xtol=1e-9,
+        gtol=None,
+        max_nfev=steps,
+    )
+    return evaluate(problem, packing.unpack(found.x), fixed, weighted=len(whitening) > 1)

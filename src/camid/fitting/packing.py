@@ -1,0 +1,131 @@
+"""The free numbers of a model as one vector, each divided by what it is measured by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.fitting.problem import Model, Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Packing:
+    """How a model's free numbers lie in one vector, each divided by what it is measured by."""
+
+    template: Model
+    free: NDArray[np.bool_]
+    units: Array
+    lower: Array
+    upper: Array
+    names: list[str]
+    fixed: int = 0
+    fixed_gain: float | None = None
+
+    @classmethod
+    def of(cls, problem: Problem, model: Model, fixed: int = 0) -> Packing:
+        """Packing of the free coefficients, the effects' parameters and the initial states.
+
+        The first ``fixed`` effects keep their values.
+        """
+        free = problem.structure.free
+        scale = np.array(
+            [problem.unit**-(power) for power in _powers(problem)]
+        )  # a coefficient that is zero is measured by what would be of the order of one
+        coefficients = model.coefficients[free]
+        units = list(np.maximum(np.abs(coefficients), 1e-2 * scale[free] * _gain(problem, free)))
+        names = [f"coefficient {i}" for i in np.flatnonzero(free)]
+        lower, upper = _stable(problem)[free].tolist(), [np.inf] * len(units)
+        for i, effect in enumerate(model.effects):
+            if i < fixed:
+                continue
+            for parameter, value in zip(effect.numeric(), effect.vector, strict=True):
+                units.append(_measure(problem, parameter.scale, float(value)))
+                lower.append(parameter.lower)
+                upper.append(parameter.upper)
+                names.append(f"{i} {parameter.name}")
+        if problem.rest_free and model.rest is not None:
+            units.append(1.0)
+            lower.append(-np.inf)
+            upper.append(np.inf)
+            names.append("rest")
+        for i, state in enumerate(model.initial):
+            if state is not None:
+                size = float(np.linalg.norm(state)) or 1.0
+                units += [size] * len(state)
+                lower += [-np.inf] * len(state)
+                upper += [np.inf] * len(state)
+                names += [f"initial {i}"] * len(state)
+        measures = np.array(units)
+        low, high = np.array(lower) / measures, np.array(upper) / measures
+        return cls(model, free, measures, low, high, names, fixed, problem.fixed_gain)
+
+    def pack(self, model: Model) -> Array:
+        """Vector of a model."""
+        parts = [model.coefficients[self.free], *(e.vector for e in model.effects[self.fixed :])]
+        if "rest" in self.names:
+            parts.append(np.array([model.rest]))
+        parts += [s for s in model.initial if s is not None]
+        return np.concatenate(parts) / self.units
+
+    def unpack(self, vector: Array) -> Model:
+        """Model of a vector."""
+        values = vector * self.units
+        coefficients = self.template.coefficients.copy()
+        position = int(np.count_nonzero(self.free))
+        coefficients[self.free] = values[:position]
+        if self.fixed_gain is not None:
+            coefficients[0] = self.fixed_gain * coefficients[-1]
+        effects = list(self.template.effects[: self.fixed])
+        for effect in self.template.effects[self.fixed :]:
+            size = len(effect.numeric())
+            effects.append(effect.with_vector(values[position : position + size]) if size else effect)
+            position += size
+        rest = self.template.rest
+        if "rest" in self.names:
+            rest = float(values[position])
+            position += 1
+        initial: list[Array | None] = []
+        for state in self.template.initial:
+            if state is None:
+                initial.append(None)
+            else:
+                initial.append(values[position : position + len(state)])
+                position += len(state)
+        return Model(coefficients, tuple(effects), tuple(initial), rest)
+
+
+def _stable(problem: Problem) -> Array:
+    """Lower bounds of all coefficients: up to two poles a plant is stable if those of its denominator are not negative.
+
+    An effect that takes energy away would else be paired with a plant that makes it.
+    """
+    structure = problem.structure
+    lower = np.full(len(structure.free), -np.inf)
+    if structure.order <= 2 and np.all(structure.denominator >= 0.0):
+        lower[structure.degree + 1 :] = 0.0
+    return lower
+
+
+def _powers(problem: Problem) -> list[float]:
+    order, degree = problem.structure.order, problem.structure.degree
+    return [*(order - degree + np.arange(degree + 1.0)), *(1.0 + np.arange(order))]
+
+
+def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
+    """Output over input, for the numerator; one for the denominator."""
+    signal = max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
+    gain = np.ones(len(free))
+    gain[: problem.structure.degree + 1] = float(np.max(np.abs(problem.output), initial=0.0)) / signal
+    return gain[free]
+
+
+def _measure(problem: Problem, scale: str, value: float) -> float:
+    if scale == "period":
+        return float(problem.acquisition.period)
+    if scale == "resolution":
+        return 1.0 / problem.duration
+    return 1.0 if scale == "one" or value == 0.0 else abs(value)

@@ -1,0 +1,159 @@
+"""Recordings and a simulation, read, checked against each other and turned into what is identified."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.acquisition import Acquisition
+from camid.errors import InputError
+from camid.identification.experiment import Experiment
+from camid.recording.recording import Recording, read_recordings
+from camid.simulation.model import Simulation
+
+RecordingSource = str | os.PathLike[str] | Any
+SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
+
+
+def load_recordings(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> list[Recording]:
+    """Columns that a simulation names, checked against each other, of each experiment in a file."""
+    reading = simulation.reading
+    roles = {
+        "time": simulation.time_column if reading.period is None else None,
+        "input": simulation.input_column,
+        "output": simulation.output_column,
+        "reference": None if simulation.controller is None else simulation.controller.reference,
+        "experiment": reading.experiment,
+    }
+    for (one, first), (other, second) in combinations(roles.items(), 2):
+        if first is not None and first == second:
+            raise InputError(
+                f"{one} and {other} are the same column '{first}'", where=simulation.source, mend="name two columns"
+            )
+    named = [roles["input"], roles["reference"], simulation.output_column if output_needed else None]
+    required = [column for column in named if column is not None]
+    optional = [] if output_needed else [simulation.output_column]
+    held = [column for column in (roles["input"], roles["reference"]) if column is not None]
+    conversions = {simulation.output_column: reading.output}
+    if roles["input"] is not None:
+        conversions[roles["input"]] = reading.input
+    if roles["reference"] is not None:
+        conversions[roles["reference"]] = reading.reference
+    return read_recordings(
+        recording,
+        simulation.time_column,
+        required,
+        optional,
+        reading,
+        dict.fromkeys(held, simulation.hold),
+        conversions,
+    )
+
+
+def acquisition_of(recording: Recording, simulation: Simulation) -> Acquisition:
+    """Acquisition that a simulation declares for a recording; InputError where it cannot be."""
+    acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
+    duration = float(recording.time[-1] - recording.time[0])
+    if acquisition.latency > duration:
+        raise InputError(
+            f"latency = {acquisition.latency:g} s is longer than {recording.source}, which lasts {duration:g} s",
+            where=f"{simulation.source}, sensor",
+            mend="give it in seconds",
+        )
+    return acquisition
+
+
+def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
+    """A recording as identification sees it."""
+    acquisition = acquisition_of(recording, simulation)
+    count = len(recording)
+    signal = np.zeros(count) if simulation.input_column is None else recording.columns[simulation.input_column]
+    used = np.ones(count, bool)
+    if simulation.estimates_initial_state and simulation.input_column is not None:
+        # What the input did before the record is unknown, so frames exposed before its beginning say nothing.
+        used[: acquisition.window()[0]] = False
+    used &= ~recording.missing
+    used &= recording.time >= recording.time[0] + simulation.reading.leave_out
+    if not used.any():
+        raise InputError(
+            f"no row with an output is left to compare after {simulation.reading.leave_out:g} s",
+            where=recording.source,
+            mend=f"the recording lasts {recording.time[-1] - recording.time[0]:g} s: choose a shorter leave_out",
+        )
+    return Experiment(
+        signal, recording.columns[simulation.output_column], acquisition, used, simulation.estimates_initial_state
+    )
+
+
+def validation_rows(recording: Recording, simulation: Simulation) -> NDArray[np.bool_]:
+    """Rows that the simulation keeps for validation, shape (N,)."""
+    if simulation.validation is None:
+        return np.zeros(len(recording), bool)
+    start, end = simulation.validation
+    return (recording.time >= start) & (recording.time <= end)
+
+
+def experiments_of(
+    recording: RecordingSource | Sequence[RecordingSource],
+    believed: Simulation,
+    progress: Callable[[str], None] | None,
+) -> tuple[list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
+    """Recordings, what is fitted of them, and their validation rows; a file may hold several of them."""
+    sources = recording if isinstance(recording, list | tuple) else [recording]
+    if not sources:
+        raise InputError("no recording is given", mend="name at least one")
+    files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
+    if len(set(files)) < len(files):
+        raise InputError(
+            "the same recording is named twice", where=str(sources[0]), mend="what it says would count double"
+        )
+    if progress:
+        progress("reading the recording")
+    recordings = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
+    experiments, held_out = [], []
+    for one in recordings:
+        experiment = experiment_of(one, believed)
+        rows = validation_rows(one, believed)
+        held_out.append(rows & experiment.used)
+        experiments.append(replace(experiment, used=experiment.used & ~rows))
+        _refuse_constant(one, believed)
+    if believed.validation is not None and not any(rows.any() for rows in held_out):
+        raise InputError(
+            f"no row of the recording lies between {believed.validation[0]:g} s and {believed.validation[1]:g} s",
+            where=f"{believed.source}, validation",
+            mend=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
+        )
+    if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
+        raise InputError(
+            f"column '{believed.input_column}' is zero throughout",
+            where=recordings[0].source,
+            mend="for a free decay say input: null in the simulation",
+        )
+    return recordings, experiments, held_out
+
+
+def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """What was done to the rows of recordings, a sentence each."""
+    return tuple(sentence for one in recordings for sentence in one.warnings)
+
+
+def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
+    if np.ptp(recording.columns[simulation.output_column]) == 0.0:
+        raise InputError(
+            f"column '{simulation.output_column}' is constant",
+            where=recording.source,
+            mend="there is nothing to identify in it",
+        )
+    column = simulation.input_column
+    if column is not None and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
+        raise InputError(
+            f"column '{column}' is zero throughout",
+            where=recording.source,
+            mend="for a free decay say input: null and initial_state: estimate",
+        )

@@ -1,0 +1,87 @@
+"""One look for all figures: journal column widths, bundled fonts, colours for the colour-blind and for grey print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from camid.writing import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLUMN_WIDTH = 3.5  # inches: one column of a two-column journal
+PAGE_WIDTH = 7.1
+# Okabe & Ito (2008), ordered so that their luminance differs in grey, too; line styles differ besides.
+BLUE, VERMILION, GREEN, ORANGE, GREY, BLACK = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#7F7F7F", "#000000"
+SIGNIFICANT_DIGITS = 9
+SMALLEST = 1e-12
+
+SETTINGS: dict[Any, Any] = {
+    # DejaVu comes with matplotlib, so a figure has the same bytes wherever the locked versions are installed.
+    "font.family": "DejaVu Sans",
+    "mathtext.fontset": "dejavusans",
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.labelsize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.0,
+    "legend.frameon": False,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#D9D9D9",
+    "grid.linewidth": 0.4,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 3.5,
+    "figure.dpi": 100.0,
+    "savefig.dpi": 300.0,
+    "figure.constrained_layout.use": True,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "camid",
+}
+
+
+def apply() -> None:
+    """Choose the backend and set the look; call it before a figure is made."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    mpl.rcdefaults()
+    mpl.rcParams.update(SETTINGS)
+
+
+def separate_panels(figure: Figure, share: float = 0.08) -> None:
+    """Leave a share of the panels' width between them, where a colour bar's label would touch the next panel."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        engine.set(wspace=share)
+
+
+def rounded(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with its numbers cut to digits that no processor's rounding reaches."""
+
+    def cut(value: float) -> float:
+        return 0.0 if abs(value) < SMALLEST else float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+
+    floats = [c for c in table.columns if table[c].dtype.kind == "f"]
+    return table.assign(**{str(c): table[c].map(cut) for c in floats})
+
+
+def save(figure: Figure, table: pd.DataFrame, png: str | Path, pdf: str | Path, csv: str | Path) -> None:
+    """Write PNG, PDF and the CSV of the plotted numbers, byte for byte the same at every run."""
+    import matplotlib.pyplot as plt
+
+    write_whole(png, lambda path: figure.savefig(path, format="png", metadata={"Software": None}))
+    write_whole(pdf, lambda path: figure.savefig(path, format="pdf", metadata={"CreationDate": None, "Producer": None}))
+    write_whole(csv, lambda path: rounded(table).to_csv(path, index=False, lineterminator="\n"))
+    plt.close(figure)

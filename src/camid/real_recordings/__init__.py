@@ -1,0 +1,1 @@
+"""Published recordings of real rigs, diagnosed."""

@@ -1,0 +1,1 @@
+"""Recordings: tables from files of many kinds, their columns, units and time grid."""

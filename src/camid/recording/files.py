@@ -1,0 +1,168 @@
+"""Tables from files of any kind: text, Parquet, MAT and HDF5, by their suffix and checked by their content."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import zipfile
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from camid.errors import InputError
+from camid.recording.options import Reading
+from camid.recording.table import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SUFFIXES = {
+    ".csv": "text",
+    ".txt": "text",
+    ".tsv": "text",
+    ".dat": "text",
+    ".parquet": "Parquet",
+    ".pq": "Parquet",
+    ".mat": "MAT",
+    ".h5": "HDF5",
+    ".hdf5": "HDF5",
+    ".hdf": "HDF5",
+}
+EXCEL = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
+# How the files of each kind begin.
+BEGINNINGS = {
+    "Parquet": (b"PAR1",),
+    "MAT": (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"),
+    "HDF5": (b"\x89HDF\r\n\x1a\n",),
+    "zip": (b"PK\x03\x04",),
+    "gzip": (b"\x1f\x8b",),
+    "Excel": (b"\xd0\xcf\x11\xe0",),
+}
+TEXT_KEYS = {"separator": None, "decimal": None, "header": True}
+
+
+def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[str], reading: Reading) -> list[Table]:
+    """Tables of a file: one, or several where ``reading.group`` names a group that holds several.
+
+    Parameters
+    ----------
+    source : path or DataFrame
+    wanted : sequence of str
+        Columns that will be asked for.
+    reading : Reading
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not what its suffix says, or ``reading`` says what does not apply to it.
+    """
+    import pandas as pd
+
+    if isinstance(source, pd.DataFrame):
+        _refuse_keys("a DataFrame", reading, *TEXT_KEYS, "group")
+        return [_of_frame(source, "recording")]
+    path, name = Path(source), str(source)
+    kind, data = _kind(path, name)
+    if kind == "text":
+        _refuse_keys("a text file", reading, "group")
+        return [_of_text(data if data is not None else path.read_bytes(), name, wanted, reading)]
+    _refuse_keys(f"a {kind} file", reading, *TEXT_KEYS, *(["group"] if kind == "Parquet" else []))
+    try:
+        if kind == "Parquet":
+            return [_of_frame(pd.read_parquet(path), name)]
+        from camid.recording.mat_hdf5 import read_hdf5, read_mat, tables_of
+
+        tree = read_mat(path) if kind == "MAT" else read_hdf5(path)
+    except InputError:
+        raise
+    except Exception as error:  # each reader has errors of its own kind for a damaged file, or no right to read
+        detail = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"cannot be read as {kind} ({detail})", where=name, mend=f"is it whole, and is it a {kind} file?"
+        ) from None
+    return tables_of(tree, name, wanted, reading)
+
+
+def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:
+    from camid.recording.text import line_of, read_text
+
+    frame, text = read_text(data, name, wanted, reading)
+    names = [str(c).strip() for c in frame.columns]
+    columns = {n: frame.iloc[:, i] for i, n in enumerate(names)}
+    return Table(columns, name, lambda row: line_of(text, row, header=reading.header))
+
+
+def _of_frame(frame: pd.DataFrame, name: str) -> Table:
+    names = [str(c) for c in frame.columns]
+    repeated = sorted({c for c in names if names.count(c) > 1})
+    if repeated:
+        raise InputError(f"two columns are named '{repeated[0]}'", where=name, mend="rename one")
+    return Table({n: frame.iloc[:, i] for i, n in enumerate(names)}, name)
+
+
+def _refuse_keys(what: str, reading: Reading, *keys: str) -> None:
+    default = Reading()
+    for key in keys:
+        if getattr(reading, key) != getattr(default, key):
+            raise InputError(
+                f"{what} has no {key}", where=f"{reading.where}.{key}", mend="remove it, or name another recording"
+            )
+
+
+def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
+    """Kind of a file, and its content where it had to be unpacked."""
+    if path.is_dir():
+        raise InputError("this is a folder", where=name, mend="name a CSV, Parquet, MAT or HDF5 file")
+    if not path.exists():
+        raise InputError("no such file", where=name, mend="check the path")
+    suffix = path.suffix.lower()
+    try:
+        with path.open("rb") as stream:
+            begin = stream.read(64)
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", where=name, mend="check who may read it") from None
+    content = next((kind for kind, heads in BEGINNINGS.items() if begin.startswith(heads)), None)
+    if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
+        raise InputError("this is an Excel file", where=name, mend="save the sheet as CSV")
+    if content in {"zip", "gzip"}:
+        return "text", _unpacked(path, name, content)
+    kind = SUFFIXES.get(suffix, content or "text")
+    if content is not None and content != kind:
+        right = next(s for s, k in SUFFIXES.items() if k == content)
+        raise InputError(
+            f"this is {'an' if content == 'HDF5' else 'a'} {content} file, although its name ends in {suffix}",
+            where=name,
+            mend=f"rename it to {right}",
+        )
+    return kind, None
+
+
+def _is_excel(path: Path) -> bool:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return any(n.startswith(("xl/", "[Content_Types]")) or n == "content.xml" for n in archive.namelist())
+    except zipfile.BadZipFile:
+        return False
+
+
+def _unpacked(path: Path, name: str, kind: str) -> bytes:
+    """The text file in an archive that holds one file."""
+    inner = Path(path.stem)
+    try:
+        if kind == "gzip":
+            with gzip.open(path) as stream:
+                data = stream.read()
+        else:
+            with zipfile.ZipFile(path) as archive:
+                members = [m for m in archive.namelist() if not m.endswith("/")]
+                if len(members) != 1:
+                    raise InputError(
+                        f"{len(members)} files in an archive", where=name, mend="unpack it, and name one of them"
+                    )
+                data, inner = archive.read(members[0]), Path(members[0])
+    except (OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
+        raise InputError(f"cannot be unpacked ({error})", where=name, mend="pack it again") from None
+    if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in BEGINNINGS.values()):
+        raise InputError("what is packed is no text file", where=name, mend="unpack it")
+    return data

@@ -1,0 +1,145 @@
+"""Columns from files that hold named variables in groups: MAT and HDF5."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camid.errors import InputError, nearest_match
+from camid.recording.options import Reading
+from camid.recording.table import Table
+
+# Columns of one variable; more are a picture or a cube of data.
+MOST_COLUMNS = 1000
+# Kinds of numpy that are no real numbers.
+KINDS = {"b": "made of truth values", "c": "complex", "S": "text", "U": "text", "O": "text", "T": "text"}
+
+
+def read_mat(path: Path) -> dict[str, Any]:
+    """Variables of a MAT file of version 4, 5 to 7.2, or 7.3; structures are dictionaries."""
+    import pymatreader
+
+    with warnings.catch_warnings():  # what it cannot read turns up as a variable that is no column
+        warnings.simplefilter("ignore")
+        tree = pymatreader.read_mat(path)
+        kinds = {name: kind for name, _, kind in pymatreader.whosmat(path)}
+    # It returns truth values as integers, and only the list of variables tells them from numbers.
+    logical = {k: np.asarray(v, bool) for k, v in tree.items() if kinds.get(k) == "logical"}
+    return {k: v for k, v in (tree | logical).items() if not k.startswith("__")}
+
+
+def read_hdf5(path: Path) -> dict[str, Any]:
+    """Datasets of an HDF5 file, read at once; groups are dictionaries, and so are compound datasets."""
+    import h5py  # type: ignore[import-untyped]
+
+    def content(node: Any) -> Any:
+        if isinstance(node, h5py.Group):
+            return {str(name): content(node[name]) for name in node}
+        if not isinstance(node, h5py.Dataset) or node.shape is None:
+            return None
+        values = node[()]
+        fields = getattr(getattr(values, "dtype", None), "names", None)
+        return values if fields is None else {str(n): values[n] for n in fields}
+
+    with h5py.File(path, "r") as file:
+        return dict(content(file))
+
+
+def tables_of(tree: Mapping[str, Any], name: str, wanted: Sequence[str], reading: Reading) -> list[Table]:
+    """The table of a group, or one of each of the groups in it, in the natural order of their names.
+
+    Parameters
+    ----------
+    tree : mapping
+        Variables, groups as mappings.
+    name : str
+        For messages.
+    wanted : sequence of str
+        Columns that will be asked for.
+    reading : Reading
+
+    Raises
+    ------
+    InputError
+        If there is no such group, or nothing in it is a column.
+    """
+    node: Any = tree
+    if reading.group is not None:
+        node = _found(tree, reading.group, name, reading)
+        name = f"{name}, {reading.group}"
+    columns, refused = _columns(node)
+    groups = {n: v for n, v in _groups(node).items() if _columns(v)[0]}
+    if groups and reading.group is not None and not set(wanted) <= set(columns):
+        order = sorted(groups, key=lambda n: [(int(p) if p.isdigit() else 0, p) for p in re.split(r"(\d+)", n)])
+        found = {n: _columns(groups[n]) for n in order}
+        return [Table(c, f"{name}/{n}", refused=r, experiment=n) for n, (c, r) in found.items()]
+    inside = f" (groups: {', '.join(sorted(groups))}; say group: under recording)" if groups else ""
+    if not columns:
+        raise InputError(
+            "nothing here is a column of numbers",
+            where=name,
+            mend=f"it takes vectors of real numbers{inside}",
+        )
+    return [Table(columns, name, refused=refused, hint=inside)]
+
+
+def _found(tree: Mapping[str, Any], group: str, name: str, reading: Reading) -> Any:
+    node: Any = tree
+    parts = [group] if group in tree else [p for p in re.split(r"[/.]", group) if p]
+    for part in parts:
+        inside = _groups(node)
+        if part not in inside:
+            known = nearest_match(part, inside) if inside else "there are no groups here"
+            problem = f"'{group}' is a variable and no group" if part in node else f"no group '{group}'"
+            raise InputError(problem, where=f"{name} ({reading.where}.group)", mend=known)
+        node = inside[part]
+    return node
+
+
+def _groups(node: Mapping[str, Any]) -> dict[str, Any]:
+    """Groups in a group; the elements of an array of structures, or of cells, are groups, too."""
+    found = {str(n): v for n, v in node.items() if isinstance(v, Mapping)}
+    lists = {n: v for n, v in node.items() if isinstance(v, list) and any(isinstance(e, np.ndarray) for e in v)}
+    for i in range(max((len(v) for v in lists.values()), default=0)):
+        found[f"[{i}]"] = {n: v[i] for n, v in lists.items() if i < len(v)}
+    return found
+
+
+def _columns(node: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Vectors of a group; matrices as ``name[0]``, ``name[1]``, …; and why the other variables are no columns."""
+    columns: dict[str, Any] = {}
+    refused: dict[str, str] = {}
+    for name, value in sorted(node.items()):  # the reader of MAT files 7.3 has them in any order
+        if isinstance(value, Mapping):
+            refused[name] = "a group"
+            continue
+        array = np.squeeze(value) if isinstance(value, np.ndarray) else None
+        reason = _reason(value, array)
+        if reason is not None or array is None:
+            refused[name] = reason or "no array"
+        elif array.ndim == 1:
+            columns[name] = array
+        else:
+            table = array if array.shape[0] >= array.shape[1] else array.T
+            columns |= {f"{name}[{i}]": table[:, i] for i in range(table.shape[1])}
+            refused[name] = f"a matrix of {table.shape[1]} columns: name one of them, {name}[0], {name}[1], …"
+    return columns, refused
+
+
+def _reason(value: Any, array: Any) -> str | None:
+    """Why a variable is no column; None if it is one."""
+    if array is None:
+        named = {str: "text", bytes: "text", list: "a cell array", bool: "a truth value"}
+        return named.get(type(value), "a single value" if np.isscalar(value) else "of a kind that is not read")
+    if array.dtype.kind not in "fiu":
+        return KINDS.get(array.dtype.kind, f"of the kind {array.dtype}")
+    if array.ndim == 0 or array.size == 0:
+        return "empty" if array.size == 0 else "a single value"
+    if array.ndim > 2 or (array.ndim == 2 and min(array.shape) > MOST_COLUMNS):
+        return f"an array of {' × '.join(str(n) for n in array.shape)}"
+    return None

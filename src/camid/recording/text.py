@@ -1,0 +1,251 @@
+"""Tables from text files: comments, separator, decimal mark and header line found or as told."""
+
+from __future__ import annotations
+
+import csv
+import re
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from io import StringIO
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from camid.errors import InputError
+from camid.recording.options import Reading
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COMMENTS = ("#", "%")
+SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}
+# Lines that are looked at to find the separator.
+SAMPLE = 200
+NOT_TEXT = "a recording is CSV, Parquet, MAT or HDF5"
+
+
+@dataclass(frozen=True)
+class Text:
+    """A text file, taken apart.
+
+    Attributes
+    ----------
+    body : str
+        From the header line (or the first row) on.
+    skipped : int
+        Lines before it.
+    separator, decimal : str
+    """
+
+    body: str
+    skipped: int
+    separator: str
+    decimal: str
+
+    def rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Line in the file and cells of what counts as a row: blank lines are none."""
+        for line, cells in _rows(StringIO(self.body, newline=""), self.separator):
+            yield line + self.skipped, cells
+
+
+def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> tuple[pd.DataFrame, Text]:
+    """Table of a text file; columns that hold anything but numbers stay as they are.
+
+    Parameters
+    ----------
+    data : bytes
+        Content of the file.
+    name : str
+        For messages.
+    wanted : sequence of str
+        Columns that will be asked for.
+    reading : Reading
+
+    Raises
+    ------
+    InputError
+        If this is no text or no table, or what was told of it is wrong.
+    """
+    text = _taken_apart(_decoded(data, name), name, reading)
+    line, first = next(text.rows(), (1, []))
+    if not first:
+        raise InputError("the file is empty", where=name, mend="it needs a header line and rows")
+    names = list(reading.columns)
+    if reading.header:
+        if all(_is_number(c, text.decimal) for c in first if c) and not set(wanted) <= set(first):
+            raise InputError(
+                "the first line holds numbers and no names",
+                where=f"{name}, line {line}",
+                mend="say header: false and columns: [names in order] under recording in the simulation",
+            )
+        _refuse_repeated(first, f"{name}, line {line}")
+    else:
+        cells = first[:-1] if first[-1] == "" and len(first) == len(names) + 1 else first
+        if not any(_is_number(c, text.decimal) for c in cells):
+            raise InputError(
+                f"a line of names ({', '.join(cells)}) in a file that is said to have none",
+                where=f"{name}, line {line}",
+                mend="remove header: false and columns under recording",
+            )
+        if len(cells) != len(names):
+            raise InputError(
+                f"{len(cells)} cells, and {len(names)} columns are named",
+                where=f"{name}, line {line}",
+                mend=f"name all under {reading.where}.columns, in order",
+            )
+        names += [""] * (len(first) - len(cells))
+    return _parsed(text, name, names), text
+
+
+def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
+    import pandas as pd
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            frame = pd.read_csv(
+                StringIO(text.body, newline=""),
+                sep=r"\s+" if text.separator == " " else text.separator,
+                decimal=text.decimal if text.decimal != text.separator else ".",
+                header=None if names else 0,
+                names=names or None,
+                index_col=False,  # a separator at the end of each line must not shift the columns by one
+                skipinitialspace=True,
+                low_memory=False,
+            )
+    except pd.errors.ParserWarning:
+        raise InputError(
+            "the rows have more cells than the header",
+            where=name,
+            mend=f"put {_word(text.separator)} between the cells only, and a point into the numbers",
+        ) from None
+    except (pd.errors.ParserError, csv.Error) as error:
+        detail = str(error).replace("Error tokenizing data. C error: ", "").strip()
+        # pandas counts the lines that it was given.
+        detail = re.sub(r"(?<=in line )\d+", lambda found: str(int(found[0]) + text.skipped), detail)
+        raise InputError(detail, where=name, mend="each row needs as many cells as the header") from None
+    if text.decimal == text.separator:  # numbers in quotes, each with a decimal comma
+        for column in frame.select_dtypes(include=["object", "string"]):
+            frame[column] = frame[column].str.replace(text.decimal, ".")
+    return frame
+
+
+def line_of(text: Text, row: int, *, header: bool) -> str:
+    """'line 7': where a row of the table, counted from zero, stands in the file."""
+    with suppress(csv.Error):
+        for line, _ in islice(text.rows(), row + int(header), None):
+            return f"line {line}"
+    return f"row {row}"
+
+
+def _decoded(data: bytes, name: str) -> str:
+    """Text of a file: UTF-8, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
+    if b"\0" in data:
+        raise InputError("this is no UTF-8 text", where=name, mend=NOT_TEXT)
+    with suppress(UnicodeDecodeError):
+        return data.decode("utf-8-sig")
+    head, rest = [], data
+    while rest:
+        line, end, rest = rest.partition(b"\n")
+        head.append((line + end).decode("latin-1"))
+        if line.strip() and not line.lstrip().startswith(tuple(c.encode() for c in COMMENTS)):
+            break
+    try:
+        body = rest.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError("this is no UTF-8 text", where=name, mend=NOT_TEXT) from None
+    if not all(c.isprintable() or c.isspace() for c in "".join(head)):
+        raise InputError("this is no UTF-8 text", where=name, mend=NOT_TEXT)
+    return "".join(head) + body
+
+
+def _taken_apart(content: str, name: str, reading: Reading) -> Text:
+    told = reading.separator
+    position, skipped = 0, 0
+    while position < len(content):
+        end = content.find("\n", position) + 1 or len(content)
+        line = content[position:end].strip()
+        # A first line such as sep=; tells a spreadsheet what the separator is.
+        directive = re.fullmatch(r'"?sep=(.)"?', content[position:end].strip("\r\n"), re.IGNORECASE)
+        if directive and told is None:
+            told = directive[1]
+        elif line and not line.startswith(COMMENTS):
+            break
+        position, skipped = end, skipped + 1
+    body = content[position:]
+    separator = told or _separator(body, skipped, name)
+    return Text(body, skipped, separator, reading.decimal or _decimal(body, separator))
+
+
+def _rows(stream: Iterable[str], separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Lines, and cells without the space around them."""
+    if separator == " ":  # any number of blanks or tabs
+        stream = (re.sub(r"[ \t]+", " ", line.strip(" \t")) for line in stream)
+    reader = csv.reader(stream, delimiter=separator, skipinitialspace=separator != " ")
+    for cells in reader:
+        stripped = [c.strip() for c in cells]
+        if len(stripped) > 1 or any(stripped):
+            yield reader.line_num, stripped
+
+
+def _separator(body: str, skipped: int, name: str) -> str:
+    """The separator that every line has; of several the one that leaves the others inside of the cells."""
+    sample = list(islice(StringIO(body, newline=""), SAMPLE))
+    found: dict[str, dict[int, int]] = {}
+    for separator in (";", "\t", ",", " "):
+        with suppress(csv.Error):
+            found[separator] = {line: len(cells) for line, cells in _rows(sample, separator)}
+    if "," in found and " " in found and _blanks_between_decimal_commas(sample):
+        del found[","]
+
+    def share(separator: str) -> float:
+        counts = found[separator].values()
+        return sum(c > 1 for c in counts) / len(counts) if counts else 0.0
+
+    best = max(found, key=share, default=",")
+    if not found or share(best) == 0.0:
+        return ","
+    for line, count in found[best].items():
+        for other in (c for c in ",;\t" if c != best and c in found):
+            if count < 2 <= found[other].get(line, 0):
+                raise InputError(
+                    f"{_word(other)} between the cells, where most lines have {_word(best)}",
+                    where=f"{name}, line {line + skipped}",
+                    mend="separate all cells alike",
+                )
+    return best
+
+
+def _blanks_between_decimal_commas(sample: Sequence[str]) -> bool:
+    """Whether rows such as ``0,1 2,5`` hold decimal commas: between commas there would be two numbers in a cell."""
+    rows = [cells for _, cells in _rows(sample, ",")][1:] or [cells for _, cells in _rows(sample, ",")]
+    return all(any(len(c.split()) > 1 and all(_is_number(n, ".") for n in c.split()) for c in r) for r in rows)
+
+
+def _decimal(body: str, separator: str) -> str:
+    """A comma where numbers hold commas and none holds a point; between commas it would be a separator."""
+    if separator == ",":
+        return "."
+    edge = r"[\s\"]" if separator == " " else rf"[{re.escape(separator)}\n\"]"
+    cell = rf"(?:^|{edge})[ ]*[-+]?\d*{{}}\d+(?:[eEdD][-+]?\d+)?[ \r]*(?={edge}|$)"
+    with_comma, with_point = (re.compile(cell.format(mark)) for mark in (",", r"\."))
+    return "," if with_comma.search(body) and not with_point.search(body) else "."
+
+
+def _is_number(cell: str, decimal: str) -> bool:
+    try:
+        float(cell.replace(decimal, "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _word(separator: str) -> str:
+    return SEPARATORS.get(separator, f"'{separator}'")
+
+
+def _refuse_repeated(names: Sequence[str], where: str) -> None:
+    repeated = sorted({c for c in names if names.count(c) > 1 and c})
+    if repeated:
+        raise InputError(f"two columns are named '{repeated[0]}'", where=where, mend="rename one")

@@ -1,0 +1,200 @@
+"""Simulations: what the user believes of the chain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.acquisition import Acquisition
+from camid.chain.controller import Controller
+from camid.chain.pendulum import Pendulum
+from camid.chain.plant import TransferFunction
+from camid.errors import InputError
+from camid.recording.options import Reading
+from camid.simulation.control_systems import continuous_plant
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DeclaredEffect:
+    """An effect as the file declares it; :mod:`camid.effects` knows what it means.
+
+    Attributes
+    ----------
+    identifier : str
+    parameters : dict
+        Values in SI units and those of u and y.
+    standard_deviations : dict or None
+        Of the parameters.
+    where : str
+        File and line, for messages.
+    """
+
+    identifier: str
+    parameters: dict[str, Any]
+    standard_deviations: dict[str, Any] | None = None
+    where: str = "simulation"
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of the file."""
+        content: dict[str, Any] = {"id": self.identifier, "parameters": dict(self.parameters)}
+        if self.standard_deviations:
+            content["standard_deviations"] = dict(self.standard_deviations)
+        return content
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A believed, identified or improved chain.
+
+    Attributes
+    ----------
+    time_column, output_column : str
+    input_column : str or None
+        None for a free decay.
+    hold : {"zoh", "foh"}
+    plant : TransferFunction
+        As written, the leading denominator coefficient included; a python-control system is converted.
+    free_numerator, free_denominator : ndarray of bool
+        What may be re-estimated, in the shape of the coefficients.
+    sensor : {"camera", "instant"}
+    exposure : float or None
+        Seconds; None means the period of the recording.
+    latency : float
+        Seconds.
+    initial_state : {"zero", "estimate"}
+    validation : tuple of float or None
+        Start and end in seconds of the rows that are not fitted.
+    standard_deviations : dict or None
+        ``numerator`` and ``denominator``, in the shape of the coefficients.
+    covariance : list of list of float or None
+        Of all coefficients: numerator first, then the denominator without its leading one.
+    effects : tuple of DeclaredEffect
+        Beyond the linear chain.
+    source : str
+        Name for messages.
+    pendulum : Pendulum or None
+        Where the plant is one; ``plant`` is then that of small motions, and accuracies stand with the pendulum.
+    controller : Controller or None
+        Of a closed loop; its output is the input column.
+    remainder : float or None
+        Root mean square of what an earlier diagnosis left unexplained, in units of the output (of the input in a closed
+        loop): a structure no larger than that is known, and not looked for again.
+    reading : Reading
+        How the file of a recording is to be read, units included.
+    """
+
+    time_column: str
+    input_column: str | None
+    output_column: str
+    plant: TransferFunction
+    hold: str = "zoh"
+    sensor: str = "camera"
+    exposure: float | None = None
+    latency: float = 0.0
+    initial_state: str = "zero"
+    validation: tuple[float, float] | None = None
+    free_numerator: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    free_denominator: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    standard_deviations: dict[str, list[float]] | None = None
+    covariance: list[list[float]] | None = None
+    effects: tuple[DeclaredEffect, ...] = ()
+    source: str = "simulation"
+    pendulum: Pendulum | None = None
+    controller: Controller | None = None
+    remainder: float | None = None
+    reading: Reading = field(default_factory=Reading)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.plant, TransferFunction):
+            object.__setattr__(self, "plant", continuous_plant(self.plant, "simulation, plant"))
+        if self.free_numerator.size == 0 and self.free_denominator.size == 0:
+            for name, free in zip(("free_numerator", "free_denominator"), default_freedom(self.plant), strict=True):
+                object.__setattr__(self, name, free)
+
+    @property
+    def estimates_initial_state(self) -> bool:
+        """Whether the initial state is fitted."""
+        return self.initial_state == "estimate"
+
+    def acquisition(self, period: float, uncertainty: float = 0.0) -> Acquisition:
+        """Hold and sensor for a recording with this period, known to an uncertainty in seconds.
+
+        Raises
+        ------
+        InputError
+            If the exposure is longer than the period.
+        """
+        exposure = self.exposure
+        if exposure is not None and period < exposure <= period + uncertainty:
+            exposure = period
+        try:
+            return Acquisition(period, self.hold, self.sensor, exposure, self.latency)
+        except ValueError as error:
+            raise InputError(
+                str(error), where=f"{self.source}, sensor", mend="give the exposure in seconds, at most the period"
+            ) from None
+
+    def to_mapping(self) -> dict[str, Any]:
+        """The file's content."""
+        reading = self.reading
+        sensor: dict[str, Any] = {"column": self.output_column, **reading.output.to_mapping(), "kind": self.sensor}
+        if self.sensor == "camera" and self.exposure is not None:
+            sensor["exposure"] = float(self.exposure)
+        sensor["latency"] = float(self.latency)
+        plant = self._transfer_function() if self.pendulum is None else self.pendulum.to_mapping()
+        time: dict[str, Any] = {"column": self.time_column, **reading.time.to_mapping()}
+        driven = {"column": self.input_column, "hold": self.hold, **reading.input.to_mapping()}
+        content: dict[str, Any] = {"schema": 1}
+        if described := reading.to_mapping():
+            content["recording"] = described
+        content |= {
+            "time": time if reading.period is None else {"period": reading.period},
+            "input": None if self.input_column is None else driven,
+            "plant": plant,
+            "sensor": sensor,
+            "initial_state": self.initial_state,
+        }
+        if self.validation is not None:
+            content["validation"] = {"start": self.validation[0], "end": self.validation[1]}
+        if self.controller is not None:
+            content["controller"] = self.controller.to_mapping() | self.reading.reference.to_mapping()
+        if self.remainder is not None:
+            content["remainder"] = float(self.remainder)
+        content["effects"] = [effect.to_mapping() for effect in self.effects]
+        return content
+
+    def _transfer_function(self) -> dict[str, Any]:
+        plant: dict[str, Any] = {
+            "transfer_function": {
+                "numerator": [float(c) for c in self.plant.numerator],
+                "denominator": [float(c) for c in self.plant.denominator],
+            }
+        }
+        accuracy = {"standard_deviations": self.standard_deviations, "covariance": self.covariance}
+        plant.update({key: value for key, value in accuracy.items() if value is not None})
+        plant["free"] = {
+            "numerator": [bool(f) for f in self.free_numerator],
+            "denominator": [bool(f) for f in self.free_denominator],
+        }
+        return plant
+
+
+def default_freedom(plant: TransferFunction) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """What may be re-estimated where the file does not say.
+
+    Every coefficient but the leading one of the denominator, and but the zeros at the end of a polynomial: they are
+    structure (an integrator, a differentiator), which a belief of exactly zero damping is not.
+    """
+    free_numerator, free_denominator = (np.ones(len(c), bool) for c in (plant.numerator, plant.denominator))
+    for free, coefficients in ((free_numerator, plant.numerator), (free_denominator, plant.denominator)):
+        for i in range(len(coefficients) - 1, -1, -1):
+            if coefficients[i] != 0.0:
+                break
+            free[i] = False
+    free_denominator[0] = False
+    return free_numerator, free_denominator
