@@ -1,4 +1,4 @@
-"""The one kind of error that a user can mend."""
+"""The one kind of error that a user can put right."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 
 class InputError(ValueError):
-    """What the user gave is wrong: one line that names the file, the place and the mend.
+    """What the user gave is wrong: one line that names the file, the place and what to do about it.
 
     The command line prints it without a traceback and exits with code 2.
 
@@ -17,14 +17,14 @@ class InputError(ValueError):
         What is wrong, in the user's words.
     where : str, optional
         File and place in it, put in front of the problem.
-    mend : str, optional
+    hint : str, optional
         What to do about it, put behind the problem.
     """
 
-    def __init__(self, problem: str, *, where: str | None = None, mend: str | None = None) -> None:
-        self.problem, self.where, self.mend = problem, where, mend
+    def __init__(self, problem: str, *, where: str | None = None, hint: str | None = None) -> None:
+        self.problem, self.where, self.hint = problem, where, hint
         line = problem if where is None else f"{where}: {problem}"
-        super().__init__(line if mend is None else f"{line}; {mend}")
+        super().__init__(line if hint is None else f"{line}; {hint}")
 
 
 def nearest_match(name: str, known: Iterable[str]) -> str:

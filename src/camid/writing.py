@@ -36,11 +36,11 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     """
     target = Path(os.path.realpath(path))
     if target.is_dir():
-        raise InputError("this is a folder", where=str(path), mend="name a file to write")
+        raise InputError("this is a folder", where=str(path), hint="name a file to write")
     if not target.parent.is_dir():
-        raise InputError("no such folder", where=str(target.parent), mend="make it, or write somewhere else")
+        raise InputError("no such folder", where=str(target.parent), hint="make it, or write somewhere else")
     if target.exists() and not target.is_file():
-        raise InputError("this is a device or a pipe", where=str(path), mend="name a file to write")
+        raise InputError("this is a device or a pipe", where=str(path), hint="name a file to write")
 
 
 def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> None:
@@ -56,7 +56,7 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> N
     try:
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".camid-", suffix=target.suffix)
     except OSError as error:
-        raise InputError(f"cannot write ({error.strerror})", where=str(target.parent), mend="write elsewhere") from None
+        raise InputError(f"cannot write ({error.strerror})", where=str(target.parent), hint="write elsewhere") from None
     os.close(handle)
     try:
         write(Path(temporary))

@@ -260,7 +260,7 @@ def test_silverbox_reaches_its_references(computed):
 def test_recording_that_cannot_be_found_is_one_clear_line(fresh, monkeypatch):
     monkeypatch.setenv("CAMID_RECORDINGS", "nowhere")
     printed = fresh.snakemake("recordings", expect=1, recordings=True)
-    assert "camid: error: nowhere/silverbox.csv: no such file; mend or unset CAMID_RECORDINGS" in printed
+    assert "camid: error: nowhere/silverbox.csv: no such file; correct or unset CAMID_RECORDINGS" in printed
 
 
 def test_rules_are_formatted_files_that_the_snakefile_includes():

@@ -1,6 +1,6 @@
 """The command line: ``camid identify``, ``order``, ``simulate``, ``diagnose`` and ``track``.
 
-Exit code 0: done. 2: the input is wrong, and one line says what, where and how to mend it.
+Exit code 0: done. 2: the input is wrong, and one line says what, where and how to fix it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ for command in (diagnose.diagnose, identify.identify, order.order, simulate.simu
 
 
 def _message(error: Exception) -> str:
-    """One line for an error that the user can mend."""
+    """One line for an error that the user can fix."""
     sentence = str(error)
     if isinstance(error, click.ClickException):
         sentence = f"{' '.join(error.format_message().split())} (see camid --help)"

@@ -69,21 +69,21 @@ def identify(
     if simulation is None and order is None:
         raise InputError(
             "neither --simulation nor --order is given",
-            mend="say what to look for, e.g. --order 2 0 (camid order tries them all)",
+            hint="say what to look for, e.g. --order 2 0 (camid order tries them all)",
         )
     believed = declared_simulation(simulation, declared)
     inputs = [*recording, *([simulation] if simulation else [])]
     check_output(output, inputs)
     check_output(residuals, inputs, "--residuals")
     if output is not None and residuals is not None and output.resolve() == residuals.resolve():
-        raise InputError("--output and --residuals are the same file", where=str(output), mend="name two files")
+        raise InputError("--output and --residuals are the same file", where=str(output), hint="name two files")
     with progress_display(as_json) as progress, column_options(simulation):
         result = run(list(recording), believed, structure=order, method=method, progress=progress)
     if residuals is not None:
         if result.residual_analysis is None:
             raise InputError(
                 "the residual was not tested: the estimate ran away, or the plant is a pendulum or in a closed loop",
-                mend="leave out --residuals",
+                hint="leave out --residuals",
             )
         write_table(result.residual_analysis.correlations(result.period), residuals)
     if output is not None:

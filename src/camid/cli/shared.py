@@ -65,14 +65,14 @@ def column_options(simulation: Path | None) -> Iterator[None]:
     except InputError as error:
         if simulation is None and error.problem.startswith("no column"):
             options = "say --time-column, --input-column, --output-column"
-            raise InputError(error.problem, where=error.where, mend=f"{error.mend}; {options}") from None
+            raise InputError(error.problem, where=error.where, hint=f"{error.hint}; {options}") from None
         raise
 
 
 def contradiction(option: str, simulation: Path) -> InputError:
     """The error for an option that says again what the file says."""
     return InputError(
-        f"--{option} and --simulation contradict each other", mend=f"write it into {simulation} or leave it out"
+        f"--{option} and --simulation contradict each other", hint=f"write it into {simulation} or leave it out"
     )
 
 
@@ -89,11 +89,11 @@ def declared_simulation(simulation: Path | None, declared: dict[str, Any]) -> Si
         return load_simulation(simulation)
     sensor = given.get("sensor", "camera")
     if sensor == "instant" and "exposure" in given:
-        raise InputError("an instant sensor has no exposure", mend="leave out --exposure or say --sensor camera")
+        raise InputError("an instant sensor has no exposure", hint="leave out --exposure or say --sensor camera")
     for name in ("exposure", "latency"):
         lowest = "positive" if name == "exposure" else "zero or positive"
         if name in given and not (0.0 <= given[name] < float("inf") and (given[name] or lowest != "positive")):
-            raise InputError(f"--{name} {given[name]:g}", mend=f"it takes a {lowest} number of seconds")
+            raise InputError(f"--{name} {given[name]:g}", hint=f"it takes a {lowest} number of seconds")
     return Simulation(
         time_column=given.get("time_column", "t"),
         input_column=given.get("input_column", "u"),
@@ -115,7 +115,7 @@ def check_output(output: Path | None, inputs: list[Path], option: str = "--outpu
     for path in inputs:
         if output is not None and output.exists() and path.exists() and output.samefile(path):
             raise InputError(
-                f"{option} would overwrite what it is made from", where=str(path), mend="name another file"
+                f"{option} would overwrite what it is made from", where=str(path), hint="name another file"
             )
     if output is not None:
         check_writable(output)

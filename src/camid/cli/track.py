@@ -68,9 +68,9 @@ def track(*, video: Path, output: Path, preview: Path | None, as_json: bool, **o
     check_output(preview, [video], "--preview")
     if preview is not None:
         if preview.suffix.lower() != ".png":
-            raise InputError("a preview is a PNG image", where=str(preview), mend="name it e.g. preview.png")
+            raise InputError("a preview is a PNG image", where=str(preview), hint="name it e.g. preview.png")
         if preview.resolve() == output.resolve():
-            raise InputError("--output and --preview are the same file", where=str(output), mend="name two files")
+            raise InputError("--output and --preview are the same file", where=str(output), hint="name two files")
     with progress_display(as_json) as progress:
         result = run(video, preview=preview, progress=progress, **options)
     write_table(result.table, output)

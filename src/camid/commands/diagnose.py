@@ -11,22 +11,15 @@ from numpy.typing import NDArray
 from camid.diagnosis.diagnose import investigate
 from camid.diagnosis.improved import improved
 from camid.diagnosis.result import Diagnosis
-from camid.diagnosis.validation_rows import with_validation
+from camid.diagnosis.validation_rows import refuse_few_rows, with_validation
 from camid.effects.declared import effects_of
 from camid.engine.run import NotApplicable
 from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
-from camid.identification.experiment import Experiment
 from camid.identification.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
-from camid.identification.structure import Structure
-from camid.recording.recording import Recording
 from camid.simulation.file import load_simulation
 
 Array = NDArray[np.float64]
-# Rows that are needed for an unknown of the plant, and in any case: the tests for structure hold up to sixty functions
-# of input, motion and output against the residual.
-ROWS_A_NUMBER = 5
-FEWEST_ROWS = 100
 
 
 def diagnose(
@@ -64,11 +57,11 @@ def diagnose(
         raise InputError(
             "without input and at rest nothing moves",
             where=believed.source,
-            mend="set initial_state: estimate for a free decay",
+            hint="set initial_state: estimate for a free decay",
         )
     recordings, experiments, held_out = experiments_of(recording, believed, progress)
     structure = structure_of(believed)
-    _refuse_few(structure, experiments, recordings)
+    refuse_few_rows(structure, experiments, recordings)
     problem = problem_of(believed, structure, recordings, experiments)
     nominal = model_of(believed, structure, effects)
     try:
@@ -80,11 +73,11 @@ def diagnose(
         raise InputError(
             str(error),
             where=believed.effects[0].where if believed.effects else believed.source,
-            mend="remove the effect, or give the plant more poles than zeros",
+            hint="remove the effect, or give the plant more poles than zeros",
         ) from None
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         raise InputError(
-            f"no diagnosis: {error}", where=recordings[0].source, mend="check the simulation and the units"
+            f"no diagnosis: {error}", where=recordings[0].source, hint="check the simulation and the units"
         ) from None
     return Diagnosis(
         outcome.verdict,
@@ -103,15 +96,3 @@ def diagnose(
         time.perf_counter() - begun,
         list(warnings_of(recordings)),
     )
-
-
-def _refuse_few(structure: Structure, experiments: list[Experiment], recordings: list[Recording]) -> None:
-    unknowns = int(structure.free.sum()) + structure.order * sum(e.estimate_initial_state for e in experiments)
-    rows = int(sum(e.used.sum() for e in experiments))
-    needed = max(ROWS_A_NUMBER * (unknowns + 1), FEWEST_ROWS)
-    if rows < needed:
-        raise InputError(
-            f"{rows} samples are too few to diagnose a plant of {unknowns} unknowns",
-            where=recordings[0].source,
-            mend=f"record at least {needed} outside of the validation rows",
-        )

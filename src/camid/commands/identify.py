@@ -70,13 +70,13 @@ def _identified(
         raise InputError(
             "identify re-estimates linear chains, and this simulation has effects",
             where=believed.effects[0].where,
-            mend="camid diagnose re-estimates plant and effects together (improved.yaml)",
+            hint="camid diagnose re-estimates plant and effects together (improved.yaml)",
         )
     beyond = "a pendulum" if believed.pendulum else "a closed loop" if believed.controller else None
     if beyond is not None and structure is not None:
-        raise InputError(f"an order is chosen, and {beyond} has its own", where=believed.source, mend="leave it out")
+        raise InputError(f"an order is chosen, and {beyond} has its own", where=believed.source, hint="leave it out")
     if method not in METHODS:
-        raise InputError(f"method '{method}' is not known", mend=f"it must be one of {', '.join(METHODS)}")
+        raise InputError(f"method '{method}' is not known", hint=f"it must be one of {', '.join(METHODS)}")
     wanted, nominal = _wanted(believed, structure)
     recordings, experiments, held_out = experiments_of(recording, believed, progress)
     unknowns = int(wanted.free.sum()) + wanted.order * sum(e.estimate_initial_state for e in experiments)
@@ -85,10 +85,10 @@ def _identified(
         raise InputError(
             f"{available} samples are fewer than needed for {unknowns} parameters",
             where=recordings[0].source,
-            mend="record longer, or choose a lower order",
+            hint="record longer, or choose a lower order",
         )
     if not wanted.free.any():
-        raise InputError("no coefficient is free", where=believed.source, mend="free one under plant.free")
+        raise InputError("no coefficient is free", where=believed.source, hint="free one under plant.free")
     try:
         if believed.pendulum is not None or believed.controller is not None:
             from camid.fitting.identified_plant import identify_by_simulation
@@ -100,7 +100,7 @@ def _identified(
         return _analysed(identification, wanted, experiments, progress)
     except (ValueError, ArithmeticError) as error:
         raise InputError(
-            f"no estimate: {error}", where=recordings[0].source, mend="try another order, or check the units"
+            f"no estimate: {error}", where=recordings[0].source, hint="try another order, or check the units"
         ) from None
 
 
@@ -113,25 +113,25 @@ def _wanted(believed: Simulation, structure: tuple[int, int] | None) -> tuple[St
             raise InputError(
                 "without input and at rest nothing moves",
                 where=believed.source,
-                mend="set initial_state: estimate for a free decay",
+                hint="set initial_state: estimate for a free decay",
             )
         if structure is not None:
             raise InputError(
                 "a free decay says nothing of the numerator, and an order alone gives it no value",
                 where=believed.source,
-                mend="leave the order out and write a transfer_function",
+                hint="leave the order out and write a transfer_function",
             )
     if structure is not None:
         poles, zeros = structure
         if poles < 1 or not 0 <= zeros <= poles:
             raise InputError(
                 f"order {poles} {zeros} is improper",
-                mend="it takes at least one pole and at most as many zeros as poles",
+                hint="it takes at least one pole and at most as many zeros as poles",
             )
         return Structure.of_order(poles, zeros), None
     monic = believed.plant.monic
     if monic.order == 0:
-        raise InputError("the plant has no dynamics", where=believed.source, mend="give it at least one pole")
+        raise InputError("the plant has no dynamics", where=believed.source, hint="give it at least one pole")
     # A free decay says nothing of the numerator: it keeps its believed value.
     free_numerator = believed.free_numerator & (believed.input_column is not None)
     return (

@@ -47,24 +47,24 @@ def select_order(
 
     believed = load_simulation(simulation)
     if believed.input_column is None:
-        raise InputError("a free decay says nothing of the zeros", where=believed.source, mend="record an input, too")
+        raise InputError("a free decay says nothing of the zeros", where=believed.source, hint="record an input, too")
     if believed.effects:
         raise InputError(
             "order compares linear chains, and this simulation has effects",
             where=believed.effects[0].where,
-            mend="remove the effects",
+            hint="remove the effects",
         )
     if believed.controller is not None:
         raise InputError(
             "order compares plants behind an input that nothing feeds back to, and this one has a controller",
             where=believed.source,
-            mend="write the plant, and let identify or diagnose estimate it in its loop",
+            hint="write the plant, and let identify or diagnose estimate it in its loop",
         )
     if largest < 1:
-        raise InputError(f"the largest order is {largest}", mend="it takes at least one pole")
+        raise InputError(f"the largest order is {largest}", hint="it takes at least one pole")
     recordings, experiments, _ = experiments_of(recording, believed, progress)
     try:
         selection = run(experiments, largest, progress=progress)
         return replace(selection, recording_warnings=warnings_of(recordings))
     except (ValueError, ArithmeticError) as error:
-        raise InputError(str(error), where=recordings[0].source, mend="record longer, or check the units") from None
+        raise InputError(str(error), where=recordings[0].source, hint="record longer, or check the units") from None

@@ -71,7 +71,7 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
             raise InputError(
                 f"a recorded column is called '{name}' like the result",
                 where=believed.source,
-                mend="rename the column",
+                hint="rename the column",
             )
     parts = []
     for one in recordings:
@@ -84,7 +84,7 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
             raise InputError(
                 "the simulated output exceeds every floating-point number",
                 where=believed.source,
-                mend="check the transfer function and the units of the input",
+                hint="check the transfer function and the units of the input",
             )
         table: dict[str, Any] = {"experiment": one.experiment} if len(recordings) > 1 else {}
         # Where the file's times are irregular, the simulation ran on a grid: back to the recorded times.
@@ -133,7 +133,7 @@ def _refuse_few(rows: int, states: int, recording: Recording) -> None:
         raise InputError(
             f"{rows} samples are fewer than needed for {states} initial states",
             where=recording.source,
-            mend="record longer, or set initial_state: zero",
+            hint="record longer, or set initial_state: zero",
         )
 
 
@@ -159,7 +159,7 @@ def _run_by_engine(recording: Recording, simulation: Simulation) -> tuple[Array,
         raise
     except (ValueError, ArithmeticError) as error:
         where = simulation.effects[0].where if simulation.effects else simulation.source
-        raise InputError(str(error), where=where, mend="see docs/effects.md") from None
+        raise InputError(str(error), where=where, hint="see docs/effects.md") from None
     return (output if experiment is None else _from_first_known(output, experiment)), None
 
 

@@ -83,7 +83,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
     except (OSError, InputError) as error:
         done = f"; written before: {', '.join(p.name for p in written)}" if written else ""
         problem = error.problem if isinstance(error, InputError) else f"cannot write ({error.strerror or error})"
-        raise InputError(f"{problem}{done}", where=str(folder), mend="make room, or write elsewhere") from None
+        raise InputError(f"{problem}{done}", where=str(folder), hint="make room, or write elsewhere") from None
     return written
 
 
@@ -126,17 +126,17 @@ def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
     """
     parent = folder.resolve().parent
     if folder.exists() and not folder.is_dir():
-        raise InputError("this is a file", where=str(folder), mend="name a folder for the results")
+        raise InputError("this is a file", where=str(folder), hint="name a folder for the results")
     if not parent.is_dir():
-        raise InputError("no such folder", where=str(parent), mend="make it, or write elsewhere")
+        raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
     if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
-        raise InputError("no right to write here", where=str(folder), mend="write elsewhere")
+        raise InputError("no right to write here", where=str(folder), hint="write elsewhere")
     for name in FILES:
         target = folder / name
         for path in inputs:
             if target.exists() and path.exists() and target.samefile(path):
                 raise InputError(
-                    f"{name} would overwrite what it is made from", where=str(path), mend="name another folder"
+                    f"{name} would overwrite what it is made from", where=str(path), hint="name another folder"
                 )
         if folder.exists():
             check_writable(target)

@@ -7,8 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.errors import InputError
 from camid.fitting.problem import Model, Problem
 from camid.fitting.refit import refit
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
+from camid.recording.recording import Recording
 
 Array = NDArray[np.float64]
 # Share of a recording that validates where the simulation does not say, and how much more of the mismatch than
@@ -17,6 +21,10 @@ VALIDATION_SHARE = 0.2
 CONCENTRATED = 3.0
 # A part with a smaller share of the largest variance of the output is at rest.
 AT_REST = 0.02
+# Rows that are needed for an unknown of the plant, and in any case: the tests for structure hold up to sixty functions
+# of input, motion and output against the residual.
+ROWS_A_NUMBER = 5
+FEWEST_ROWS = 100
 
 
 def with_validation(
@@ -57,3 +65,16 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     rows = np.zeros(len(residual), bool)
     rows[part] = True
     return rows & experiment.used
+
+
+def refuse_few_rows(structure: Structure, experiments: list[Experiment], recordings: list[Recording]) -> None:
+    """Refuse recordings too short for the tests of structure to say anything."""
+    unknowns = int(structure.free.sum()) + structure.order * sum(e.estimate_initial_state for e in experiments)
+    rows = int(sum(e.used.sum() for e in experiments))
+    needed = max(ROWS_A_NUMBER * (unknowns + 1), FEWEST_ROWS)
+    if rows < needed:
+        raise InputError(
+            f"{rows} samples are too few to diagnose a plant of {unknowns} unknowns",
+            where=recordings[0].source,
+            hint=f"record at least {needed} outside of the validation rows",
+        )

@@ -26,24 +26,24 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
             raise InputError(
                 f"no effect '{declared.identifier}'",
                 where=declared.where,
-                mend=nearest_match(declared.identifier, known_effects()),
+                hint=nearest_match(declared.identifier, known_effects()),
             )
         if any(type(e) is kind for e in found):
-            raise InputError(f"the effect '{declared.identifier}' stands twice", where=declared.where, mend="keep one")
+            raise InputError(f"the effect '{declared.identifier}' stands twice", where=declared.where, hint="keep one")
         names = [p.name for p in kind.parameters]
         for name in declared.parameters:
             if name not in names:
                 raise InputError(
                     f"{declared.identifier} has no parameter '{name}'",
                     where=declared.where,
-                    mend=nearest_match(name, names) if names else "it has none",
+                    hint=nearest_match(name, names) if names else "it has none",
                 )
         for parameter in kind.parameters:
             _refuse_value(declared, parameter)
         try:
             found.append(kind(**declared.parameters))
         except (ValueError, TypeError) as error:
-            raise InputError(str(error), where=declared.where, mend="see docs/effects.md") from None
+            raise InputError(str(error), where=declared.where, hint="see docs/effects.md") from None
     return tuple(found)
 
 
@@ -55,7 +55,7 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
         raise InputError(
             f"{declared.identifier} needs the parameter '{parameter.name}'",
             where=declared.where,
-            mend=f"add it: {parameter.meaning}{unit}",
+            hint=f"add it: {parameter.meaning}{unit}",
         )
     value = declared.parameters[parameter.name]
     if parameter.choices:
@@ -63,21 +63,21 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
             raise InputError(
                 f"{name}: '{value}' is none of {', '.join(parameter.choices)}",
                 where=declared.where,
-                mend=nearest_match(str(value), parameter.choices),
+                hint=nearest_match(str(value), parameter.choices),
             )
         return
     numbers = value if parameter.sequence and isinstance(value, list | tuple) else [value]
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
             raise InputError(
-                f"{name}: {number!r} is no finite number", where=declared.where, mend=f"{parameter.meaning}{unit}"
+                f"{name}: {number!r} is no finite number", where=declared.where, hint=f"{parameter.meaning}{unit}"
             )
         low, high = parameter.lower, parameter.upper
         if not low <= number <= high:
             # A lower bound of next to nothing stands for "positive".
             least = "positive" if 0.0 < low < 1e-200 else f"at least {low:g}"
             bounds = least if high == inf else f"at most {high:g}" if low == -inf else f"from {low:g} to {high:g}"
-            raise InputError(f"{name} = {number:g}", where=declared.where, mend=f"it must be {bounds}")
+            raise InputError(f"{name} = {number:g}", where=declared.where, hint=f"it must be {bounds}")
 
 
 def declared(effects: Sequence[Effect], deviations: Sequence[dict[str, float | None]]) -> tuple[DeclaredEffect, ...]:

@@ -25,7 +25,7 @@ def structure_of(believed: Simulation) -> Structure:
     """Structure of the plant, and what of it is free; InputError if it has no dynamics."""
     monic = believed.plant.monic
     if monic.order == 0:
-        raise InputError("the plant has no dynamics", where=believed.source, mend="give it at least one pole")
+        raise InputError("the plant has no dynamics", where=believed.source, hint="give it at least one pole")
     # A free decay says nothing of the numerator: it keeps its believed value.
     free = believed.free_numerator & (believed.input_column is not None)
     return Structure(np.array(monic.numerator), np.array(monic.denominator), free, believed.free_denominator)

@@ -34,7 +34,7 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
     for (one, first), (other, second) in combinations(roles.items(), 2):
         if first is not None and first == second:
             raise InputError(
-                f"{one} and {other} are the same column '{first}'", where=simulation.source, mend="name two columns"
+                f"{one} and {other} are the same column '{first}'", where=simulation.source, hint="name two columns"
             )
     named = [roles["input"], roles["reference"], simulation.output_column if output_needed else None]
     required = [column for column in named if column is not None]
@@ -64,7 +64,7 @@ def acquisition_of(recording: Recording, simulation: Simulation) -> Acquisition:
         raise InputError(
             f"latency = {acquisition.latency:g} s is longer than {recording.source}, which lasts {duration:g} s",
             where=f"{simulation.source}, sensor",
-            mend="give it in seconds",
+            hint="give it in seconds",
         )
     return acquisition
 
@@ -84,7 +84,7 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
         raise InputError(
             f"no row with an output is left to compare after {simulation.reading.leave_out:g} s",
             where=recording.source,
-            mend=f"the recording lasts {recording.time[-1] - recording.time[0]:g} s: choose a shorter leave_out",
+            hint=f"the recording lasts {recording.time[-1] - recording.time[0]:g} s: choose a shorter leave_out",
         )
     return Experiment(
         signal, recording.columns[simulation.output_column], acquisition, used, simulation.estimates_initial_state
@@ -107,11 +107,11 @@ def experiments_of(
     """Recordings, what is fitted of them, and their validation rows; a file may hold several of them."""
     sources = recording if isinstance(recording, list | tuple) else [recording]
     if not sources:
-        raise InputError("no recording is given", mend="name at least one")
+        raise InputError("no recording is given", hint="name at least one")
     files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
     if len(set(files)) < len(files):
         raise InputError(
-            "the same recording is named twice", where=str(sources[0]), mend="what it says would count double"
+            "the same recording is named twice", where=str(sources[0]), hint="what it says would count double"
         )
     if progress:
         progress("reading the recording")
@@ -127,13 +127,13 @@ def experiments_of(
         raise InputError(
             f"no row of the recording lies between {believed.validation[0]:g} s and {believed.validation[1]:g} s",
             where=f"{believed.source}, validation",
-            mend=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
+            hint=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
         )
     if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
         raise InputError(
             f"column '{believed.input_column}' is zero throughout",
             where=recordings[0].source,
-            mend="for a free decay say input: null in the simulation",
+            hint="for a free decay say input: null in the simulation",
         )
     return recordings, experiments, held_out
 
@@ -148,12 +148,12 @@ def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
         raise InputError(
             f"column '{simulation.output_column}' is constant",
             where=recording.source,
-            mend="there is nothing to identify in it",
+            hint="there is nothing to identify in it",
         )
     column = simulation.input_column
     if column is not None and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
         raise InputError(
             f"column '{column}' is zero throughout",
             where=recording.source,
-            mend="for a free decay say input: null and initial_state: estimate",
+            hint="for a free decay say input: null and initial_state: estimate",
         )

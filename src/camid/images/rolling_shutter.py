@@ -1,8 +1,8 @@
 """Image formation and measurement with a rolling shutter: every row of the sensor has an exposure of its own.
 
 A global shutter is that of :mod:`camid.images.forming`. Here row i is exposed over [t + iλ, t + iλ + τ] with the
-line time λ, the time between the readouts of neighbouring rows. The subject is that of E. Laroche's follow-up paper, "Dynamical
-models for position measurement with global shutter and rolling shutter cameras"; the equations are ours.
+line time λ, the time between the readouts of neighbouring rows. The subject is that of E. Laroche's follow-up paper,
+"Dynamical models for position measurement with global shutter and rolling shutter cameras"; the equations are ours.
 """
 
 from __future__ import annotations

@@ -87,15 +87,15 @@ def fetch(name: str) -> Path:
     import pooch
 
     if name not in BENCHMARK_RECORDINGS:
-        raise InputError(f"no recording '{name}'", mend=f"known here: {', '.join(BENCHMARK_RECORDINGS)}")
+        raise InputError(f"no recording '{name}'", hint=f"known here: {', '.join(BENCHMARK_RECORDINGS)}")
     recording = BENCHMARK_RECORDINGS[name]
     folder = os.environ.get(FOLDER_VARIABLE)
     if folder:
         path = Path(folder) / recording.file
         if not path.is_file():
-            raise InputError("no such file", where=str(path), mend=f"mend or unset {FOLDER_VARIABLE}")
+            raise InputError("no such file", where=str(path), hint=f"correct or unset {FOLDER_VARIABLE}")
         if pooch.file_hash(str(path), alg="sha256") != recording.sha256:
-            raise InputError("not the published file (its SHA-256 differs)", where=str(path), mend="fetch it again")
+            raise InputError("not the published file (its SHA-256 differs)", where=str(path), hint="fetch it again")
         return path
     pooch.get_logger().setLevel("ERROR")
     try:
@@ -109,7 +109,7 @@ def fetch(name: str) -> Path:
         raise InputError(
             f"the recording '{name}' cannot be downloaded ({reason})",
             where=recording.address,
-            mend=f"download it and name its folder in {FOLDER_VARIABLE}",
+            hint=f"download it and name its folder in {FOLDER_VARIABLE}",
         ) from None
 
 

@@ -79,7 +79,7 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     except Exception as error:  # each reader has errors of its own kind for a damaged file, or no right to read
         detail = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            f"cannot be read as {kind} ({detail})", where=name, mend=f"is it whole, and is it a {kind} file?"
+            f"cannot be read as {kind} ({detail})", where=name, hint=f"is it whole, and is it a {kind} file?"
         ) from None
     return tables_of(tree, name, wanted, reading)
 
@@ -97,7 +97,7 @@ def _of_frame(frame: pd.DataFrame, name: str) -> Table:
     names = [str(c) for c in frame.columns]
     repeated = sorted({c for c in names if names.count(c) > 1})
     if repeated:
-        raise InputError(f"two columns are named '{repeated[0]}'", where=name, mend="rename one")
+        raise InputError(f"two columns are named '{repeated[0]}'", where=name, hint="rename one")
     return Table({n: frame.iloc[:, i] for i, n in enumerate(names)}, name)
 
 
@@ -106,25 +106,25 @@ def _refuse_keys(what: str, reading: Reading, *keys: str) -> None:
     for key in keys:
         if getattr(reading, key) != getattr(default, key):
             raise InputError(
-                f"{what} has no {key}", where=f"{reading.where}.{key}", mend="remove it, or name another recording"
+                f"{what} has no {key}", where=f"{reading.where}.{key}", hint="remove it, or name another recording"
             )
 
 
 def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     """Kind of a file, and its content where it had to be unpacked."""
     if path.is_dir():
-        raise InputError("this is a folder", where=name, mend="name a CSV, Parquet, MAT or HDF5 file")
+        raise InputError("this is a folder", where=name, hint="name a CSV, Parquet, MAT or HDF5 file")
     if not path.exists():
-        raise InputError("no such file", where=name, mend="check the path")
+        raise InputError("no such file", where=name, hint="check the path")
     suffix = path.suffix.lower()
     try:
         with path.open("rb") as stream:
             begin = stream.read(64)
     except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", where=name, mend="check who may read it") from None
+        raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check who may read it") from None
     content = next((kind for kind, heads in BEGINNINGS.items() if begin.startswith(heads)), None)
     if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
-        raise InputError("this is an Excel file", where=name, mend="save the sheet as CSV")
+        raise InputError("this is an Excel file", where=name, hint="save the sheet as CSV")
     if content in {"zip", "gzip"}:
         return "text", _unpacked(path, name, content)
     kind = SUFFIXES.get(suffix, content or "text")
@@ -133,7 +133,7 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
         raise InputError(
             f"this is {'an' if content == 'HDF5' else 'a'} {content} file, although its name ends in {suffix}",
             where=name,
-            mend=f"rename it to {right}",
+            hint=f"rename it to {right}",
         )
     return kind, None
 
@@ -158,11 +158,11 @@ def _unpacked(path: Path, name: str, kind: str) -> bytes:
                 members = [m for m in archive.namelist() if not m.endswith("/")]
                 if len(members) != 1:
                     raise InputError(
-                        f"{len(members)} files in an archive", where=name, mend="unpack it, and name one of them"
+                        f"{len(members)} files in an archive", where=name, hint="unpack it, and name one of them"
                     )
                 data, inner = archive.read(members[0]), Path(members[0])
     except (OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
-        raise InputError(f"cannot be unpacked ({error})", where=name, mend="pack it again") from None
+        raise InputError(f"cannot be unpacked ({error})", where=name, hint="pack it again") from None
     if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in BEGINNINGS.values()):
-        raise InputError("what is packed is no text file", where=name, mend="unpack it")
+        raise InputError("what is packed is no text file", where=name, hint="unpack it")
     return data

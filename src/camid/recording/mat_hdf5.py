@@ -83,7 +83,7 @@ def tables_of(tree: Mapping[str, Any], name: str, wanted: Sequence[str], reading
         raise InputError(
             "nothing here is a column of numbers",
             where=name,
-            mend=f"it takes vectors of real numbers{inside}",
+            hint=f"it takes vectors of real numbers{inside}",
         )
     return [Table(columns, name, refused=refused, hint=inside)]
 
@@ -96,7 +96,7 @@ def _found(tree: Mapping[str, Any], group: str, name: str, reading: Reading) -> 
         if part not in inside:
             known = nearest_match(part, inside) if inside else "there are no groups here"
             problem = f"'{group}' is a variable and no group" if part in node else f"no group '{group}'"
-            raise InputError(problem, where=f"{name} ({reading.where}.group)", mend=known)
+            raise InputError(problem, where=f"{name} ({reading.where}.group)", hint=known)
         node = inside[part]
     return node
 

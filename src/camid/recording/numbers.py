@@ -46,7 +46,7 @@ def numbers(table: Table, column: str, rows: Rows, name: str, *, empty_allowed: 
         return np.ascontiguousarray(values)
     empty = _is_empty(cells.iloc[wrong])
     if wrong.size == len(values) and empty.all():
-        raise InputError(f"column '{column}' is empty", where=name, mend="fill it, or name another column")
+        raise InputError(f"column '{column}' is empty", where=name, hint="fill it, or name another column")
     if empty_allowed and empty.all():
         return np.ascontiguousarray(values)
     bad = int(wrong[np.argmin(empty)] if empty_allowed else wrong[0])
@@ -54,11 +54,11 @@ def numbers(table: Table, column: str, rows: Rows, name: str, *, empty_allowed: 
     raise InputError(
         f"{'an empty cell or NaN' if cell.strip().lower() in EMPTY else repr(cell)} where a number should be",
         where=f"{name}, {table.where(int(rows[bad]))}, column '{column}'",
-        mend=_mend(cell, leave_out=not empty_allowed),
+        hint=_hint(cell, leave_out=not empty_allowed),
     )
 
 
-def _mend(cell: str, *, leave_out: bool) -> str:
+def _hint(cell: str, *, leave_out: bool) -> str:
     if re.fullmatch(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*", cell):
         return "write all numbers with a decimal point, or all with a comma and say decimal: ',' under recording"
     if re.fullmatch(r"\s*[-+]?\d{1,3}((,\d{3})+(\.\d*)?|(\.\d{3})+(,\d*)?)\s*", cell):
@@ -101,7 +101,7 @@ def common_rows(table: Table, columns: list[str]) -> Rows:
             raise InputError(
                 f"'{column}' has {length} values, and '{first}' has {lengths[first]}",
                 where=table.name,
-                mend="name columns of one length",
+                hint="name columns of one length",
             )
     return np.arange(lengths[first])
 
@@ -120,7 +120,7 @@ def runs(table: Table, column: str, rows: Rows) -> list[tuple[str, Rows]]:
         raise InputError(
             "an empty cell or NaN",
             where=f"{table.name}, {table.where(int(empty[0]))}, column '{column}'",
-            mend="name the experiment of each row",
+            hint="name the experiment of each row",
         )
     codes = labels.factorize()[0]
     parts = np.split(rows, np.flatnonzero(np.diff(codes)) + 1)

@@ -56,16 +56,16 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
         begin, end = (float(registry.Quantity(v, parsed).to_base_units().magnitude) for v in (0.0, 1.0))
     except pint.UndefinedUnitError:
         raise InputError(
-            f"unknown unit '{unit}'", where=where, mend=nearest_match(unit, COMMON_UNITS.split())
+            f"unknown unit '{unit}'", where=where, hint=nearest_match(unit, COMMON_UNITS.split())
         ) from None
     except Exception as error:  # the parser lets errors of many kinds through, such as those of Python's tokenizer
         problem = " ".join(str(error).split())
         raise InputError(
-            f"'{unit}' is no unit ({problem})", where=where, mend="write it like mm, deg or m/s^2"
+            f"'{unit}' is no unit ({problem})", where=where, hint="write it like mm, deg or m/s^2"
         ) from None
     if dimension is not None and dict(parsed.dimensionality) != {dimension: 1}:
         kind = dimension.strip("[]")
-        raise InputError(f"'{unit}' is no unit of {kind}", where=where, mend=f"give a unit of {kind}, such as ms")
+        raise InputError(f"'{unit}' is no unit of {kind}", where=where, hint=f"give a unit of {kind}, such as ms")
     return end - begin, begin
 
 
@@ -195,29 +195,29 @@ def reading_of(content: Mapping[str, Any], where: Any) -> Reading:
     given, time = content.get("recording") or {}, content["time"]
     if ("period" in time) == ("column" in time):
         if "period" in time:
-            raise InputError("period and column are both given", where=where("time"), mend="keep one of them")
-        raise InputError("the key 'column' is missing", where=where("time"), mend="add it")
+            raise InputError("period and column are both given", where=where("time"), hint="keep one of them")
+        raise InputError("the key 'column' is missing", where=where("time"), hint="add it")
     if "period" in time and "unit" in time:
-        raise InputError("a period is in seconds", where=where("time", "unit"), mend="remove the unit")
+        raise InputError("a period is in seconds", where=where("time", "unit"), hint="remove the unit")
     if given.get("header", True) and "columns" in given:
         raise InputError(
             "columns are named for a file without a header line",
             where=where("recording", "columns"),
-            mend="say header: false, or remove them",
+            hint="say header: false, or remove them",
         )
     if not given.get("header", True) and "columns" not in given:
         raise InputError(
             "without a header line the columns have no names",
             where=where("recording", "header"),
-            mend="name them: columns: [t, u, y]",
+            hint="name them: columns: [t, u, y]",
         )
     names = [str(c) for c in given.get("columns", [])]
     if len(set(names)) < len(names):
         raise InputError(
-            "a name stands twice", where=where("recording", "columns"), mend="name each column differently"
+            "a name stands twice", where=where("recording", "columns"), hint="name each column differently"
         )
     if "start" in given and "end" in given and not given["start"] < given["end"]:
-        raise InputError("start is not before end", where=where("recording"), mend="exchange them")
+        raise InputError("start is not before end", where=where("recording"), hint="exchange them")
     parts = {
         "time": time,
         "input": content["input"] or {},
@@ -228,7 +228,7 @@ def reading_of(content: Mapping[str, Any], where: Any) -> Reading:
     for key, part in parts.items():
         place = where(key)
         if part.get("scale") == 0:
-            raise InputError("a scale of zero makes every number zero", where=where(key, "scale"), mend="give another")
+            raise InputError("a scale of zero makes every number zero", where=where(key, "scale"), hint="give another")
         conversions[key] = Conversion(
             None if "unit" not in part else str(part["unit"]),
             float(part.get("scale", 1.0)),

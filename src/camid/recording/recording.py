@@ -99,7 +99,7 @@ def read_recording(
     """
     found = read_recordings(source, time_column, required, optional, reading, holds)
     if len(found) > 1:
-        raise InputError(f"{len(found)} experiments", where=str(source), mend="read_recordings returns them all")
+        raise InputError(f"{len(found)} experiments", where=str(source), hint="read_recordings returns them all")
     return found[0]
 
 
@@ -158,7 +158,7 @@ def read_recordings(
         raise InputError(
             f"no row lies between {_seconds(reading.start, 'the begin')} and {_seconds(reading.end, 'the end')}",
             where=empty[0],
-            mend="mend start and end under recording in the simulation; they are seconds",
+            hint="correct start and end under recording in the simulation; they are seconds",
         )
     if empty:
         said = f"{', '.join(empty)}: no row between start and end, left out"
@@ -215,7 +215,7 @@ class _Piece:
             on_grid[column], unknown = grid.interpolated(values[column])
             missing |= unknown
         if missing.all():
-            raise InputError("no row of the grid has an output near", where=self.name, mend="record more densely")
+            raise InputError("no row of the grid has an output near", where=self.name, hint="record more densely")
         return Recording(
             grid.time,
             {c: on_grid[c] for c in values},
@@ -234,7 +234,7 @@ class _Piece:
         return self.conversions.get(column, Conversion())(cells)
 
     def _few(self, count: int) -> InputError:
-        return InputError(f"{count} rows", where=self.name, mend=f"a recording needs at least {FEWEST_ROWS}")
+        return InputError(f"{count} rows", where=self.name, hint=f"a recording needs at least {FEWEST_ROWS}")
 
     def _gap(self, grid: Grid, where: Callable[[int], str]) -> InputError:
         """What to say of the largest gap."""
@@ -245,7 +245,7 @@ class _Piece:
             f"a step of {steps[row - 1]:.6g} s where the others have {grid.period:.6g} s: "
             f"{'a row seems' if lost == 1 else f'{lost} rows seem'} to be missing, and what the input did is unknown",
             where=where(row),
-            mend="cut the recording there, or say gaps: hold under recording if the input was held",
+            hint="cut the recording there, or say gaps: hold under recording if the input was held",
         )
 
     def _warnings(self, grid: Grid, missing: NDArray[np.bool_], values: dict[str, Array], driven: bool) -> list[str]:

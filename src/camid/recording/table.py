@@ -53,7 +53,7 @@ class Table:
             return pd.Series(self.columns[name]).reset_index(drop=True)
         if name in self.refused:
             raise InputError(
-                f"'{name}' is {self.refused[name]}", where=self.name, mend="a column is a vector of real numbers"
+                f"'{name}' is {self.refused[name]}", where=self.name, hint="a column is a vector of real numbers"
             )
         known = nearest_match(name, [str(c) for c in self.columns]) if self.columns else "there is none at all"
-        raise InputError(f"no column '{name}'", where=self.name, mend=f"{known}{self.hint}")
+        raise InputError(f"no column '{name}'", where=self.name, hint=f"{known}{self.hint}")

@@ -70,14 +70,14 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     text = _taken_apart(_decoded(data, name), name, reading)
     line, first = next(text.rows(), (1, []))
     if not first:
-        raise InputError("the file is empty", where=name, mend="it needs a header line and rows")
+        raise InputError("the file is empty", where=name, hint="it needs a header line and rows")
     names = list(reading.columns)
     if reading.header:
         if all(_is_number(c, text.decimal) for c in first if c) and not set(wanted) <= set(first):
             raise InputError(
                 "the first line holds numbers and no names",
                 where=f"{name}, line {line}",
-                mend="say header: false and columns: [names in order] under recording in the simulation",
+                hint="say header: false and columns: [names in order] under recording in the simulation",
             )
         _refuse_repeated(first, f"{name}, line {line}")
     else:
@@ -86,13 +86,13 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
             raise InputError(
                 f"a line of names ({', '.join(cells)}) in a file that is said to have none",
                 where=f"{name}, line {line}",
-                mend="remove header: false and columns under recording",
+                hint="remove header: false and columns under recording",
             )
         if len(cells) != len(names):
             raise InputError(
                 f"{len(cells)} cells, and {len(names)} columns are named",
                 where=f"{name}, line {line}",
-                mend=f"name all under {reading.where}.columns, in order",
+                hint=f"name all under {reading.where}.columns, in order",
             )
         names += [""] * (len(first) - len(cells))
     return _parsed(text, name, names), text
@@ -118,13 +118,13 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
         raise InputError(
             "the rows have more cells than the header",
             where=name,
-            mend=f"put {_word(text.separator)} between the cells only, and a point into the numbers",
+            hint=f"put {_word(text.separator)} between the cells only, and a point into the numbers",
         ) from None
     except (pd.errors.ParserError, csv.Error) as error:
         detail = str(error).replace("Error tokenizing data. C error: ", "").strip()
         # pandas counts the lines that it was given.
         detail = re.sub(r"(?<=in line )\d+", lambda found: str(int(found[0]) + text.skipped), detail)
-        raise InputError(detail, where=name, mend="each row needs as many cells as the header") from None
+        raise InputError(detail, where=name, hint="each row needs as many cells as the header") from None
     if text.decimal == text.separator:  # numbers in quotes, each with a decimal comma
         for column in frame.select_dtypes(include=["object", "string"]):
             frame[column] = frame[column].str.replace(text.decimal, ".")
@@ -142,7 +142,7 @@ def line_of(text: Text, row: int, *, header: bool) -> str:
 def _decoded(data: bytes, name: str) -> str:
     """Text of a file: UTF-8, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
     if b"\0" in data:
-        raise InputError("this is no UTF-8 text", where=name, mend=NOT_TEXT)
+        raise InputError("this is no UTF-8 text", where=name, hint=NOT_TEXT)
     with suppress(UnicodeDecodeError):
         return data.decode("utf-8-sig")
     head, rest = [], data
@@ -154,9 +154,9 @@ def _decoded(data: bytes, name: str) -> str:
     try:
         body = rest.decode("utf-8")
     except UnicodeDecodeError:
-        raise InputError("this is no UTF-8 text", where=name, mend=NOT_TEXT) from None
+        raise InputError("this is no UTF-8 text", where=name, hint=NOT_TEXT) from None
     if not all(c.isprintable() or c.isspace() for c in "".join(head)):
-        raise InputError("this is no UTF-8 text", where=name, mend=NOT_TEXT)
+        raise InputError("this is no UTF-8 text", where=name, hint=NOT_TEXT)
     return "".join(head) + body
 
 
@@ -212,7 +212,7 @@ def _separator(body: str, skipped: int, name: str) -> str:
                 raise InputError(
                     f"{_word(other)} between the cells, where most lines have {_word(best)}",
                     where=f"{name}, line {line + skipped}",
-                    mend="separate all cells alike",
+                    hint="separate all cells alike",
                 )
     return best
 
@@ -248,4 +248,4 @@ def _word(separator: str) -> str:
 def _refuse_repeated(names: Sequence[str], where: str) -> None:
     repeated = sorted({c for c in names if names.count(c) > 1 and c})
     if repeated:
-        raise InputError(f"two columns are named '{repeated[0]}'", where=where, mend="rename one")
+        raise InputError(f"two columns are named '{repeated[0]}'", where=where, hint="rename one")

@@ -134,11 +134,11 @@ def check_order(time: Array, where: Callable[[int], str]) -> None:
         return
     row = int(wrong[0]) + 1
     if steps[row - 1] == 0.0:
-        raise InputError(f"the time {time[row]:.9g} s stands twice", where=where(row), mend="remove one of the rows")
+        raise InputError(f"the time {time[row]:.9g} s stands twice", where=where(row), hint="remove one of the rows")
     raise InputError(
         f"the time goes back from {time[row - 1]:.9g} s to {time[row]:.9g} s",
         where=where(row),
-        mend="sort the rows by time",
+        hint="sort the rows by time",
     )
 
 
@@ -199,7 +199,7 @@ def _refuse_too_irregular(time: Array, steps: Array, period: float, size: int, w
         raise InputError(
             f"a step of {steps[smallest]:.6g} s where the period is {period:.6g} s: the sampling is too irregular",
             where=where(smallest + 1),
-            mend="remove one of the two rows, or resample to a constant period",
+            hint="remove one of the two rows, or resample to a constant period",
         )
     dense = steps[steps <= LARGEST_STEP * period]
     share = 1.0 - (float(np.sum(dense)) / period + len(steps) - len(dense) + 1.0) / size
@@ -208,7 +208,7 @@ def _refuse_too_irregular(time: Array, steps: Array, period: float, size: int, w
             f"{100 * share:.3g} % of the period's grid has no row near, the largest gap being {steps[largest]:.6g} s: "
             "the sampling is too irregular",
             where=where(largest + 1),
-            mend="cut the recording at the gaps, or resample to a constant period",
+            hint="cut the recording at the gaps, or resample to a constant period",
         )
 
 

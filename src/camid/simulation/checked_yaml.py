@@ -27,9 +27,9 @@ def read_yaml(path: Path) -> Any:
     from ruamel.yaml.error import MarkedYAMLError
 
     if path.is_dir():
-        raise InputError("this is a folder", where=str(path), mend="name a YAML file")
+        raise InputError("this is a folder", where=str(path), hint="name a YAML file")
     if not path.exists():
-        raise InputError("no such file", where=str(path), mend="check the path")
+        raise InputError("no such file", where=str(path), hint="check the path")
     try:
         return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8-sig"))
     except OSError:
@@ -38,10 +38,10 @@ def read_yaml(path: Path) -> Any:
         mark = error.problem_mark or error.context_mark
         where = f"{path}, line {mark.line + 1}" if mark else str(path)
         problem = " ".join(str(error.problem or error.context).split())
-        raise InputError(f"no YAML: {problem}", where=where, mend="mend the line") from None
+        raise InputError(f"no YAML: {problem}", where=where, hint="correct the line") from None
     except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
         problem = (str(error) or type(error).__name__).splitlines()[0]
-        raise InputError(f"no YAML: {problem}", where=str(path), mend="write it as text") from None
+        raise InputError(f"no YAML: {problem}", where=str(path), hint="write it as text") from None
 
 
 def _is_finite_number(_checker: Any, value: Any) -> bool:
@@ -117,31 +117,31 @@ def refuse_schema_errors(content: Any, schema: str, source: str) -> None:
         known = list(error.schema["properties"])
         key = next(k for k in error.instance if k not in known)
         raise InputError(
-            f"unknown key '{key}'", where=place(source, content, [*path, key]), mend=nearest_match(key, known)
+            f"unknown key '{key}'", where=place(source, content, [*path, key]), hint=nearest_match(key, known)
         )
     if error.validator == "required":
         missing = next(k for k in error.validator_value if k not in error.instance)
-        raise InputError(f"the key '{missing}' is missing", where=place(source, content, path), mend="add it")
+        raise InputError(f"the key '{missing}' is missing", where=place(source, content, path), hint="add it")
     if error.validator == "enum":
         known = [str(v) for v in error.validator_value]
         raise InputError(
             f"'{error.instance}' is not known here",
             where=place(source, content, path),
-            mend=f"it must be one of {', '.join(known)}",
+            hint=f"it must be one of {', '.join(known)}",
         )
     if error.validator == "const":
         raise InputError(
             f"version {error.instance!r} is not known",
             where=place(source, content, path),
-            mend=f"this camid reads {path[-1]}: {error.validator_value}",
+            hint=f"this camid reads {path[-1]}: {error.validator_value}",
         )
     if error.validator == "type" and error.validator_value == "number":
         raise InputError(
             f"{error.instance!r} is no finite number",
             where=place(source, content, path),
-            mend=f"here belongs: {error.schema.get('description', 'a number with a decimal point')}",
+            hint=f"here belongs: {error.schema.get('description', 'a number with a decimal point')}",
         )
     described = error.schema.get("description", "") if isinstance(error.schema, Mapping) else ""
     raise InputError(
-        error.message, where=place(source, content, path), mend=f"here belongs: {described}" if described else None
+        error.message, where=place(source, content, path), hint=f"here belongs: {described}" if described else None
     )

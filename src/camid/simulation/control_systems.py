@@ -28,7 +28,7 @@ def continuous_plant(system: Any, where: str) -> TransferFunction:
         raise InputError(
             f"a {type(system).__name__} is no plant",
             where=where,
-            mend="give a continuous-time control.TransferFunction or control.StateSpace",
+            hint="give a continuous-time control.TransferFunction or control.StateSpace",
         )
     try:
         return TransferFunction.from_control(system)

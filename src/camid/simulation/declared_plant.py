@@ -33,27 +33,27 @@ def read_plant(written: Mapping[str, Any], where: Where) -> dict[str, Any]:
     """
     kinds = [kind for kind in ("transfer_function", "pendulum") if kind in written]
     if not kinds:
-        raise InputError("the key 'transfer_function' is missing", where=where("plant"), mend="add it, or a pendulum")
+        raise InputError("the key 'transfer_function' is missing", where=where("plant"), hint="add it, or a pendulum")
     if len(kinds) == 2:
-        raise InputError("a transfer function and a pendulum", where=where("plant"), mend="keep one")
+        raise InputError("a transfer function and a pendulum", where=where("plant"), hint="keep one")
     return _pendulum(written, where) if kinds == ["pendulum"] else _transfer_function(written, where)
 
 
 def _pendulum(written: Mapping[str, Any], where: Where) -> dict[str, Any]:
     values = {str(k): float(v) for k, v in written["pendulum"].items()}
     if values.get("gain", 1.0) == 0.0:
-        raise InputError("gain = 0: no input moves it", where=where("plant", "pendulum", "gain"), mend="give it")
+        raise InputError("gain = 0: no input moves it", where=where("plant", "pendulum", "gain"), hint="give it")
     tables: dict[str, dict[str, Any]] = {}
     for key, kind in (("free", bool), ("standard_deviations", float)):
         given = written.get(key, {})
         for name, value in given.items():
             if name not in PARAMETERS:
                 raise InputError(
-                    f"unknown key '{name}'", where=where("plant", key), mend=nearest_match(name, PARAMETERS)
+                    f"unknown key '{name}'", where=where("plant", key), hint=nearest_match(name, PARAMETERS)
                 )
             if isinstance(value, list | tuple):
                 raise InputError(
-                    f"'{name}' is a list", where=where("plant", key), mend="a pendulum's parameters are single numbers"
+                    f"'{name}' is a list", where=where("plant", key), hint="a pendulum's parameters are single numbers"
                 )
             tables.setdefault(key, {})[str(name)] = kind(value)
     covariance = written.get("covariance")
@@ -61,7 +61,7 @@ def _pendulum(written: Mapping[str, Any], where: Where) -> dict[str, Any]:
         raise InputError(
             f"this is no table of {len(PARAMETERS)} by {len(PARAMETERS)} numbers",
             where=where("plant", "covariance"),
-            mend=f"it has a row for each of {', '.join(PARAMETERS)}",
+            hint=f"it has a row for each of {', '.join(PARAMETERS)}",
         )
     pendulum = Pendulum(
         **values,
@@ -84,14 +84,14 @@ def _transfer_function(written: Mapping[str, Any], where: Where) -> dict[str, An
     raw = {k: np.array([float(c) for c in written["transfer_function"][k]]) for k in ("numerator", "denominator")}
     if raw["denominator"][0] == 0.0:
         raise InputError(
-            "the first coefficient is zero", where=where("plant", "transfer_function", "denominator"), mend="remove it"
+            "the first coefficient is zero", where=where("plant", "transfer_function", "denominator"), hint="remove it"
         )
     try:
         plant = TransferFunction(tuple(raw["numerator"]), tuple(raw["denominator"]))
         _ = plant.monic  # refuses a leading coefficient so small that the others overflow
     except ValueError as error:
         raise InputError(
-            str(error), where=where("plant", "transfer_function"), mend="coefficients stand in descending powers of s"
+            str(error), where=where("plant", "transfer_function"), hint="coefficients stand in descending powers of s"
         ) from None
     unstable = plant.unstable_poles()
     if unstable.size:
@@ -99,7 +99,7 @@ def _transfer_function(written: Mapping[str, Any], where: Where) -> dict[str, An
         raise InputError(
             f"the transfer function is unstable: poles at {shown} rad/s",
             where=where("plant", "transfer_function", "denominator"),
-            mend="all poles need a real part of at most zero; check the signs",
+            hint="all poles need a real part of at most zero; check the signs",
         )
     leading_zeros = len(raw["numerator"]) - len(plant.numerator)
     free_numerator, free_denominator = default_freedom(plant)
@@ -121,7 +121,7 @@ def _transfer_function(written: Mapping[str, Any], where: Where) -> dict[str, An
             raise InputError(
                 f"this is no table of {size} by {size} numbers",
                 where=where("plant", "covariance"),
-                mend="it has a row a coefficient, but for the leading one of the denominator",
+                hint="it has a row a coefficient, but for the leading one of the denominator",
             )
         covariance = [[float(v) for v in row[leading_zeros:]] for row in covariance[leading_zeros:]]
     return {
@@ -136,13 +136,13 @@ def _transfer_function(written: Mapping[str, Any], where: Where) -> dict[str, An
 def _check_shape(given: Mapping[str, Any], raw: Mapping[str, Array], where: str) -> None:
     for key in given:
         if key not in raw:
-            raise InputError(f"unknown key '{key}'", where=where, mend=nearest_match(key, raw))
+            raise InputError(f"unknown key '{key}'", where=where, hint=nearest_match(key, raw))
     for key, coefficients in raw.items():
         if key not in given:
-            raise InputError(f"the key '{key}' is missing", where=where, mend="give one value a coefficient")
+            raise InputError(f"the key '{key}' is missing", where=where, hint="give one value a coefficient")
         if not isinstance(given[key], list | tuple) or len(given[key]) != len(coefficients):
             raise InputError(
                 f"'{key}' has not the {len(coefficients)} entries of the transfer function",
                 where=where,
-                mend="give one value a coefficient",
+                hint="give one value a coefficient",
             )

@@ -35,14 +35,14 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
         raise InputError(
             "a plant alone says nothing of input and sensor",
             where="simulation",
-            mend='write {"schema": 1, "time": …, "input": …, "plant": system, "sensor": …}',
+            hint='write {"schema": 1, "time": …, "input": …, "plant": system, "sensor": …}',
         )
     if isinstance(source, Mapping):
         content, name = _with_coefficients(source, "simulation"), "simulation"
     else:
         content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
-        raise InputError("this is no mapping of keys to values", where=name, mend="see README.md")
+        raise InputError("this is no mapping of keys to values", where=name, hint="see README.md")
     _refuse_several(content, name)
     refuse_schema_errors(content, "simulation.schema.json", name)
     return _build(content, name)
@@ -70,7 +70,7 @@ def _refuse_several(content: Mapping[str, Any], name: str) -> None:
             raise InputError(
                 f"camid identifies one input and one output, and here are several {word}s",
                 where=place(name, content, [key]),
-                mend=f"name one column, and identify one {word} at a time while the others rest",
+                hint=f"name one column, and identify one {word} at a time while the others rest",
             )
 
 
@@ -82,11 +82,11 @@ def _build(content: Mapping[str, Any], name: str) -> Simulation:
     plant = read_plant(content["plant"], where)
     validation = content.get("validation")
     if validation is not None and not validation["start"] < validation["end"]:
-        raise InputError("start is not before end", where=where("validation"), mend="exchange them")
+        raise InputError("start is not before end", where=where("validation"), hint="exchange them")
     sensor = content["sensor"]
     if sensor["kind"] == "instant" and "exposure" in sensor:
         raise InputError(
-            "an instant sensor has no exposure", where=where("sensor", "exposure"), mend="remove it or say kind: camera"
+            "an instant sensor has no exposure", where=where("sensor", "exposure"), hint="remove it or say kind: camera"
         )
     source_input = content["input"]
     return Simulation(
@@ -116,18 +116,18 @@ def _controller(content: Mapping[str, Any], where: Callable[..., str]) -> Contro
         return None
     if content["input"] is None:
         raise InputError(
-            "a controller, but no input column", where=where("controller"), mend="name the column of its output"
+            "a controller, but no input column", where=where("controller"), hint="name the column of its output"
         )
     if content["input"].get("hold", "zoh") != "zoh":
         raise InputError(
             f"a controller's output is held between its samples, and hold is '{content['input']['hold']}'",
             where=where("input", "hold"),
-            mend="say hold: zoh",
+            hint="say hold: zoh",
         )
     numbers = {key: float(written[key]) for key in ("position_gain", "velocity_gain", "limit") if key in written}
     for key in ("position_gain", "velocity_gain"):
         if numbers[key] == 0.0:
-            raise InputError(f"{key} = 0 controls nothing", where=where("controller", key), mend="give the gain")
+            raise InputError(f"{key} = 0 controls nothing", where=where("controller", key), hint="give the gain")
     return Controller(str(written["reference"]), **numbers)
 
 

@@ -136,7 +136,7 @@ class Simulation:
             return Acquisition(period, self.hold, self.sensor, exposure, self.latency)
         except ValueError as error:
             raise InputError(
-                str(error), where=f"{self.source}, sensor", mend="give the exposure in seconds, at most the period"
+                str(error), where=f"{self.source}, sensor", hint="give the exposure in seconds, at most the period"
             ) from None
 
     def to_mapping(self) -> dict[str, Any]:

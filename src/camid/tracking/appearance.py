@@ -96,17 +96,17 @@ class Colour:
 
         if name.lower() not in colors.CSS4_COLORS and not (name.startswith("#") and len(name) == 7):
             raise InputError(
-                f"there is no colour '{name}'", where="--colour", mend=nearest_match(name, colors.CSS4_COLORS)
+                f"there is no colour '{name}'", where="--colour", hint=nearest_match(name, colors.CSS4_COLORS)
             )
         try:
             rgb = np.array(colors.to_rgb(name.lower()))
         except ValueError:
-            raise InputError(f"'{name}' is no colour", where="--colour", mend="say e.g. red or #ff0000") from None
+            raise InputError(f"'{name}' is no colour", where="--colour", hint="say e.g. red or #ff0000") from None
         direction = np.array([rgb @ BLUE_DIFFERENCE, rgb @ RED_DIFFERENCE])
         strength = float(np.hypot(*direction))
         if strength < LEAST_COLOUR:
             raise InputError(
-                f"{name} has no hue", where="--colour", mend="say --bright or --dark for white, grey and black"
+                f"{name} has no hue", where="--colour", hint="say --bright or --dark for white, grey and black"
             )
         self._blue, self._red = (float(v) for v in direction / strength)
         self.sentence = f"the colour {name}"
@@ -120,7 +120,7 @@ class Colour:
         import cv2
 
         if not picture.has_colour:
-            raise InputError("the video has no colour", mend="say --bright or --dark")
+            raise InputError("the video has no colour", hint="say --bright or --dark")
         blue, red = picture.colour_differences(region)
         along = cv2.addWeighted(blue, self._blue, red, self._red, 0.0)
         across = cv2.addWeighted(blue, -self._red, red, self._blue, 0.0)
@@ -176,7 +176,7 @@ class Moving:
         if abs(balance) < ONE_SIGN:
             raise InputError(
                 "what moves is both brighter and darker than the median: it moves little, or rests for long",
-                mend="say what the marker looks like: --bright, --dark or --colour",
+                hint="say what the marker looks like: --bright, --dark or --colour",
             )
         return Moving(self.background, 1 if balance > 0.0 else -1)
 
@@ -202,7 +202,7 @@ def moving(
             progress(f"looking for what moves, frame {frame.number}")
     if len(kept) < 3:
         raise InputError(
-            f"{len(kept)} frames show no motion", where=source.name, mend="say --bright, --dark or --colour"
+            f"{len(kept)} frames show no motion", where=source.name, hint="say --bright, --dark or --colour"
         )
     return Moving(_median(kept).astype(np.float32))
 

@@ -236,11 +236,11 @@ class Follower:
             )
 
     def _leaves(self, frame: Frame) -> NoReturn:
-        mend = "start later with --start" if self._last is None else f"end the clip there with --end {self._time:.6g}"
-        self._refuse("the marker leaves the image", frame, mend)
+        hint = "start later with --start" if self._last is None else f"end the clip there with --end {self._time:.6g}"
+        self._refuse("the marker leaves the image", frame, hint)
 
-    def _refuse(self, problem: str, frame: Frame, mend: str) -> NoReturn:
-        raise InputError(problem, where=f"{self.source}, t = {frame.time:.6g} s (frame {frame.number})", mend=mend)
+    def _refuse(self, problem: str, frame: Frame, hint: str) -> NoReturn:
+        raise InputError(problem, where=f"{self.source}, t = {frame.time:.6g} s (frame {frame.number})", hint=hint)
 
 
 def nowhere(appearance: Appearance, source: str, frames: int) -> InputError:
@@ -250,7 +250,7 @@ def nowhere(appearance: Appearance, source: str, frames: int) -> InputError:
     else:
         problem = f"the marker is nowhere in the first {frames} frames ({appearance.sentence})"
     return InputError(
-        problem, where=source, mend="say what it looks like with --colour, --bright or --dark, or choose --start"
+        problem, where=source, hint="say what it looks like with --colour, --bright or --dark, or choose --start"
     )
 
 

@@ -42,7 +42,7 @@ class ImageFolder:
         stamps = folder / TIMESTAMPS
         if stamps.exists() and frame_rate is not None:
             raise InputError(
-                "there are time stamps beside the images", where=str(stamps), mend="leave out --frame-rate"
+                "there are time stamps beside the images", where=str(stamps), hint="leave out --frame-rate"
             )
         if stamps.exists():
             self.times = self._stamps(stamps)
@@ -54,22 +54,22 @@ class ImageFolder:
             raise InputError(
                 "images have no time stamps",
                 where=self.name,
-                mend=f"say --frame-rate, or put {TIMESTAMPS} with a column t beside them",
+                hint=f"say --frame-rate, or put {TIMESTAMPS} with a column t beside them",
             )
 
     def _numbered(self) -> list[tuple[int, Path]]:
         files = [f for f in self.folder.iterdir() if f.suffix.lower() == ".png" and not f.name.startswith(".")]
         if not files:
-            raise InputError("no PNG image in this folder", where=self.name, mend="name a video or a folder of PNG")
+            raise InputError("no PNG image in this folder", where=self.name, hint="name a video or a folder of PNG")
         numbered: dict[int, Path] = {}
         for file in sorted(files):
             found = re.findall(r"\d+", file.stem)
             if not found:
-                raise InputError("no number in the name", where=str(file), mend="call the images e.g. 0001.png, …")
+                raise InputError("no number in the name", where=str(file), hint="call the images e.g. 0001.png, …")
             number = int(found[-1])
             if number in numbered:
                 raise InputError(
-                    f"the same number as {numbered[number].name}", where=str(file), mend="remove or rename one"
+                    f"the same number as {numbered[number].name}", where=str(file), hint="remove or rename one"
                 )
             numbered[number] = file
         return sorted(numbered.items())
@@ -81,10 +81,10 @@ class ImageFolder:
             table = pd.read_csv(path)
             times = table["t"].to_numpy(dtype=float)
         except (KeyError, ValueError, pd.errors.ParserError):
-            raise InputError("no column t of numbers", where=str(path), mend="one row an image, in seconds") from None
+            raise InputError("no column t of numbers", where=str(path), hint="one row an image, in seconds") from None
         if len(times) != len(self.files):
             raise InputError(
-                f"{len(times)} rows for {len(self.files)} images", where=str(path), mend="it needs one row an image"
+                f"{len(times)} rows for {len(self.files)} images", where=str(path), hint="it needs one row an image"
             )
         wrong = np.flatnonzero(~np.isfinite(times) | np.append(False, np.diff(times) <= 0.0))
         if wrong.size:
@@ -92,7 +92,7 @@ class ImageFolder:
             raise InputError(
                 f"the time {times[row]:.6g} s does not follow the one before",
                 where=f"{path}, line {row + 2}",
-                mend="the times must increase",
+                hint="the times must increase",
             )
         return [float(t) for t in times]
 
@@ -113,7 +113,7 @@ class ImageFolder:
                 raise InputError(
                     f"{picture.shape[1]} × {picture.shape[0]} px where the first image has {shape[1]} × {shape[0]}",
                     where=str(file),
-                    mend="all images must be of one size",
+                    hint="all images must be of one size",
                 )
             shape = picture.shape
             yield Frame(number, time, picture)
@@ -124,7 +124,7 @@ def _read(file: Path) -> Picture:
 
     image = cv2.imdecode(np.fromfile(file, np.uint8), cv2.IMREAD_UNCHANGED) if file.stat().st_size else None
     if image is None:
-        raise InputError("this is no PNG image", where=str(file), mend="remove it or write it anew")
+        raise InputError("this is no PNG image", where=str(file), hint="remove it or write it anew")
     full_scale = FULL_SCALE if image.dtype == np.uint8 else 65535.0
     if image.ndim == 2:
         return Picture((image,), full_scale=full_scale)

@@ -48,42 +48,42 @@ class Options:
         """Check everything that needs no video."""
         chosen = [f"--{n}" for n in ("colour", "bright", "dark") if getattr(self, n) not in {None, False}]
         if len(chosen) > 1:
-            raise InputError(f"{' and '.join(chosen)} contradict each other", mend="say one of them")
+            raise InputError(f"{' and '.join(chosen)} contradict each other", hint="say one of them")
         if self.method not in METHODS:
-            raise InputError(f"method '{self.method}' is not known", mend=f"it must be one of {', '.join(METHODS)}")
+            raise InputError(f"method '{self.method}' is not known", hint=f"it must be one of {', '.join(METHODS)}")
         self._check_numbers()
         self._check_scale()
         if self.region is not None and min(self.region[2:]) < 3:
-            raise InputError(f"a region of {self.region[2]} × {self.region[3]} px", mend="it must be at least 3 × 3 px")
+            raise InputError(f"a region of {self.region[2]} × {self.region[3]} px", hint="it must be at least 3 × 3 px")
 
     def _check_numbers(self) -> None:
         for name in ("scale", "frame_rate"):
             value = getattr(self, name)
             if value is not None and not (isfinite(value) and value > 0.0):
-                raise InputError(f"--{name.replace('_', '-')} {value:g}", mend="it takes a positive number")
+                raise InputError(f"--{name.replace('_', '-')} {value:g}", hint="it takes a positive number")
         if self.longest_gap < 0 or self.threads < 1:
             raise InputError("--longest-gap takes 0 or more frames, --threads 1 or more")
         for name in ("start", "end"):
             if getattr(self, name) is not None and not isfinite(getattr(self, name)):
-                raise InputError(f"--{name} {getattr(self, name):g}", mend="it takes a number of seconds")
+                raise InputError(f"--{name} {getattr(self, name):g}", hint="it takes a number of seconds")
         if not all(isfinite(v) for v in self.origin):
             raise InputError("--origin takes two finite numbers of pixels")
         if self.start is not None and self.end is not None and self.start >= self.end:
-            raise InputError(f"--start {self.start:g} is not before --end {self.end:g}", mend="change one of them")
+            raise InputError(f"--start {self.start:g} is not before --end {self.end:g}", hint="change one of them")
 
     def _check_scale(self) -> None:
         if self.unit is not None and self.scale is None and self.unit != PIXELS:
-            raise InputError(f"--unit {self.unit} without --scale", mend=f"say how many {self.unit} a pixel is")
+            raise InputError(f"--unit {self.unit} without --scale", hint=f"say how many {self.unit} a pixel is")
         if self.scale is not None:
             if self.unit is None:
-                raise InputError("--scale without --unit", mend="say the unit, e.g. --unit m")
+                raise InputError("--scale without --unit", hint="say the unit, e.g. --unit m")
             if self.unit != PIXELS:
                 from camid.recording.options import si_factor
 
                 try:
                     si_factor(self.unit, "--unit", "[length]")
                 except InputError as error:
-                    raise InputError(error.problem, where="--unit", mend="say m, cm, mm, inch, …") from None
+                    raise InputError(error.problem, where="--unit", hint="say m, cm, mm, inch, …") from None
 
     def source(self, path: Path) -> Source:
         """Open the video or the folder.
@@ -94,11 +94,11 @@ class Options:
             If it cannot be read.
         """
         if not path.exists():
-            raise InputError("no such file", where=str(path), mend="check the path")
+            raise InputError("no such file", where=str(path), hint="check the path")
         if path.is_dir():
             return ImageFolder(path, frame_rate=self.frame_rate)
         if not path.is_file():
-            raise InputError("this is a device or a pipe", where=str(path), mend="name a file")
+            raise InputError("this is a device or a pipe", where=str(path), hint="name a file")
         return VideoFile(path, frame_rate=self.frame_rate, allow_truncated=self.allow_truncated, threads=self.threads)
 
     def appearance(self, source: Source, progress: Callable[[str], None] | None) -> Appearance:
@@ -124,6 +124,6 @@ class Options:
             raise InputError(
                 f"the region {left} {top} {width} {height} is not inside the image of {shape[1]} × {shape[0]} px",
                 where=source,
-                mend="--region takes X Y WIDTH HEIGHT in px from the upper left corner",
+                hint="--region takes X Y WIDTH HEIGHT in px from the upper left corner",
             )
         return RegionOfInterest(top, left, height, width)

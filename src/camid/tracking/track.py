@@ -61,7 +61,7 @@ def track_marker(path: Path, options: Options, progress: Callable[[str], None] |
                 raise InputError(
                     f"the image is {picture.shape[1]} × {picture.shape[0]} px, {shape[1]} × {shape[0]} px before",
                     where=f"{source.name}, t = {frame.time:.6g} s (frame {frame.number})",
-                    mend=f"end the clip there with --end {times[-1]:.6g}",
+                    hint=f"end the clip there with --end {times[-1]:.6g}",
                 )
             position = follower.step(frame)
             times.append(frame.time)
@@ -75,16 +75,16 @@ def track_marker(path: Path, options: Options, progress: Callable[[str], None] |
                 progress(f"following {appearance.sentence}, frame {frame.number}{total}")
     except InputError as error:
         if error.where is None:
-            raise InputError(error.problem, where=source.name, mend=error.mend) from None
+            raise InputError(error.problem, where=source.name, hint=error.hint) from None
         raise
     if follower is None:
         between = "" if options.start is None and options.end is None else " between --start and --end"
-        raise InputError(f"there are no frames{between}", where=source.name, mend="check the file and the times")
+        raise InputError(f"there are no frames{between}", where=source.name, hint="check the file and the times")
     if not positions:
         raise nowhere(appearance, source.name, len(times))
     if len(positions) < FEWEST_ROWS:
         raise InputError(
-            f"{len(positions)} frames with a marker", where=source.name, mend=f"a recording needs {FEWEST_ROWS}"
+            f"{len(positions)} frames with a marker", where=source.name, hint=f"a recording needs {FEWEST_ROWS}"
         )
     return Track(
         table=_table(positions, differences, options),

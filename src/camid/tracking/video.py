@@ -92,10 +92,10 @@ class VideoFile:
                 raise InputError(
                     "the file is truncated: its index ('moov') is missing",
                     where=self.name,
-                    mend="close the recording properly, or repair it (untrunc)",
+                    hint="close the recording properly, or repair it (untrunc)",
                 ) from None
             reason = getattr(error, "strerror", None) or "unreadable"
-            raise InputError(f"this is no video ({reason})", where=self.name, mend=NAME_A_VIDEO) from None
+            raise InputError(f"this is no video ({reason})", where=self.name, hint=NAME_A_VIDEO) from None
         problem = ""
         if container.format.name in TEXT_FORMATS:
             problem = "this is no video (text)"
@@ -105,7 +105,7 @@ class VideoFile:
             problem = "the codec of the video is not known"
         if problem:
             container.close()
-            raise InputError(problem, where=self.name, mend=RE_ENCODE if "codec" in problem else NAME_A_VIDEO)
+            raise InputError(problem, where=self.name, hint=RE_ENCODE if "codec" in problem else NAME_A_VIDEO)
         return container
 
     def frames(self, start: float | None = None, end: float | None = None) -> Iterator[Frame]:
@@ -128,7 +128,7 @@ class VideoFile:
                     raise InputError(
                         f"the time stamps do not increase ({last:.6g} s, then {time:.6g} s)",
                         where=f"{self.name}, frame {count}",
-                        mend="write the file anew, e.g. ffmpeg -i FILE -fps_mode cfr NEW.mp4",
+                        hint="write the file anew, e.g. ffmpeg -i FILE -fps_mode cfr NEW.mp4",
                     )
                 if end is not None and time > end:
                     return
@@ -147,7 +147,7 @@ class VideoFile:
             raise InputError(
                 sentence,
                 where=self.name,
-                mend="copy the file again, or take what there is with --allow-truncated",
+                hint="copy the file again, or take what there is with --allow-truncated",
             )
 
     def _of_expected(self, count: int) -> str:
@@ -172,7 +172,7 @@ class VideoFile:
                 raise InputError(
                     f"the video cannot be decoded ({stream.codec_context.name}: {error.strerror})",
                     where=self.name,
-                    mend=RE_ENCODE,
+                    hint=RE_ENCODE,
                 ) from None
             yield None
 
@@ -182,11 +182,11 @@ class VideoFile:
                 raise InputError(
                     "the video has no time stamps",
                     where=f"{self.name}, frame {count}",
-                    mend="put it into a container that has, e.g. MP4, or say --frame-rate",
+                    hint="put it into a container that has, e.g. MP4, or say --frame-rate",
                 )
             return count / self.frame_rate
         if self.frame_rate is not None:
-            raise InputError("the video has time stamps of its own", where=self.name, mend="leave out --frame-rate")
+            raise InputError("the video has time stamps of its own", where=self.name, hint="leave out --frame-rate")
         return float(frame.pts * frame.time_base)
 
     def _note(self, sentence: str) -> None:
