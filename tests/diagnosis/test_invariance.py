@@ -5,7 +5,7 @@ import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
-from tests.diagnosis.recordings import COUNT, PERIOD, command, effect, record, simulation
+from tests.support.mass_on_spring import COUNT, PERIOD, command, effect, record, simulation
 
 FORCE = 0.2
 FRICTION = effect("coulomb-friction", force=FORCE)

@@ -6,7 +6,7 @@ import pytest
 import camid
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
-from tests import rigs
+from tests.support import pendulum_and_drive as rigs
 
 RIG = {"mass": 12.0, "viscous": 30.0, "friction": 6.0, "bias": 1.5}
 EFFECTS = [

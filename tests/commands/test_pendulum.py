@@ -6,7 +6,7 @@ import pytest
 import camid
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
-from tests import rigs
+from tests.support import pendulum_and_drive as rigs
 
 RIG = {"natural_frequency": 5.5, "damping": 0.005, "rest": 3.1, "angle": 5.6}
 
