@@ -253,7 +253,7 @@ def test_two_runs_write_the_same_bytes(cases, tmp_path):
 def folder(tmp_path, monkeypatch):
     """The current folder, with a recording and a simulation."""
     monkeypatch.chdir(tmp_path)
-    record(*CASES["dead-zone"]).to_csv("recording.csv", index=False)
+    record(*CASES["dead-zone"], count=300).to_csv("recording.csv", index=False)
     rig.write_yaml(simulation(), tmp_path / "S.yaml")
     return tmp_path
 

@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 import time
-from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
