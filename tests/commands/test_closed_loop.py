@@ -6,7 +6,7 @@ import pytest
 import camid
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
-from tests import rigs
+from tests.support import pendulum_and_drive as rigs
 
 RIG = {"mass": 12.0, "viscous": 30.0, "friction": 6.0, "bias": 1.5}
 EFFECTS = [
@@ -30,7 +30,7 @@ def test_loop_is_simulated(limit):
 
 def test_what_the_loop_hides_is_found():
     """Friction and a bias that the position hardly shows; the error of both control and position is told."""
-    recording = rigs.drive(**RIG, noise=0.3)
+    recording = rigs.drive(**RIG, noise=0.3, count=1500)
     diagnosis = camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
     names = {f.identifier: f for f in diagnosis.findings}
     assert set(names) == {"coulomb-friction", "input-bias"}
@@ -43,7 +43,7 @@ def test_what_the_loop_hides_is_found():
 
 
 def test_nothing_is_found_where_nothing_is_missing():
-    recording = rigs.drive(mass=12.0, viscous=30.0, noise=0.3)
+    recording = rigs.drive(mass=12.0, viscous=30.0, noise=0.3, count=1500)
     assert camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0)).verdict == "adequate"
 
 

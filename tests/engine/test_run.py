@@ -18,7 +18,7 @@ from camid.fitting.problem import companion_state
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
 from camid.identification.structure import Structure
-from tests.motion_reference import Reference, follow, mapped, pieces_of, play
+from tests.support.adaptive_integration import Reference, follow, mapped, pieces_of, play
 
 OMEGA = 10.0
 PLANT = second_order(1.0, OMEGA, 0.1)
@@ -312,11 +312,11 @@ def test_free_decay_under_friction_falls_by_the_same_amount_each_half_period():
 
 CACHE_CHECK = """
 import numpy as np
-from camid.chain import Acquisition
-from camid.engine import Chain, run
-from camid.integrator import integrate
-from camid.physics.plant import Hysteresis
-from camid.plant import second_order
+from camid.chain.acquisition import Acquisition
+from camid.engine.run import Chain, run
+from camid.engine.integrator import integrate
+from camid.effects.plant import Hysteresis
+from camid.chain.plant import second_order
 chain = Chain(second_order(1.0, 10.0, 0.1), Acquisition(0.02), (Hysteresis(strength=0.1, shape=2.0),))
 run(chain, np.ones(20), 0.02 * np.arange(20))
 hits = sum(integrate.stats.cache_hits.values())

@@ -6,7 +6,7 @@ import pytest
 
 import camid
 from camid.errors import InputError
-from tests import rig
+from tests.support import linear_rig as rig
 
 TRUTH = np.array([*rig.NUMERATOR, *rig.DENOMINATOR])
 

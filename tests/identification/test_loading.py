@@ -13,7 +13,7 @@ from camid.cli import main
 from camid.errors import InputError
 from camid.identification.loading import experiments_of, load_recordings, warnings_of
 from camid.simulation.file import load_simulation
-from tests import rig
+from tests.support import linear_rig as rig
 
 TRUTH = np.array([*rig.NUMERATOR, *rig.DENOMINATOR])
 

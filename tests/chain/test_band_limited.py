@@ -8,7 +8,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample, straight_line_corners
 from camid.chain.plant import second_order
 
-PERIOD, COUNT = 0.01, 4000
+PERIOD, COUNT = 0.01, 2000
 PLANT = second_order(1.0, 60.0, 0.05)
 
 

@@ -11,7 +11,7 @@ from scipy.signal import tf2ss
 import camid
 from camid.errors import InputError
 from camid.simulation.file import load_simulation, write_simulation
-from tests import rig
+from tests.support import linear_rig as rig
 
 GOOD = """\
 schema: 1

@@ -18,8 +18,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-TIGHT = {"method": "DOP853", "rtol": 1e-10}
-
 
 def pieces_of(signal, period, hold, start=0.0, past=2):
     """Straight pieces of a held or joined input, which stays constant past its end."""
@@ -85,7 +83,7 @@ class Reference:
     ``force(t, y, v, u, m)`` acts against the input, ``level(t, y, speed)`` against the motion; ``kinks`` are functions
     (t, y, v) at whose zeros the force has a kink; ``memory(v, m)`` is the rate of an inner state; ``times`` are those
     at which the force jumps; ``impulses`` are (time, size); ``lag`` is a time constant before the plant and ``mode`` a
-    pair (frequency, damping) behind it.
+    pair (frequency, damping) behind it; ``tolerance`` is the relative one of a step.
     """
 
     numerator: tuple[float, ...]
@@ -98,6 +96,7 @@ class Reference:
     impulses: tuple = ()
     lag: float = 0.0
     mode: tuple[float, float] | None = None
+    tolerance: float = 1e-10
     solutions: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -265,7 +264,16 @@ class Reference:
 
                     crosses.direction, crosses.terminal = -sign, True
                     events.append(crosses)
-                found = solve_ivp(slope, (now, t1), x, events=events or None, atol=scale, dense_output=True, **TIGHT)
+                found = solve_ivp(
+                    slope,
+                    (now, t1),
+                    x,
+                    method="DOP853",
+                    rtol=self.tolerance,
+                    atol=scale,
+                    events=events or None,
+                    dense_output=True,
+                )
                 if not found.success:
                     raise RuntimeError(found.message)
                 self.solutions.append((now, found.t[-1], found.sol))

@@ -3,7 +3,6 @@
 import re
 import sys
 from math import pi, sin
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -18,9 +17,10 @@ from camid.fitting.problem import Model, Problem
 from camid.fitting.refit import refit
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
-from tests.motion_reference import Reference, pieces_of
+from tests.support import ROOT
+from tests.support.adaptive_integration import Reference, pieces_of
 
-PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
+PAGE = ROOT / "docs" / "effects.md"
 PLANT = second_order(1.0, 10.0, 0.1)
 PERIOD = 0.02
 

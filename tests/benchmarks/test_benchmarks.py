@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks import figure, identification, measurement, rendering, report, run, task
 from benchmarks.peers import PEERS, Peer, from_discrete, from_state_space
 from benchmarks.rendering_reference import corner_area, coverage, expose_reference
 from scipy import signal
+
+from benchmarks import figure, identification, measurement, rendering, report, run, task
 
 WITHOUT_EXTRA = [peer for peer in PEERS if peer.distribution == "scipy"]
 
