@@ -29,13 +29,7 @@ include: "workflow/rules/check.smk"
 rule all:
     default_target: True
     input:
-        expand(
-            "paper_figs/{figure}.{format}",
-            figure=FIGURES,
-            format=["png", "pdf", "csv"],
-        ),
-        "paper_figs/claims.csv",
-        "paper_figs/claims.md",
+        rules.paper.input,
         rules.ablations.output,
         rules.concealed_sample.output,
     localrule: True
