@@ -48,8 +48,8 @@ def diagnosis(recording):
     return camid.diagnose(recording, simulation())
 
 
-# Large and small units and the other sign of either signal; together, gains of 1e-12 and 1e12.
-@pytest.mark.parametrize(("of_input", "of_output"), [(-1e6, 1e-6), (1e-6, -1e6)])
+# Large and small units and the other sign of either signal.
+@pytest.mark.parametrize(("of_input", "of_output"), [(-1e6, 1e-6), (1e-6, -1.0), (1.0, 1e6)])
 def test_units_and_signs_scale_the_parameters(recording, diagnosis, of_input, of_output):
     changed = recording.assign(u=of_input * recording["u"], y=of_output * recording["y"])
     again = camid.diagnose(changed, simulation(plant=scaled_plant(of_output / of_input)))

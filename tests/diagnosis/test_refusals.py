@@ -202,14 +202,17 @@ def test_the_recording_is_a_table_or_a_path():
         camid.diagnose([], simulation())
 
 
-@pytest.mark.parametrize("step", ["investigate", "residuals", "write_whole"])
+@pytest.mark.parametrize(
+    "step",
+    ["commands.diagnose.investigate", "diagnosis.results_folder.residuals", "diagnosis.results_folder.write_whole"],
+)
 def test_an_interrupt_leaves_nothing_half_written(folder, capsys, monkeypatch, step):
     """Ctrl-C while it is computed, while the files are made and while they are written."""
 
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"camid.commands.diagnose.{step}", interrupted)
+    monkeypatch.setattr(f"camid.{step}", interrupted)
     assert main(COMMAND) == INTERRUPTED
     out, err = capsys.readouterr()
     assert out == ""
