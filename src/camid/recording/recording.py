@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from camid.errors import InputError
 from camid.recording.files import read_tables
 from camid.recording.numbers import Rows, common_rows, numbers, runs
-from camid.recording.options import Conversion, Reading
+from camid.recording.options import Reading
 from camid.recording.table import Table
 from camid.recording.time_grid import Grid, check_order, grid_of
+from camid.recording.units import Conversion
 from camid.writing import check_writable, write_table, write_whole
 
 if TYPE_CHECKING:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from camid.chain.controller import Controller
 from camid.errors import InputError
-from camid.recording.options import reading_of
-from camid.simulation.checked_yaml import place, read_yaml, refuse_schema_errors
 from camid.simulation.control_systems import continuous_plant, is_control_system
-from camid.simulation.declared_plant import read_plant
+from camid.simulation.declared_plant import declared_plant
+from camid.simulation.declared_reading import declared_reading
 from camid.simulation.model import DeclaredEffect, Simulation
+from camid.simulation.yaml_file import Where, place, read_yaml
 from camid.writing import write_whole
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from camid.simulation.schema import EffectPart, SimulationFile
 
 
 def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simulation:
@@ -31,6 +29,8 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
     InputError
         With file, line and key.
     """
+    from camid.simulation.schema import validated
+
     if is_control_system(source):
         raise InputError(
             "a plant alone says nothing of input and sensor",
@@ -44,8 +44,7 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
     if not isinstance(content, Mapping):
         raise InputError("this is no mapping of keys to values", where=name, hint="see README.md")
     _refuse_several(content, name)
-    refuse_schema_errors(content, "simulation.schema.json", name)
-    return _build(content, name)
+    return _build(validated(content, name), content, name)
 
 
 def _with_coefficients(content: Mapping[str, Any], name: str) -> Mapping[str, Any]:
@@ -61,7 +60,7 @@ def _with_coefficients(content: Mapping[str, Any], name: str) -> Mapping[str, An
 
 
 def _refuse_several(content: Mapping[str, Any], name: str) -> None:
-    """One clear line for lists of inputs or outputs."""
+    """One clear line for lists of inputs or outputs, and for two plants."""
     for key, word in (("input", "input"), ("sensor", "output")):
         part = content.get(key)
         parts = part if isinstance(part, list | tuple) else [part]
@@ -72,70 +71,75 @@ def _refuse_several(content: Mapping[str, Any], name: str) -> None:
                 where=place(name, content, [key]),
                 hint=f"name one column, and identify one {word} at a time while the others rest",
             )
+    plant = content.get("plant")
+    if isinstance(plant, Mapping) and "transfer_function" in plant and "pendulum" in plant:
+        raise InputError("a transfer function and a pendulum", where=place(name, content, ["plant"]), hint="keep one")
 
 
-def _build(content: Mapping[str, Any], name: str) -> Simulation:
+def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simulation:
     def where(*path: Any) -> str:
         return place(name, content, list(path))
 
-    reading = reading_of(content, where)
-    plant = read_plant(content["plant"], where)
-    validation = content.get("validation")
-    if validation is not None and not validation["start"] < validation["end"]:
-        raise InputError("start is not before end", where=where("validation"), hint="exchange them")
-    sensor = content["sensor"]
-    if sensor["kind"] == "instant" and "exposure" in sensor:
+    reading = declared_reading(file, where)
+    plant = declared_plant(file.plant, where)
+    validation, driven, sensor = file.validation, file.input, file.sensor
+    if validation is not None and not validation.start < validation.end:
+        raise InputError("start is not before end", where=where("validation"), hint="swap them")
+    if sensor.kind == "instant" and sensor.exposure is not None:
         raise InputError(
             "an instant sensor has no exposure", where=where("sensor", "exposure"), hint="remove it or say kind: camera"
         )
-    source_input = content["input"]
+    # Without a time column, what camid writes still has one.
+    time_column = file.time.column
+    if time_column is None:
+        time_column = "time" if sensor.column == "t" else "t"
     return Simulation(
-        # Without a time column, what camid writes still has one.
-        time_column=content["time"].get("column", "time" if sensor["column"] == "t" else "t"),
-        input_column=None if source_input is None else source_input["column"],
-        output_column=sensor["column"],
-        hold="zoh" if source_input is None else source_input["hold"],
-        sensor=sensor["kind"],
-        exposure=float(sensor["exposure"]) if "exposure" in sensor else None,
-        latency=float(sensor.get("latency", 0.0)),
-        initial_state=content.get("initial_state", "zero"),
-        validation=None if validation is None else (float(validation["start"]), float(validation["end"])),
-        effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(content.get("effects", []))),
-        controller=_controller(content, where),
-        remainder=float(content["remainder"]) if "remainder" in content else None,
+        time_column=time_column,
+        input_column=None if driven is None else driven.column,
+        output_column=sensor.column,
+        hold="zoh" if driven is None else driven.hold,
+        sensor=sensor.kind,
+        exposure=sensor.exposure,
+        latency=sensor.latency,
+        initial_state=file.initial_state,
+        validation=None if validation is None else (validation.start, validation.end),
+        effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(file.effects)),
+        controller=_controller(file, where),
+        remainder=file.remainder,
         source=name,
         reading=reading,
         **plant,
     )
 
 
-def _controller(content: Mapping[str, Any], where: Callable[..., str]) -> Controller | None:
+def _controller(file: SimulationFile, where: Where) -> Controller | None:
     """Controller of a closed loop, if there is one."""
-    written = content.get("controller")
+    written = file.controller
     if written is None:
         return None
-    if content["input"] is None:
+    if file.input is None:
         raise InputError(
             "a controller, but no input column", where=where("controller"), hint="name the column of its output"
         )
-    if content["input"].get("hold", "zoh") != "zoh":
+    if file.input.hold != "zoh":
         raise InputError(
-            f"a controller's output is held between its samples, and hold is '{content['input']['hold']}'",
+            f"a controller's output is held between its samples, and hold is '{file.input.hold}'",
             where=where("input", "hold"),
             hint="say hold: zoh",
         )
-    numbers = {key: float(written[key]) for key in ("position_gain", "velocity_gain", "limit") if key in written}
     for key in ("position_gain", "velocity_gain"):
-        if numbers[key] == 0.0:
+        if getattr(written, key) == 0.0:
             raise InputError(f"{key} = 0 controls nothing", where=where("controller", key), hint="give the gain")
-    return Controller(str(written["reference"]), **numbers)
+    limit = {} if written.limit is None else {"limit": written.limit}
+    return Controller(written.reference, written.position_gain, written.velocity_gain, **limit)
 
 
-def _declared(effect: Mapping[str, Any], where: str) -> DeclaredEffect:
+def _declared(effect: EffectPart, where: str) -> DeclaredEffect:
     parameters, deviations = (
-        {str(k): _plain(v) for k, v in effect.get(key, {}).items()} for key in ("parameters", "standard_deviations")
+        {name: _plain(value) for name, value in (given or {}).items()}
+        for given in (effect.parameters, effect.standard_deviations)
     )
-    return DeclaredEffect(str(effect["id"]), parameters, deviations or None, where)
+    return DeclaredEffect(effect.id, parameters, deviations or None, where)
 
 
 def _plain(value: Any) -> Any:

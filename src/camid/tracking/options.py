@@ -78,7 +78,7 @@ class Options:
             if self.unit is None:
                 raise InputError("--scale without --unit", hint="say the unit, e.g. --unit m")
             if self.unit != PIXELS:
-                from camid.recording.options import si_factor
+                from camid.recording.units import si_factor
 
                 try:
                     si_factor(self.unit, "--unit", "[length]")

@@ -1,0 +1,95 @@
+"""How a simulation file says that the file of a recording is read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from camid.errors import InputError
+from camid.recording.options import Reading
+from camid.recording.units import Conversion, si_factor
+from camid.simulation.yaml_file import Where
+
+if TYPE_CHECKING:
+    from camid.simulation.schema import RecordingPart, SimulationFile, TimePart
+
+
+def declared_reading(file: SimulationFile, where: Where) -> Reading:
+    """What a simulation file says of the layout, rows and units of a recording.
+
+    Parameters
+    ----------
+    file : SimulationFile
+    where : callable
+        Gives file, line and key of a path of keys.
+
+    Raises
+    ------
+    InputError
+        If keys contradict each other, or a unit is unknown or of the wrong kind.
+    """
+    from camid.simulation.schema import RecordingPart
+
+    written = RecordingPart.model_construct() if file.recording is None else file.recording
+    _check_time(file.time, where)
+    _check_layout(written, where)
+    return Reading(
+        separator=written.separator,
+        decimal=written.decimal,
+        header=written.header,
+        columns=tuple(written.columns or ()),
+        group=written.group,
+        experiment=None if written.experiment is None else written.experiment.column,
+        start=written.start,
+        end=written.end,
+        leave_out=written.leave_out,
+        gaps=written.gaps,
+        missing=written.missing,
+        period=file.time.period,
+        time=_conversion(file.time, "time", where),
+        input=_conversion(file.input, "input", where),
+        output=_conversion(file.sensor, "sensor", where),
+        reference=_conversion(file.controller, "controller", where),
+        where=where("recording"),
+    )
+
+
+def _check_time(time: TimePart, where: Where) -> None:
+    if time.period is not None and time.column is not None:
+        raise InputError("period and column are both given", where=where("time"), hint="keep one of them")
+    if time.period is None and time.column is None:
+        raise InputError("the key 'column' is missing", where=where("time"), hint="add it")
+    if time.period is not None and time.unit is not None:
+        raise InputError("a period is in seconds", where=where("time", "unit"), hint="remove the unit")
+
+
+def _check_layout(written: RecordingPart, where: Where) -> None:
+    names = written.columns
+    if written.header and names is not None:
+        raise InputError(
+            "columns are named for a file without a header line",
+            where=where("recording", "columns"),
+            hint="say header: false, or remove them",
+        )
+    if not written.header and names is None:
+        raise InputError(
+            "without a header line the columns have no names",
+            where=where("recording", "header"),
+            hint="name them: columns: [t, u, y]",
+        )
+    if names is not None and len(set(names)) < len(names):
+        raise InputError(
+            "a name appears twice", where=where("recording", "columns"), hint="name each column differently"
+        )
+    if written.start is not None and written.end is not None and not written.start < written.end:
+        raise InputError("start is not before end", where=where("recording"), hint="swap them")
+
+
+def _conversion(part: Any, key: str, where: Where) -> Conversion:
+    """Conversion of the column that a part of the file names; a part that is not there has the default one."""
+    unit = getattr(part, "unit", None)
+    scale, offset = getattr(part, "scale", 1.0), getattr(part, "offset", 0.0)
+    if scale == 0.0:
+        raise InputError("a scale of zero makes every number zero", where=where(key, "scale"), hint="give another")
+    if unit is not None:
+        si_factor(unit, where(key, "unit"), "[time]" if key == "time" else None)
+    return Conversion(unit, scale, offset, where(key))

@@ -1,0 +1,411 @@
+"""The keys of a simulation file: one pydantic model per part, from which ``schemas/simulation.schema.json`` is made.
+
+``python -m camid.simulation.schema`` prints that JSON schema.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal, TypeVar, get_args
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    GetCoreSchemaHandler,
+    JsonValue,
+    StrictBool,
+    StrictStr,
+    StringConstraints,
+    Tag,
+    ValidationError,
+)
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import CoreSchema, ErrorDetails
+
+from camid.errors import InputError, nearest_match
+from camid.simulation.yaml_file import place, plain_truth_value
+
+JSON_SCHEMA = "schemas/simulation.schema.json"  # in the package
+
+Value = TypeVar("Value")
+
+
+class _NotNull:
+    """A key that may be left out, and whose value is None then; writing null is an error."""
+
+    @staticmethod
+    def __get_pydantic_core_schema__(source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        schema: Any = handler(source)
+        inner: CoreSchema = schema["schema"] if schema["type"] == "nullable" else schema
+        return inner
+
+
+def _no_truth_value(value: Any) -> Any:
+    """The value; to Python, and so to pydantic, true is the number 1."""
+    if isinstance(plain_truth_value(value), bool):
+        raise ValueError
+    return value
+
+
+Optional = Annotated[Value | None, _NotNull]
+Text = StrictStr
+NonEmptyText = Annotated[StrictStr, StringConstraints(min_length=1)]
+_PLAIN = BeforeValidator(plain_truth_value)
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False), _PLAIN]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0), _PLAIN]
+TruthValue = Annotated[StrictBool, _PLAIN]
+NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0), _PLAIN]
+Coefficients = Annotated[list[Number], Field(min_length=1)]
+
+
+class Part(BaseModel):
+    """A mapping of the file, in which an unknown key is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+
+class Experiment(Part):
+    """The column that tells several experiments in one table apart."""
+
+    column: Text = Field(description="Name of the column.")
+
+
+class RecordingPart(Part):
+    """How the file of a recording is read; see docs/recordings.md."""
+
+    separator: Optional[Annotated[StrictStr, StringConstraints(min_length=1, max_length=1)]] = Field(
+        default=None,
+        description="One character between the cells of a text file; a blank stands for any number of blanks.",
+    )
+    decimal: Optional[Literal[".", ","]] = Field(
+        default=None, description="Decimal mark of the numbers in a text file."
+    )
+    header: TruthValue = Field(default=True, description="true or false: whether a text file has a line with names.")
+    columns: Optional[Annotated[list[Text], Field(min_length=1)]] = Field(
+        default=None, description="Names of the columns of a file without a header line; put quotes around numbers."
+    )
+    group: Optional[NonEmptyText] = Field(
+        default=None, description="HDF5 group or MAT structure that holds the columns."
+    )
+    experiment: Optional[Experiment] = Field(
+        default=None, description="{column: name}, which tells several experiments in one table apart."
+    )
+    start: Optional[Number] = Field(default=None, description="Seconds of the time column; earlier rows are not read.")
+    end: Optional[Number] = Field(default=None, description="Seconds of the time column; later rows are not read.")
+    leave_out: NonNegative = Field(
+        default=0.0, description="Seconds at the start of each experiment that are simulated but not compared."
+    )
+    gaps: Literal["refuse", "hold"] = Field(
+        default="refuse", description="What to do where rows of a driven recording are missing."
+    )
+    missing: Literal["refuse", "leave-out"] = Field(
+        default="refuse", description="What to do with rows without output."
+    )
+
+
+class TimePart(Part):
+    """The time column and its unit, or the period in seconds where the file has no time column."""
+
+    column: Optional[Text] = Field(default=None, description="Name of the time column.")
+    unit: Optional[Text] = Field(default=None, description="Unit of the time column, seconds by default.")
+    period: Optional[Positive] = Field(
+        default=None, description="Sampling period in seconds, where there is no time column."
+    )
+
+
+class Converted(Part):
+    """Unit, scale and offset of a column."""
+
+    unit: Optional[Text] = Field(default=None, description="Unit of the cells, such as mm, deg or mV; SI by default.")
+    scale: Number = Field(default=1.0, description="value = scale · (cell in SI units) + offset.")
+    offset: Number = Field(default=0.0, description="value = scale · (cell in SI units) + offset.")
+
+
+class InputPart(Converted):
+    """The input column and its hold."""
+
+    column: Text = Field(description="Name of the input column.")
+    hold: Literal["zoh", "foh", "band-limited"] = Field(description="Intersample behaviour of the input.")
+
+
+class SensorPart(Converted):
+    """The output column and the sensor that measures it."""
+
+    column: Text = Field(description="Name of the output column.")
+    kind: Literal["camera", "instant"] = Field(description="Mean over the exposure, or the value at one instant.")
+    exposure: Optional[Positive] = Field(
+        default=None, description="τ in seconds, at most the period, which is the default."
+    )
+    latency: NonNegative = Field(default=0.0, description="ℓ in seconds, default 0.")
+
+
+class ControllerPart(Converted):
+    """Closed loop: u = clip(velocity_gain (position_gain (reference − y) − ẏ))."""
+
+    reference: Text = Field(description="Name of the reference column.")
+    position_gain: Number = Field(description="kp in 1/s.")
+    velocity_gain: Number = Field(description="kv in units of u per (unit of y per second).")
+    limit: Optional[Positive] = Field(default=None, description="Largest |u|.")
+
+
+class Polynomials(Part):
+    """B(s)/A(s), coefficients in descending powers of s."""
+
+    numerator: Coefficients = Field(description="Coefficients of B.")
+    denominator: Coefficients = Field(description="Coefficients of A.")
+
+
+class PolynomialsFree(Part):
+    """One truth value per coefficient."""
+
+    numerator: list[TruthValue] = Field(description="true where a coefficient of B may be re-estimated.")
+    denominator: list[TruthValue] = Field(description="true where a coefficient of A may be re-estimated.")
+
+
+class PolynomialsDeviations(Part):
+    """One standard deviation per coefficient."""
+
+    numerator: list[NonNegative] = Field(description="Standard deviations of the coefficients of B; 0: not estimated.")
+    denominator: list[NonNegative] = Field(
+        description="Standard deviations of the coefficients of A; 0: not estimated."
+    )
+
+
+class TransferFunctionPlant(Part):
+    """A linear plant."""
+
+    transfer_function: Polynomials = Field(description="B(s)/A(s), coefficients in descending powers of s.")
+    free: Optional[PolynomialsFree] = Field(
+        default=None, description="What may be re-estimated, in the shape of the coefficients."
+    )
+    standard_deviations: Optional[PolynomialsDeviations] = Field(
+        default=None, description="Standard deviations in the shape of the coefficients."
+    )
+    covariance: Optional[list[list[Number]]] = Field(
+        default=None,
+        description="Covariance of all coefficients: numerator first, then the denominator without its first.",
+    )
+
+
+class PendulumParameters(Part):
+    """ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u."""
+
+    natural_frequency: Positive = Field(description="ω in rad/s.")
+    damping: NonNegative = Field(description="Damping ratio ξ.")
+    gain: Number = Field(default=1.0, description="Static gain for small motions.")
+    rest: Number = Field(default=0.0, description="Position of rest.")
+
+
+class PendulumFree(Part):
+    """One truth value per parameter."""
+
+    natural_frequency: TruthValue = Field(default=True, description="Whether ω may be re-estimated.")
+    damping: TruthValue = Field(default=True, description="Whether ξ may be re-estimated.")
+    gain: TruthValue = Field(default=True, description="Whether the static gain may be re-estimated.")
+    rest: TruthValue = Field(default=True, description="Whether the position of rest may be re-estimated.")
+
+
+class PendulumDeviations(Part):
+    """One standard deviation per parameter."""
+
+    natural_frequency: Optional[NonNegative] = Field(default=None, description="Standard deviation of ω in rad/s.")
+    damping: Optional[NonNegative] = Field(default=None, description="Standard deviation of ξ.")
+    gain: Optional[NonNegative] = Field(default=None, description="Standard deviation of the static gain.")
+    rest: Optional[NonNegative] = Field(default=None, description="Standard deviation of the position of rest.")
+
+
+class PendulumPlant(Part):
+    """A pendulum of any amplitude."""
+
+    pendulum: PendulumParameters = Field(description="ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u.")
+    free: Optional[PendulumFree] = Field(
+        default=None, description="What may be re-estimated; what is not named may be."
+    )
+    standard_deviations: Optional[PendulumDeviations] = Field(
+        default=None, description="Standard deviations of the parameters; 0 where one was not estimated."
+    )
+    covariance: Optional[list[list[Number]]] = Field(
+        default=None, description="Covariance of natural_frequency, damping, gain and rest, in this order."
+    )
+
+
+def _kind_of_plant(written: Any) -> str:
+    pendulum = isinstance(written, Mapping) and "pendulum" in written and "transfer_function" not in written
+    return "pendulum" if pendulum else "transfer_function"
+
+
+Plant = Annotated[
+    Annotated[TransferFunctionPlant, Tag("transfer_function")] | Annotated[PendulumPlant, Tag("pendulum")],
+    Discriminator(_kind_of_plant),
+]
+
+
+class Validation(Part):
+    """Rows that are not fitted."""
+
+    start: Number = Field(description="First time, in seconds.")
+    end: Number = Field(description="Last time, in seconds.")
+
+
+class EffectPart(Part):
+    """An effect beyond the linear chain."""
+
+    id: Text = Field(description="Identifier from the catalogue.")
+    parameters: dict[str, JsonValue] = Field(description="Values in SI units, by name.")
+    standard_deviations: Optional[dict[str, JsonValue]] = Field(
+        default=None, description="Standard deviations of the parameters, by name."
+    )
+
+
+class SimulationFile(Part):
+    """What the user believes of the chain of hold, actuator, plant and sensor. SI units."""
+
+    version: Annotated[Literal[1], BeforeValidator(_no_truth_value)] = Field(
+        alias="schema", description="Version of this format."
+    )
+    recording: Optional[RecordingPart] = Field(
+        default=None, description="How the file of a recording is read; see docs/recordings.md."
+    )
+    time: TimePart = Field(
+        description="The time column and its unit, or the period in seconds where the file has no time column."
+    )
+    input: InputPart | None = Field(description="The input column and its hold; null for a free decay.")
+    plant: Plant = Field(
+        description="Exactly one of transfer_function and pendulum, and what is known of its accuracy."
+    )
+    controller: Optional[ControllerPart] = Field(
+        default=None, description="Closed loop: u = clip(velocity_gain (position_gain (reference − y) − ẏ))."
+    )
+    sensor: SensorPart = Field(description="The output column and the sensor that measures it.")
+    initial_state: Literal["zero", "estimate"] = Field(
+        default="zero",
+        description="zero: at rest, u = 0 before the first sample (default); estimate: fitted to the recorded output.",
+    )
+    validation: Optional[Validation] = Field(default=None, description="Rows that are not fitted, by time in seconds.")
+    remainder: Optional[Positive] = Field(
+        default=None,
+        description="Root mean square, in units of the output (of the input in a closed loop), of what an earlier "
+        "diagnosis left unexplained.",
+    )
+    effects: list[EffectPart] = Field(default=[], description="Effects beyond the linear chain.")
+
+
+def validated(content: Mapping[str, Any], source: str) -> SimulationFile:
+    """Content of a simulation file as its model.
+
+    Parameters
+    ----------
+    content : mapping
+    source : str
+        Name for messages.
+
+    Raises
+    ------
+    InputError
+        With file, line and key of the first error, and the nearest match of an unknown key.
+    """
+    try:
+        return SimulationFile.model_validate(content)
+    except ValidationError as invalid:
+        errors = invalid.errors(include_url=False)
+    # A misspelt key explains the missing one beside it, so it is named first.
+    raise _refusal(next((e for e in errors if e["type"] in _UNKNOWN_KEY), errors[0]), content, source)
+
+
+_UNKNOWN_KEY = ("extra_forbidden", "invalid_key")
+# What is wrong, by pydantic's type of error; the value stands before it.
+_PROBLEMS = {
+    "model_type": "is no mapping of keys to values",
+    "dict_type": "is no mapping of keys to values",
+    "list_type": "is no list",
+    "string_type": "is no text",
+    "bool_type": "is neither true nor false",
+    "float_type": "is no finite number",
+    "finite_number": "is no finite number",
+    "greater_than": "is not greater than {gt:g}",
+    "greater_than_equal": "is less than {ge:g}",
+    "too_short": "is empty",
+    "string_too_short": "is empty",
+    "string_too_long": "is more than one character",
+}
+
+
+def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> InputError:
+    """One line for an error of pydantic."""
+    kind, value = error["type"], error["input"]
+    path: list[Any] = list(error["loc"])
+    if path[0] == "plant":
+        del path[1:2]  # pydantic names the kind of plant there
+    if kind in _UNKNOWN_KEY:
+        key = path[-1]
+        hint = nearest_match(key, _fields(path[:-1]))
+        return InputError(f"unknown key '{key}'", where=place(source, content, path), hint=hint)
+    if kind == "missing":
+        hint = "add it, or a pendulum" if path == ["plant", "transfer_function"] else "add it"
+        return InputError(f"the key '{path[-1]}' is missing", where=place(source, content, path[:-1]), hint=hint)
+    where = place(source, content, path)
+    if path == ["schema"]:
+        return InputError(f"version {value!r} is not known", where=where, hint="this camid reads schema: 1")
+    if kind == "literal_error":
+        expected = error["ctx"]["expected"].replace("'", "") if path != ["recording", "decimal"] else "'.' or ','"
+        return InputError(f"'{value}' is not known here", where=where, hint=f"it must be {expected}")
+    problem = _PROBLEMS.get(kind)
+    described = _description(path)
+    return InputError(
+        error["msg"] if problem is None else f"{value!r} {problem.format(**error.get('ctx', {}))}",
+        where=where,
+        hint=f"here belongs: {described}" if described else None,
+    )
+
+
+def _parts(annotation: Any) -> Iterator[type[Part]]:
+    """Models in an annotation, such as those of a union or of a list."""
+    if isinstance(annotation, type) and issubclass(annotation, Part):
+        yield annotation
+    for inside in get_args(annotation):
+        yield from _parts(inside)
+
+
+def _fields(path: Sequence[Any]) -> dict[str, Any]:
+    """Fields of the models at a path of keys, by the keys of the file."""
+    parts: list[type[Part]] = [SimulationFile]
+    for key in path:
+        if isinstance(key, str):
+            fields = [part.model_fields[key] for part in parts if key in part.model_fields]
+            parts = [inner for field in fields for inner in _parts(field.annotation)]
+    return {field.alias or name: field for part in parts for name, field in part.model_fields.items()}
+
+
+def _description(path: Sequence[Any]) -> str | None:
+    """Description of the key at the end of a path, or of the list that holds its end."""
+    names = [key for key in path if isinstance(key, str)]
+    field = _fields(names[:-1]).get(names[-1]) if names else None
+    return None if field is None else field.description
+
+
+class _WithoutNoise(GenerateJsonSchema):
+    """A JSON schema without titles and defaults that repeat names and absence."""
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        return False
+
+    def default_schema(self, schema: Any) -> dict[str, Any]:
+        if schema.get("default") is None:
+            return self.generate_inner(schema["schema"])
+        return super().default_schema(schema)
+
+
+def json_schema() -> str:
+    """The JSON schema of a simulation file, as it stands in the package."""
+    schema = SimulationFile.model_json_schema(schema_generator=_WithoutNoise)
+    schema = {"$schema": GenerateJsonSchema.schema_dialect, "title": "camid simulation, version 1", **schema}
+    schema["title"] = "camid simulation, version 1"
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    print(json_schema(), end="")

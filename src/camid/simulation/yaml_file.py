@@ -1,0 +1,67 @@
+"""YAML files whose keys remember their lines, so that an error names file, line and key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from camid.errors import InputError
+
+Where = Callable[..., str]  # file, line and dotted key of the keys that lead to a value
+
+
+def read_yaml(path: Path) -> Any:
+    """Content of a YAML 1.2 file, whose mappings remember their lines.
+
+    Raises
+    ------
+    InputError
+        If there is no such file or it is no YAML; a key that appears twice is no YAML.
+    """
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError
+
+    if path.is_dir():
+        raise InputError("this is a folder", where=str(path), hint="name a YAML file")
+    if not path.exists():
+        raise InputError("no such file", where=str(path), hint="check the path")
+    try:
+        return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8-sig"))
+    except OSError:
+        raise
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"{path}, line {mark.line + 1}" if mark else str(path)
+        problem = " ".join(str(error.problem or error.context).split())
+        raise InputError(f"no YAML: {problem}", where=where, hint="correct the line") from None
+    except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
+        problem = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError(f"no YAML: {problem}", where=str(path), hint="write it as text") from None
+
+
+def plain_truth_value(value: Any) -> Any:
+    """A truth value as Python has it; with an anchor, ruamel.yaml makes an integer of it."""
+    from ruamel.yaml.scalarbool import ScalarBoolean
+
+    return bool(value) if isinstance(value, ScalarBoolean) else value
+
+
+def _line(content: Any, path: list[Any]) -> int | None:
+    """Line in the YAML file at which the value at ``path`` stands, as ruamel.yaml remembers it."""
+    line = None
+    for key in path:
+        try:
+            marks: Any = content.lc  # only what came out of a file has them
+            line = (marks.item(key) if isinstance(content, list) else marks.key(key))[0] + 1
+            content = content[key]
+        except (AttributeError, KeyError, TypeError, IndexError):
+            return line
+    return line
+
+
+def place(source: str, content: Any, path: list[Any]) -> str:
+    """File, line and dotted key of a value, for messages."""
+    line = _line(content, path)
+    key = ".".join(str(p) for p in path)
+    return ", ".join([source, *([f"line {line}"] if line else []), *([key] if key else [])])
