@@ -14,7 +14,7 @@ BENCHMARK_BIN := $(BENCHMARK_ENVIRONMENT)/bin
 FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
 .DEFAULT_GOAL := all
-.PHONY: all env test lint format check readme bench slurm lock clean help
+.PHONY: all env test test-slow test-workflow lint format check readme bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	$(SNAKEMAKE) all $(CACHE)
@@ -30,8 +30,17 @@ $(ENVIRONMENT)/.installed: requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@
 
-test: env ## run the tests
-	$(BIN)/python -m pytest
+# Whole files go to a worker, so that what a file computes for all its tests is computed once.
+PYTEST := $(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+
+test: env ## run the tests, in minutes
+	$(PYTEST)
+
+test-slow: env ## run the tests with large samples, many seeds and the whole catalogue
+	$(PYTEST) -m slow
+
+test-workflow: env ## run the whole workflow in fresh copies, and what it promises
+	$(BIN)/python -m pytest -m workflow
 
 lint: env ## ruff, snakefmt, mypy
 	$(BIN)/ruff check .
@@ -77,4 +86,4 @@ clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake
 
 help:
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16

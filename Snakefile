@@ -4,12 +4,10 @@ min_version("9.10")
 
 
 configfile: "config/config.yaml"
-configfile: "config/ablations.yaml"
 configfile: "config/concealed.yaml"
 
 
 validate(config, "workflow/schemas/config.schema.yaml")
-validate(config["ablations"], "workflow/schemas/ablations.schema.yaml")
 validate(config["concealed"], "workflow/schemas/concealed.schema.yaml")
 
 

@@ -15,11 +15,11 @@ from benchmarks.task import IDENTIFICATION, Recording, excitation, generator, no
 from benchmarks.timing import silence, timed
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.experiments.cases import PARAMETERS, parameter_vector
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
+from camid.paper.cases import PARAMETERS, parameter_vector
 
 Array = NDArray[np.float64]
 

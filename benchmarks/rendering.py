@@ -13,8 +13,8 @@ from benchmarks.rendering_reference import Path, expose_reference
 from benchmarks.report import Goal, Report, number
 from benchmarks.task import configuration
 from benchmarks.timing import alternate
-from camid.experiments.marker_images import configured_path
 from camid.images.forming import FrameFormat, Marker, circular_path, expose
+from camid.paper.marker_images import configured_path
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.chain.plant import TransferFunction
-from camid.experiments.cases import parameter_vector
-from camid.experiments.datasets import believed_plant, with_closing_frame
-from camid.experiments.sampling_period import noise_level
+from camid.paper.cases import parameter_vector
+from camid.paper.datasets import believed_plant, with_closing_frame
+from camid.paper.fig7_sampling_period.runs import noise_level
 from camid.simulation.checked_yaml import read_yaml
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from camid.cli import main
-from tests import rig
+from tests.support import linear_rig as rig
 
 
 @pytest.fixture(scope="module")

@@ -14,9 +14,9 @@ from camid.diagnosis.result import VERDICTS
 from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.effects import known_effects
 from camid.simulation.file import load_simulation
-from tests import rig
-from tests.diagnosis import synthetic
-from tests.diagnosis.recordings import COUNT, PERIOD, effect, record, simulation
+from tests.support import linear_rig as rig
+from tests.support import written_diagnoses
+from tests.support.mass_on_spring import COUNT, PERIOD, effect, record, simulation
 
 SCHEMA = json.loads(package_files("camid").joinpath("schemas/diagnosis.schema.json").read_text(encoding="utf-8"))
 # One or several effects a place, by the name of the effect that has to be found first.
@@ -110,7 +110,7 @@ def test_the_file_fits_its_schema(cases, name):
 
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_every_verdict_fits_the_schema(verdict):
-    content = read_json(json.dumps(synthetic.diagnosis(verdict).to_mapping()))
+    content = read_json(json.dumps(written_diagnoses.diagnosis(verdict).to_mapping()))
     Draft202012Validator(SCHEMA).validate(content)
     assert not Draft202012Validator(SCHEMA).is_valid({**content, "verdict": "perfect"})
     assert not Draft202012Validator(SCHEMA).is_valid({**content, "more": 1})
@@ -253,7 +253,7 @@ def test_two_runs_write_the_same_bytes(cases, tmp_path):
 def folder(tmp_path, monkeypatch):
     """The current folder, with a recording and a simulation."""
     monkeypatch.chdir(tmp_path)
-    record(*CASES["dead-zone"]).to_csv("recording.csv", index=False)
+    record(*CASES["dead-zone"], count=300).to_csv("recording.csv", index=False)
     rig.write_yaml(simulation(), tmp_path / "S.yaml")
     return tmp_path
 

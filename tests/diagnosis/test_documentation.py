@@ -2,14 +2,14 @@
 
 import importlib
 import re
-from pathlib import Path
 
 import pytest
 
 from camid.diagnosis.result import VERDICTS
 from camid.diagnosis.results_folder import FILES
+from tests.support import ROOT
 
-PAGE = (Path(__file__).parents[2] / "docs" / "diagnosis.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "diagnosis.md").read_text(encoding="utf-8")
 CONSTANT = re.compile(r"`([A-Z_]+)` ([0-9.]+·10⁻[⁰¹²³⁴-⁹]+|10⁻[⁰¹²³⁴-⁹]+|[0-9.]+)")
 DIGITS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 

@@ -5,7 +5,7 @@ import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
-from tests.diagnosis.recordings import COUNT, PERIOD, command, effect, record, simulation
+from tests.support.mass_on_spring import COUNT, PERIOD, command, effect, record, simulation
 
 FORCE = 0.2
 FRICTION = effect("coulomb-friction", force=FORCE)
@@ -48,9 +48,8 @@ def diagnosis(recording):
     return camid.diagnose(recording, simulation())
 
 
-@pytest.mark.parametrize(
-    ("of_input", "of_output"), [(1e6, 1.0), (1e-6, 1.0), (1.0, 1e6), (1.0, 1e-6), (-1.0, 1.0), (1.0, -1.0)]
-)
+# Large and small units and the other sign of either signal; together, gains of 1e-12 and 1e12.
+@pytest.mark.parametrize(("of_input", "of_output"), [(-1e6, 1e-6), (1e-6, -1e6)])
 def test_units_and_signs_scale_the_parameters(recording, diagnosis, of_input, of_output):
     changed = recording.assign(u=of_input * recording["u"], y=of_output * recording["y"])
     again = camid.diagnose(changed, simulation(plant=scaled_plant(of_output / of_input)))
@@ -173,12 +172,16 @@ def test_a_linear_free_decay_is_adequate():
 @pytest.mark.parametrize(
     ("acquisition", "content"),
     [
-        ({"hold": "foh"}, {"input": {"column": "u", "hold": "foh"}}),
         ({"sensor": "instant", "exposure": None}, {"sensor": {"column": "y", "kind": "instant"}}),
-        ({"latency": 0.013}, {"sensor": {"column": "y", "kind": "camera", "latency": 0.013}}),
-        ({"exposure": 0.007}, {"sensor": {"column": "y", "kind": "camera", "exposure": 0.007}}),
+        (
+            {"hold": "foh", "exposure": 0.007, "latency": 0.013},
+            {
+                "input": {"column": "u", "hold": "foh"},
+                "sensor": {"column": "y", "kind": "camera", "exposure": 0.007, "latency": 0.013},
+            },
+        ),
     ],
-    ids=["first-order-hold", "instant-sensor", "latency", "short-exposure"],
+    ids=["instant-sensor", "first-order-hold-short-late-exposure"],
 )
 def test_what_is_declared_rightly_is_no_mismatch(acquisition, content):
     nothing = camid.diagnose(record(**acquisition), simulation(**content))

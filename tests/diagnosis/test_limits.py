@@ -11,9 +11,8 @@ from camid.effects import known_effects
 from camid.engine.run import Chain, run
 
 COUNT, PERIOD, NOISE = 600, 0.05, 0.03
-# A few of each place; for each so many noise seeds.
+# A few of each place.
 EFFECTS = ("coulomb-friction", "cubic-stiffness", "dead-zone", "input-bias", "lens-distortion", "delay")
-SEEDS = 8
 SIMULATION = {
     "schema": 1,
     "time": {"column": "t"},
@@ -46,21 +45,25 @@ def limits():
     }
 
 
-def rate(effects, factor):
-    """Share of the recordings in which something is detected."""
+def rate(effects, factor, seeds):
+    """Share of the recordings in which something is detected, with so many noise seeds for each effect."""
     found = [
         camid.diagnose(recording([effect.scaled(factor)], 100 * i + seed), SIMULATION).verdict != "adequate"
         for i, effect in enumerate(effects)
-        for seed in range(1, SEEDS + 1)
+        for seed in range(1, seeds + 1)
     ]
     return float(np.mean(found))
 
 
-def test_effects_of_the_smallest_detectable_size_are_detected(limits):
+# 95 % are promised: of six recordings fewer than four are detected twice in a thousand times, of 48 recordings fewer
+# than 85 % once in two hundred times.
+@pytest.mark.parametrize(("seeds", "least"), [(1, 0.6), pytest.param(8, 0.85, marks=pytest.mark.slow)])
+def test_effects_of_the_smallest_detectable_size_are_detected(limits, seeds, least):
     assert set(limits) == set(EFFECTS)
-    # 95 % are promised; among 48 recordings fewer than 85 % are seen once in two hundred times.
-    assert rate(limits.values(), 1.0) >= 0.85
+    assert rate(limits.values(), 1.0, seeds) >= least
 
 
-def test_effects_of_a_third_of_that_size_are_mostly_not_detected(limits):
-    assert rate(limits.values(), 1.0 / 3.0) <= 0.3
+@pytest.mark.parametrize(("seeds", "most"), [(1, 0.4), pytest.param(8, 0.3, marks=pytest.mark.slow)])
+def test_effects_of_a_third_of_that_size_are_mostly_not_detected(limits, seeds, most):
+    assert set(limits) == set(EFFECTS)
+    assert rate(limits.values(), 1.0 / 3.0, seeds) <= most

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import camid
-from tests import rigs
+from tests.support import pendulum_and_drive as rigs
 
 
 @pytest.fixture(scope="module")

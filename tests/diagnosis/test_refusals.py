@@ -11,9 +11,9 @@ import camid
 from camid.cli import INTERRUPTED, main
 from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.errors import InputError
-from tests import rig
-from tests.diagnosis import synthetic
-from tests.diagnosis.recordings import record, simulation
+from tests.support import linear_rig as rig
+from tests.support import written_diagnoses
+from tests.support.mass_on_spring import record, simulation
 
 COMMAND = ["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "found"]
 
@@ -163,7 +163,7 @@ def test_no_file_is_written_if_one_cannot_be_made(tmp_path, monkeypatch):
 
     monkeypatch.setattr("camid.diagnosis.report.page.render", broken)
     with pytest.raises(RuntimeError):
-        write_diagnosis(synthetic.diagnosis("explained"), tmp_path / "found")
+        write_diagnosis(written_diagnoses.diagnosis("explained"), tmp_path / "found")
     assert not (tmp_path / "found").exists()
 
 
@@ -183,7 +183,7 @@ def test_a_full_disk_is_said_with_what_was_written_before(tmp_path, monkeypatch)
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InputError) as caught:
-        write_diagnosis(synthetic.diagnosis("explained"), folder)
+        write_diagnosis(written_diagnoses.diagnosis("explained"), folder)
     assert "No space left on device" in str(caught.value)
     assert "written before: diagnosis.json, improved.yaml" in str(caught.value)
     assert sorted(p.name for p in folder.iterdir()) == sorted(FILES)
@@ -192,7 +192,7 @@ def test_a_full_disk_is_said_with_what_was_written_before(tmp_path, monkeypatch)
 
 def test_no_report_of_an_earlier_diagnosis_stays(tmp_path):
     for report, expected in ((True, FILES), (False, FILES[:3])):
-        written = write_diagnosis(synthetic.diagnosis("explained"), tmp_path / "found", report=report)
+        written = write_diagnosis(written_diagnoses.diagnosis("explained"), tmp_path / "found", report=report)
         assert [p.name for p in written] == list(expected)
         assert sorted(p.name for p in (tmp_path / "found").iterdir()) == sorted(expected)
 

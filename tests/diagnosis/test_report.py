@@ -16,7 +16,7 @@ from camid.diagnosis.report import pictures, summary
 from camid.diagnosis.result import VERDICTS, Location, ParameterEstimate
 from camid.effects import known_effects
 from camid.errors import InputError
-from tests.diagnosis import synthetic
+from tests.support import written_diagnoses
 
 SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]
 HOSTILE = {
@@ -56,13 +56,13 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def pages():
-    return {verdict: report.render(synthetic.diagnosis(verdict)) for verdict in VERDICTS}
+    return {verdict: report.render(written_diagnoses.diagnosis(verdict)) for verdict in VERDICTS}
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_every_verdict_has_its_sections(pages, verdict):
     page = Page(pages[verdict])
-    diagnosis = synthetic.diagnosis(verdict)
+    diagnosis = written_diagnoses.diagnosis(verdict)
     assert page.sections == SECTIONS
     symbol, word, meaning = summary.VERDICT_WORDS[verdict]
     assert f"{symbol} {word} {meaning}" in page.text
@@ -93,18 +93,20 @@ def test_a_finding_is_told_in_full(pages):
 
 
 def test_an_unlocated_mismatch_is_not_called_none():
-    diagnosis = synthetic.diagnosis("unexplained", location=Location())
+    diagnosis = written_diagnoses.diagnosis("unexplained", location=Location())
     text = Page(report.render(diagnosis)).text
     assert "It cannot be located" in text
     assert "Nowhere" not in text
 
 
 def test_a_wrong_hold_marks_the_hold():
-    finding = synthetic.finding()
+    finding = written_diagnoses.finding()
     hold = type(finding)(
         "input-hold", "actuator", "Hold of the input", "", "", {"hold": ParameterEstimate("foh", None, "")}, {}
     )
-    diagnosis = synthetic.diagnosis("explained", findings=[hold], location=Location("actuator", {"actuator": 0.9}))
+    diagnosis = written_diagnoses.diagnosis(
+        "explained", findings=[hold], location=Location("actuator", {"actuator": 0.9})
+    )
     assert {box.name: box.flag for box in report.chain(diagnosis) if box.flag} == {"hold": "here"}
     assert "first-order hold" in Page(report.render(diagnosis)).text
 
@@ -127,7 +129,7 @@ def test_the_page_needs_nothing_else(pages, verdict):
 
 
 def test_names_are_escaped():
-    text = report.render(synthetic.diagnosis("partly-explained", **HOSTILE))
+    text = report.render(written_diagnoses.diagnosis("partly-explained", **HOSTILE))
     page = Page(text)
     assert not {"script", "img"} & set(page.tags)
     assert HOSTILE["explanation"] in page.text
@@ -145,15 +147,15 @@ def test_names_are_escaped():
     ],
 )
 def test_the_pictures_of_the_located_place_are_framed(location, framed):
-    drawn = pictures.draw(synthetic.diagnosis("unexplained", location=location))["structure"]
+    drawn = pictures.draw(written_diagnoses.diagnosis("unexplained", location=location))["structure"]
     assert [p.title for p in drawn if p.located] == framed
 
 
 def test_a_free_decay_has_no_picture_against_its_input():
-    diagnosis = synthetic.diagnosis("explained", input_column=None)
+    diagnosis = written_diagnoses.diagnosis("explained", input_column=None)
     signals = diagnosis.signals
     still = type(signals)(**{**vars(signals), "signal": np.zeros(len(signals.time))})
-    drawn = pictures.draw(synthetic.diagnosis("explained", input_column=None, signals=still))["structure"]
+    drawn = pictures.draw(written_diagnoses.diagnosis("explained", input_column=None, signals=still))["structure"]
     assert [p.title.split(" against ")[1] for p in drawn] == ["velocity", "position", "output"]
     assert "no input" in Page(report.render(diagnosis)).text
 
@@ -188,7 +190,7 @@ def test_drawing_leaves_the_settings_of_matplotlib_alone():
 
     with mpl.rc_context({"font.size": 3.0, "text.usetex": True}):
         before = dict(mpl.rcParams)
-        pictures.draw(synthetic.diagnosis("explained"))
+        pictures.draw(written_diagnoses.diagnosis("explained"))
         assert dict(mpl.rcParams) == before
 
 
@@ -202,8 +204,12 @@ def test_the_equations_of_the_catalogue_are_drawn(identifier):
 def test_equations():
     assert 'd="M' in report.equation(r"f = f_c\,\mathrm{sgn}(\dot{y})")
     assert report.equation(r"\nosuchcommand{x}") is None
-    finding = type(synthetic.finding())(**{**vars(synthetic.finding()), "equation": r"\nosuchcommand{x}"})
-    assert r"\nosuchcommand{x}" in Page(report.render(synthetic.diagnosis("explained", findings=[finding]))).text
+    finding = type(written_diagnoses.finding())(
+        **{**vars(written_diagnoses.finding()), "equation": r"\nosuchcommand{x}"}
+    )
+    assert (
+        r"\nosuchcommand{x}" in Page(report.render(written_diagnoses.diagnosis("explained", findings=[finding]))).text
+    )
 
 
 @pytest.mark.parametrize(
@@ -240,7 +246,7 @@ def test_numbers_and_units():
 
 
 def test_it_is_quick_and_writes_whole(tmp_path):
-    diagnosis = synthetic.diagnosis("partly-explained")
+    diagnosis = written_diagnoses.diagnosis("partly-explained")
     report.write_report(diagnosis, tmp_path / "report.html")  # imports
     began = time.process_time()
     report.write_report(diagnosis, tmp_path / "report.html")
@@ -253,7 +259,7 @@ def test_it_is_quick_and_writes_whole(tmp_path):
 
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_summary(capsys, verdict):
-    diagnosis = synthetic.diagnosis(verdict, input_column="[red]u", warnings=["[bold]look"])
+    diagnosis = written_diagnoses.diagnosis(verdict, input_column="[red]u", warnings=["[bold]look"])
     summary.print_summary(diagnosis, [])
     shown = capsys.readouterr().out
     assert summary.VERDICT_WORDS[verdict][1].upper() in shown
@@ -292,7 +298,7 @@ def in_browser(page, folder, width):
 @needs_browser
 @pytest.mark.parametrize(("width", "changes"), [(1280, {}), (390, {}), (390, HOSTILE), (800, HOSTILE)])
 def test_a_browser_lays_it_out_without_scrolling_sideways(tmp_path, width, changes):
-    seen = in_browser(report.render(synthetic.diagnosis("partly-explained", **changes)), tmp_path, width)
+    seen = in_browser(report.render(written_diagnoses.diagnosis("partly-explained", **changes)), tmp_path, width)
     assert (seen["width"], seen["needed"]) == (width, width)
     assert seen["drawings"] == 8 + 2
     assert seen["labels"] > 100
@@ -302,13 +308,13 @@ def test_a_browser_lays_it_out_without_scrolling_sideways(tmp_path, width, chang
 
 @needs_browser
 def test_the_browser_test_sees_a_page_that_is_too_wide(tmp_path):
-    page = report.render(synthetic.diagnosis("explained")).replace("overflow-wrap: anywhere;", "")
+    page = report.render(written_diagnoses.diagnosis("explained")).replace("overflow-wrap: anywhere;", "")
     page = page.replace("bench/run_07.csv", "a" * 200)
     assert in_browser(page, tmp_path, 390)["needed"] > 390
 
 
 @needs_browser
 def test_the_page_forbids_scripts(tmp_path):
-    page = report.render(synthetic.diagnosis("explained"))
+    page = report.render(written_diagnoses.diagnosis("explained"))
     script = "<script>document.title = 'run'</script></body>"
     assert in_browser(page.replace("</body>", script), tmp_path, 1280)["title"].startswith("Explained")

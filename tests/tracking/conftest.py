@@ -1,6 +1,6 @@
 import pytest
 
-from tests.tracking import films
+from tests.support import films
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import camid
-from tests.tracking import films
+from tests.support import films
 
 XY = ["x", "y"]
 

@@ -1,6 +1,7 @@
 """The benchmark's clip and tools, on a short clip."""
 
 import numpy as np
+
 from benchmarks import run, tracking
 
 

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import camid
-from tests.tracking import films
+from tests.support import films
 
 
 def test_times_are_those_of_the_container(tmp_path):

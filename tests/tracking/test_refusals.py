@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from camid.cli import main
-from tests.tracking import films
+from tests.support import films
 
 H264 = {"codec": "libx264", "pixels": "yuv420p"}
 

@@ -72,10 +72,10 @@ def test_deleted_figure_takes_one_job(computed):
 @pytest.mark.parametrize(
     ("module", "rerun", "kept"),
     [
-        ("src/camid/figures/neglected_mode.py", {"fig8"}, DATASETS | {"neglected_mode", "fig7"}),
-        ("src/camid/figures/ablations/latency.py", {"ablation_latency"}, {"latency_runs", "ablation_exposure", "fig7"}),
+        ("src/camid/paper/fig8_neglected_mode/drawing.py", {"fig8"}, DATASETS | {"neglected_mode", "fig7"}),
+        ("src/camid/ablations/latency/drawing.py", {"ablation_latency"}, {"latency_runs", "ablation_exposure", "fig7"}),
         (
-            "src/camid/experiments/ablations/latency.py",
+            "src/camid/ablations/latency/runs.py",
             {"latency_runs"},
             {"exposure_runs", "monte_carlo_shard", "fig7"},
         ),
@@ -104,7 +104,7 @@ def test_changed_source_reruns_the_rules_that_use_it_and_no_others(computed, mod
 
 def test_changed_source_really_changes_the_result(computed):
     """Not only planned: the drawing code of the copy is what runs, and only its figure is drawn."""
-    path = computed.folder / "src/camid/figures/camera_models.py"
+    path = computed.folder / "src/camid/paper/fig6_camera_models/drawing.py"
     text = path.read_text(encoding="utf-8")
     stamp = (computed.folder / "paper_figs/fig7.png").stat().st_mtime_ns
     path.write_text(text.replace('"gain (dB)"', '"gain of the camera (dB)"'), encoding="utf-8")
@@ -131,10 +131,13 @@ def test_changed_number_reruns_only_what_uses_it(computed):
 
 @pytest.mark.parametrize(
     ("file", "right", "wrong"),
-    [("config.yaml", "noise_samples:", "noise_sample:"), ("ablations.yaml", "nominal_error:", "nominal_eror:")],
+    [
+        ("config/config.yaml", "noise_samples:", "noise_sample:"),
+        ("src/camid/ablations/past_shannon/settings.yaml", "nominal_error:", "nominal_eror:"),
+    ],
 )
 def test_wrong_key_in_the_configuration_is_named(fresh, file, right, wrong):
-    path = fresh.folder / "config" / file
+    path = fresh.folder / file
     path.write_text(path.read_text(encoding="utf-8").replace(right, wrong), encoding="utf-8")
     printed = fresh.snakemake("-n", expect=1)
     assert wrong.rstrip(":") in printed

@@ -1,86 +1,39 @@
 # What lies past the paper: one question a target (ablation_exposure, …), all of them `ablations`.
 
-# Name of the module in camid.experiments.ablations and of its section in config/ablations.yaml → title of the figure,
-# and the sections of config/config.yaml that it uses besides.
+from snakemake.common.configfile import load_configfile
+from snakemake.exceptions import WorkflowError
+from snakemake.utils import update_config, validate
+
+# A folder of src/camid/ablations is an ablation: what it computes (runs.py) and draws (drawing.py), its settings and their
+# schema, its tolerances, and in ablation.yaml its title and the sections of config/config.yaml that it uses.
+ABLATION_FOLDER = "src/camid/ablations"
 ABLATIONS = {
-    "monte_carlo": (
-        "Errors over the Cramér–Rao bound, many noise seeds a period",
-        ["plant", "excitation", "sampling_period_sweep", "seed"],
-    ),
-    "past_shannon": (
-        "Identification past the Shannon limit",
-        ["plant", "excitation", "seed"],
-    ),
-    "marker_size": (
-        "Assumption A1: shift of the centre of mass by a large marker",
-        ["imaging"],
-    ),
-    "exposure": (
-        "Bias against the exposure under five declarations of the sensor",
-        ["plant", "excitation"],
-    ),
-    "crossing_path": (
-        "Assumption A2: a path that crosses or covers itself in an exposure",
-        ["imaging"],
-    ),
-    "acceleration": (
-        "Assumption A4: a speed that changes within the exposure",
-        ["imaging"],
-    ),
-    "latency": (
-        "Bias against a latency that is not declared",
-        ["plant", "excitation"],
-    ),
-    "centroids": (
-        "Grey-level against gradient centroid, from ideal to bad images",
-        ["imaging", "seed"],
-    ),
-    "signal_to_noise": (
-        "Errors against the signal-to-noise ratio",
-        ["plant", "excitation", "seed"],
-    ),
-    "image_quality": (
-        "Assumption A3: coarse pixels, few bits and noise",
-        ["imaging", "seed"],
-    ),
-    "pairing": (
-        "Bias under wrong pairings of input and output samples",
-        ["plant", "excitation"],
-    ),
-    "excitation_length": (
-        "Errors against the length of the excitation",
-        ["plant", "excitation", "seed"],
-    ),
-    "rolling_shutter": (
-        "Rolling shutter: the marker's row decides the time",
-        ["plant", "excitation", "imaging"],
-    ),
-    "two_amplitudes": (
-        "Price and gain of a second amplitude in the excitation",
-        ["plant", "seed"],
-    ),
-    "methods": (
-        "Error over the Cramér–Rao bound and failures of every method",
-        ["plant", "excitation", "seed"],
-    ),
-    "model_order": (
-        "Choice and consequences of the number of poles",
-        ["plant", "excitation", "seed"],
-    ),
-    "wrong_hold": (
-        "Bias under a wrong hold or sensor, and the warning of it",
-        ["plant", "excitation", "seed"],
-    ),
+    path.parent.name: load_configfile(path)
+    for path in sorted(ROOT.glob(f"{ABLATION_FOLDER}/*/ablation.yaml"))
 }
 
 
-# Those whose runs are shared out among jobs of their own (monte_carlo.smk).
-SHARDED = {"monte_carlo"}
+# A configuration file may change single settings, under `ablations` and the name of the ablation.
+def ablation_settings(name):
+    """The settings of an ablation, checked."""
+    settings = load_configfile(ROOT / ABLATION_FOLDER / name / "settings.yaml")
+    update_config(settings, config.get("ablations", {}).get(name, {}))
+    validate(settings, ROOT / ABLATION_FOLDER / name / "settings.schema.yaml")
+    return settings
 
 
-for name, (title, shared) in ABLATIONS.items():
-    if name in SHARDED:
-        continue
+SETTINGS = {name: ablation_settings(name) for name in ABLATIONS}
+unknown_ablations = set(config.get("ablations", {})) - set(ABLATIONS)
+if unknown_ablations:
+    raise WorkflowError(
+        f"config: no ablation is called {', '.join(sorted(unknown_ablations))}; "
+        f"{ABLATION_FOLDER} holds {', '.join(ABLATIONS)}"
+    )
+
+
+for name, ablation in ABLATIONS.items():
+    if "shards" in SETTINGS[name]:
+        continue  # its runs are shared out among jobs of their own (monte_carlo.smk)
 
     rule:
         name:
@@ -88,7 +41,7 @@ for name, (title, shared) in ABLATIONS.items():
         input:
             sources=sources(
                 "workflow/scripts/ablation_runs.py",
-                f"src/camid/experiments/ablations/{name}.py",
+                f"{ABLATION_FOLDER}/{name}/runs.py",
             ),
         output:
             f"results/ablations/{name}.parquet",
@@ -97,15 +50,15 @@ for name, (title, shared) in ABLATIONS.items():
         cache: True
         params:
             ablation=name,
-            settings=config["ablations"][name],
-            shared={section: config[section] for section in shared},
+            settings=SETTINGS[name],
+            shared={section: config[section] for section in ablation["uses"]},
         message:
-            f"Computing: {title}."
+            f"Computing: {ablation['title']}."
         script:
             "../scripts/ablation_runs.py"
 
 
-for name, (title, _) in ABLATIONS.items():
+for name, ablation in ABLATIONS.items():
 
     rule:
         name:
@@ -115,8 +68,8 @@ for name, (title, _) in ABLATIONS.items():
             working_copy=BIRTH_MARK,
             sources=sources(
                 "workflow/scripts/ablation_figure.py",
-                f"src/camid/experiments/ablations/{name}.py",
-                f"src/camid/figures/ablations/{name}.py",
+                f"{ABLATION_FOLDER}/{name}/runs.py",
+                f"{ABLATION_FOLDER}/{name}/drawing.py",
             ),
         output:
             png=report(
@@ -133,9 +86,9 @@ for name, (title, _) in ABLATIONS.items():
             f"results/logs/ablation_{name}.log",
         params:
             ablation=name,
-            title=title,
+            title=ablation["title"],
         message:
-            f"Drawing: {title}."
+            f"Drawing: {ablation['title']}."
         script:
             "../scripts/ablation_figure.py"
 

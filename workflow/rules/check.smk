@@ -56,7 +56,7 @@ rule check_paper:
         ),
         rules.claims.output,
         quantities=[rules.quantities.output[0]],
-        tolerances="config/tolerances.yaml",
+        tolerances=["config/tolerances.yaml"],
         schema="workflow/schemas/tolerances.schema.yaml",
         sources=sources("workflow/scripts/check.py"),
     output:
@@ -65,7 +65,6 @@ rule check_paper:
         "results/logs/check_paper.log",
     params:
         not_checked={
-            **{f"ablation_{name}": "not of the paper" for name in ABLATIONS},
             "concealed_sample": "not of the paper",
             **{
                 f"recording_{name}": "not of the paper"
@@ -94,7 +93,10 @@ rule check:
             rules.concealed_sample.output.quantities,
             *expand("paper_figs/recording_{name}.csv", name=CHECKED_RECORDINGS),
         ],
-        tolerances="config/tolerances.yaml",
+        tolerances=[
+            "config/tolerances.yaml",
+            *expand(f"{ABLATION_FOLDER}/{{name}}/tolerances.yaml", name=ABLATIONS),
+        ],
         schema="workflow/schemas/tolerances.schema.yaml",
         sources=sources("workflow/scripts/check.py"),
     output:

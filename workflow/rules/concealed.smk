@@ -163,7 +163,7 @@ for name, title in CONCEALED_FIGURES.items():
             working_copy=BIRTH_MARK,
             sources=sources(
                 "workflow/scripts/concealed_figure.py",
-                f"src/camid/figures/concealed/{name}.py",
+                f"src/camid/proof/figures/{name}.py",
             ),
         output:
             png=f"paper_figs/concealed_{name}.png",
@@ -217,7 +217,7 @@ rule concealed_sample:
         working_copy=BIRTH_MARK,
         sources=sources(
             "workflow/scripts/concealed_sample.py",
-            "src/camid/figures/concealed/sample.py",
+            "src/camid/proof/figures/sample.py",
         ),
     output:
         png=report(

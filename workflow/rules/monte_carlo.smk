@@ -1,7 +1,7 @@
-# Many noise seeds at every period of Fig. 7: in shards, as many as config/ablations.yaml says, so that two cores or a
+# Many noise seeds at every period of Fig. 7: in shards, as many as its settings say, so that two cores or a
 # cluster work side by side. `ablations` takes few seeds; the target `monte_carlo` takes all of them.
 
-MONTE_CARLO = config["ablations"]["monte_carlo"]
+MONTE_CARLO = SETTINGS["monte_carlo"]
 
 
 SHARD = "results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet"
@@ -70,8 +70,8 @@ rule monte_carlo:
         runs=rules.monte_carlo_all_runs.output[0],
         sources=sources(
             "workflow/scripts/ablation_figure.py",
-            "src/camid/experiments/ablations/monte_carlo.py",
-            "src/camid/figures/ablations/monte_carlo.py",
+            "src/camid/ablations/monte_carlo/runs.py",
+            "src/camid/ablations/monte_carlo/drawing.py",
         ),
     output:
         png="paper_figs/monte_carlo.png",

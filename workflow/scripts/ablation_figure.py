@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
+from camid.paper.job_log import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:
@@ -17,15 +17,15 @@ def main() -> None:
     """Draw one ablation and state its numbers and its conclusion."""
     name = snakemake.params.ablation
     table = pd.read_parquet(snakemake.input.runs)
-    figure, plotted = import_module(f"camid.figures.ablations.{name}").draw(table)
+    figure, plotted = import_module(f"camid.ablations.{name}.drawing").draw(table)
     save(figure, plotted, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
-    experiment = import_module(f"camid.experiments.ablations.{name}")
+    runs = import_module(f"camid.ablations.{name}.runs")
     rows = [
         {"target": f"ablation_{name}", "quantity": quantity, "value": float(value), "unit": unit}
-        for quantity, (value, unit) in experiment.quantities(table).items()
+        for quantity, (value, unit) in runs.quantities(table).items()
     ]
     pd.DataFrame(rows).to_csv(snakemake.output.quantities, index=False, lineterminator="\n")
-    sentence = experiment.conclusion({row["quantity"]: row["value"] for row in rows})
+    sentence = runs.conclusion({row["quantity"]: row["value"] for row in rows})
     Path(snakemake.output.conclusion).write_text(sentence + "\n", encoding="utf-8")
 
 

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from camid.experiments.log import logged
-from camid.experiments.marker_images import assumption_failures
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.job_log import logged
+from camid.paper.marker_images import assumption_failures
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from camid.experiments.camera_models import camera_model_responses
-from camid.experiments.log import logged
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.fig6_camera_models.runs import camera_model_responses
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -8,8 +8,8 @@ import pandas as pd
 from jsonschema import validate
 from ruamel.yaml import YAML
 
-from camid.experiments.log import logged
-from camid.experiments.tolerances import compare, print_comparison, without_targets
+from camid.paper.job_log import logged
+from camid.paper.tolerances import compare, print_comparison, without_targets
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def main() -> None:
     """Compare the results with the stored tolerances; a failure ends the workflow with an error."""
     yaml = YAML(typ="safe")
-    tolerances = yaml.load(Path(snakemake.input.tolerances))
+    tolerances = [entry for file in snakemake.input.tolerances for entry in yaml.load(Path(file))]
     validate(tolerances, yaml.load(Path(snakemake.input.schema)))
     quantities = pd.concat([pd.read_csv(file) for file in snakemake.input.quantities])
     guarded, sentence = without_targets(tolerances, snakemake.params.not_checked)

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.claims import ambiguities, claims, to_markdown
-from camid.experiments.log import logged
+from camid.paper.claims import ambiguities, claims, to_markdown
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

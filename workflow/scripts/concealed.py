@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.concealed.rates import coverage
-from camid.concealed.targets import lines, quantities, to_markdown
-from camid.experiments.log import logged
+from camid.paper.job_log import logged
 from camid.plotting import rounded
+from camid.proof.rates import coverage
+from camid.proof.targets import lines, quantities, to_markdown
 from camid.writing import write_whole
 
 if TYPE_CHECKING:

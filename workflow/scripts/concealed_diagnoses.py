@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.concealed_diagnoses import diagnose_all
-from camid.experiments.log import logged
+from camid.paper.job_log import logged
+from camid.proof.diagnoses import diagnose_all
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

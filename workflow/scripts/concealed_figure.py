@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
+from camid.paper.job_log import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ def main() -> None:
     """Draw one figure of the sealed proof."""
     name = snakemake.params.figure
     table = pd.read_parquet(snakemake.input[TABLES.get(name, "scores")])
-    figure, plotted = import_module(f"camid.figures.concealed.{name}").draw(table)
+    figure, plotted = import_module(f"camid.proof.figures.{name}").draw(table)
     save(figure, plotted, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
 
 

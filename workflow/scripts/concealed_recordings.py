@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.concealed.generator import make, plan
-from camid.experiments.concealed import seal_cases, write_case
-from camid.experiments.log import logged
+from camid.paper.job_log import logged
+from camid.proof.concealed.generator import make, plan
+from camid.proof.sealed_files import seal_cases, write_case
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

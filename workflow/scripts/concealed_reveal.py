@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.concealed import check_seals
-from camid.experiments.concealed_scores import score_cases
-from camid.experiments.log import logged
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.job_log import logged
+from camid.proof.score_table import score_cases
+from camid.proof.sealed_files import check_seals
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

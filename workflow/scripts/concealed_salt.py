@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.concealed.sealing import new_salt
-from camid.experiments.log import logged
+from camid.paper.job_log import logged
+from camid.proof.sealing import new_salt
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.concealed.targets import lines, quantities
-from camid.experiments.log import logged
-from camid.figures.concealed.sample import draw
+from camid.paper.job_log import logged
 from camid.plotting import save
+from camid.proof.figures.sample import draw
+from camid.proof.targets import lines, quantities
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

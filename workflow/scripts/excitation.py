@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from camid.chain.excitation import pseudo_random_binary_sequence
-from camid.experiments.log import logged
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

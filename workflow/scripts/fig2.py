@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camid.experiments.log import logged
-from camid.figures.gradient_image import draw
+from camid.paper.fig2_gradient_image.drawing import draw
+from camid.paper.job_log import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.figures.marker_trajectory import draw
+from camid.paper.fig3_marker_trajectory.drawing import draw
+from camid.paper.job_log import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from camid.experiments.log import logged
-from camid.figures.block_diagrams import draw_second_version
+from camid.paper.block_diagrams import draw_second_version
+from camid.paper.job_log import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:

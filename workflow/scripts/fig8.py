@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.figures.neglected_mode import draw
+from camid.paper.fig8_neglected_mode.drawing import draw
+from camid.paper.job_log import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:

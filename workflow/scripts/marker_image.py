@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camid.experiments.log import logged
-from camid.experiments.marker_images import fast_marker_image
+from camid.paper.job_log import logged
+from camid.paper.marker_images import fast_marker_image
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

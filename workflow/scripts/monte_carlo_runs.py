@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.ablations.monte_carlo import combine
-from camid.experiments.log import logged
-from camid.experiments.tables import read_configuration, write_dataset
+from camid.ablations.monte_carlo.runs import combine
+from camid.paper.dataset_files import read_configuration, write_dataset
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from camid.experiments.ablations.monte_carlo import compute_shard, shard_seeds
-from camid.experiments.log import logged
-from camid.experiments.tables import write_dataset
+from camid.ablations.monte_carlo.runs import compute_shard, shard_seeds
+from camid.paper.dataset_files import write_dataset
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.experiments.neglected_mode import identify_neglected_mode
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.fig8_neglected_mode.runs import identify_neglected_mode
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.datasets import noise_samples, with_closing_frame
-from camid.experiments.log import logged
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.datasets import noise_samples, with_closing_frame
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.experiments.quantities import all_quantities
+from camid.paper.job_log import logged
+from camid.paper.quantities import all_quantities
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.experiments.recording_laws import law
-from camid.experiments.recordings import Results, quantities
-from camid.figures.recordings import draw, save
+from camid.paper.job_log import logged
+from camid.real_recordings.drawing import draw, save
+from camid.real_recordings.laws import law
+from camid.real_recordings.results import Results, quantities
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.experiments.recordings_page import page
+from camid.paper.job_log import logged
+from camid.real_recordings.page import page
 from camid.writing import write_whole
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.experiments.log import logged
-from camid.experiments.sampling_period import identify_sampling_period
-from camid.experiments.tables import write_dataset
+from camid.paper.dataset_files import write_dataset
+from camid.paper.fig7_sampling_period.runs import identify_sampling_period
+from camid.paper.job_log import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

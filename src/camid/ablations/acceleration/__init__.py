@@ -1,0 +1,1 @@
+"""Assumption A4: a speed that changes within the exposure."""

@@ -1,0 +1,1 @@
+"""Grey-level against gradient centroid, from ideal to bad images."""

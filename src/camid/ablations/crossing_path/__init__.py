@@ -1,0 +1,1 @@
+"""Assumption A2: a path that crosses or covers itself in an exposure."""

@@ -1,0 +1,1 @@
+"""Errors against the length of the excitation."""

@@ -1,0 +1,1 @@
+"""Bias against the exposure under five declarations of the sensor."""

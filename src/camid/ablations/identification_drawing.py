@@ -1,0 +1,20 @@
+"""What the figures of the ablations of identification have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from camid.ablations.identification_runs import RESOLUTION
+
+PARAMETERS = ("b0", "a1", "a0")
+SYMBOLS = {"b0": "$b_0$", "a1": "$a_1$", "a0": "$a_0$"}
+ERROR_LABELS = {p: f"error in {symbol} (%)" for p, symbol in SYMBOLS.items()}
+
+
+def printed(table: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
+    """The table with the digits of some columns that belong to stopping rules and processors rounded away."""
+    result = table.copy()
+    result[list(columns)] = (result[list(columns)] / RESOLUTION).round() * RESOLUTION + 0.0
+    return result

@@ -1,0 +1,1 @@
+"""Assumption A3: coarse pixels, few bits and noise."""

@@ -1,0 +1,1 @@
+"""Bias against a latency that is not declared."""

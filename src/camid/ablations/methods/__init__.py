@@ -1,0 +1,1 @@
+"""Error over the Cramér–Rao bound and failures of every method."""

@@ -1,0 +1,1 @@
+"""Choice and consequences of the number of poles."""

@@ -1,0 +1,1 @@
+"""Errors over the Cramér–Rao bound, many noise seeds a period."""

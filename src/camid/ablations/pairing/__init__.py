@@ -1,0 +1,1 @@
+"""Bias under wrong pairings of input and output samples."""

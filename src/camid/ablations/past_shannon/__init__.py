@@ -1,0 +1,1 @@
+"""Identification past the Shannon limit."""

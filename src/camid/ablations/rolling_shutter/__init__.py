@@ -1,0 +1,1 @@
+"""Rolling shutter: the marker's row decides the time."""

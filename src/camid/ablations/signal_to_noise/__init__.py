@@ -1,0 +1,1 @@
+"""Errors against the signal-to-noise ratio."""

@@ -1,0 +1,1 @@
+"""Price and gain of a second amplitude in the excitation."""

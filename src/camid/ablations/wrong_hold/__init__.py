@@ -1,0 +1,1 @@
+"""Bias under a wrong hold or sensor, and the warning of it."""

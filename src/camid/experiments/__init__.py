@@ -1,1 +1,0 @@
-"""What the workflow computes: datasets, identification runs and the claims drawn from them. No drawing here."""

@@ -1,0 +1,1 @@
+"""The paper: datasets, a folder for each figure (runs and drawing), the quoted numbers and the claims."""

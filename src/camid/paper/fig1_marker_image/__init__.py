@@ -1,0 +1,1 @@
+"""Fig. 1: exposed image of the fast marker and its trajectory."""

@@ -1,0 +1,1 @@
+"""Fig. 2: gradient image and centre of mass."""

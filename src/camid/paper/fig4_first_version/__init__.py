@@ -1,0 +1,1 @@
+"""Fig. 4: Model #1, first version."""

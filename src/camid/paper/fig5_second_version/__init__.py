@@ -1,0 +1,1 @@
+"""Fig. 5: Model #1, second version."""

@@ -1,0 +1,1 @@
+"""Fig. 6: Bode diagrams of the three camera models."""

@@ -1,0 +1,1 @@
+"""Fig. 7: errors against the sampling period."""

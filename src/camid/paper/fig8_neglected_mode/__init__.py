@@ -1,0 +1,1 @@
+"""Fig. 8: errors due to a neglected mode."""

@@ -1,0 +1,167 @@
+"""Recordings with a concealed effect: the judge of the diagnosis, made by code that knows nothing of the tool.
+
+A recording is made from the mechanics of a drawn machine, in physical units; the simulation that goes with it knows
+the machine up to several per cent and knows nothing of the effect.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from camid.proof.concealed.camera_readings import clean, motion, readings, record
+from camid.proof.concealed.cases import Case, plan
+from camid.proof.concealed.detectability import multiple
+from camid.proof.concealed.drawn_recording import Draft, add_effect, draw_draft, make_gentle
+from camid.proof.concealed.image_readings import image_readings
+from camid.proof.concealed.rig_setup import Setup
+
+__all__ = ["Case", "ConcealedRecording", "make", "plan"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ConcealedRecording:
+    """A recording, what its user believes, what is true, and further recordings of the same rig.
+
+    Attributes
+    ----------
+    recording : pandas.DataFrame
+        Columns t in s, u and y.
+    simulation : dict
+        Content of a simulation file: what the user believes.
+    same_kind, double_amplitude : pandas.DataFrame
+        Held-out recordings with another input of the same kind, at the same and at twice the amplitude; the column
+        clean is the output without what is random.
+    truth : dict
+        What is concealed, for the judge; fit for JSON.
+    """
+
+    recording: pd.DataFrame
+    simulation: dict[str, Any]
+    same_kind: pd.DataFrame
+    double_amplitude: pd.DataFrame
+    truth: dict[str, Any]
+
+
+def make(case: Case) -> ConcealedRecording:
+    """Make one recording; the same case always gives the same.
+
+    Parameters
+    ----------
+    case : Case
+        From :func:`plan`.
+
+    Returns
+    -------
+    ConcealedRecording
+    """
+    draws, effect_draws, noise_draws = (
+        np.random.default_rng(child) for child in np.random.SeedSequence([case.seed, case.index]).spawn(3)
+    )
+    draft = draw_draft(case, draws)
+    for name in case.effects:
+        add_effect(draft, name, effect_draws)
+    commands = [factor * draft.excitation.draw(draws, draft.setup.input_length) for factor in (1.0, 2.0)]
+    make_gentle(draft, commands)
+
+    setup = draft.setup_with(draft.effects)
+    output = draft.output(setup, draft.command)
+    noise_std, largest = draft.noise_std(output), float(np.max(np.abs(output)))
+    events = np.random.default_rng(draft.seed + 1)  # those that the effects were sized with
+    recording = _table(draft, setup, draft.command, noise_std, largest, noise_draws, events)
+    # What happened once does not happen again.
+    lasting = [b for b in draft.effects if b.effect.repeatable or b.effect.place != "disturbance"]
+    again = draft.setup_with(lasting)
+    same_kind, double_amplitude = (
+        _table(draft, again, command, noise_std, largest, noise_draws, noise_draws) for command in commands
+    )
+    if draft.images:
+        noise_std = float(np.std(recording["y"] - recording["clean"]))
+    return ConcealedRecording(
+        recording.drop(columns="clean"),
+        _simulation(draft, draws),
+        same_kind,
+        double_amplitude,
+        _truth(draft, setup, output, noise_std),
+    )
+
+
+def _table(
+    draft: Draft,
+    setup: Setup,
+    command: Array,
+    noise_std: float,
+    largest: float,
+    noise: np.random.Generator,
+    events: np.random.Generator,
+) -> pd.DataFrame:
+    """Record the rig under a command; columns t, u, y and clean."""
+    trajectory = motion(setup, command)
+    values = clean(setup, readings(setup, trajectory))
+    if draft.images:
+        recorded = image_readings(setup, trajectory, largest, noise_std, noise)
+    else:
+        recorded = record(setup, trajectory, noise_std, noise, events)
+    time = np.arange(setup.frames, dtype=np.float64) * setup.period
+    return pd.DataFrame({"t": time, "u": draft.recorded(command), "y": recorded, "clean": values})
+
+
+def _simulation(draft: Draft, draws: np.random.Generator) -> dict[str, Any]:
+    """What the user believes: the contract of a simulation file."""
+    plant, acquisition = draft.setup.rig.believed(draws), draft.belief.acquisition
+    sensor: dict[str, Any] = {"column": "y", "kind": acquisition.sensor, "latency": float(acquisition.latency)}
+    if acquisition.sensor == "camera":
+        sensor["exposure"] = float(draft.setup.exposure)
+    return {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": list(plant.numerator), "denominator": list(plant.denominator)}},
+        "sensor": sensor,
+        "initial_state": "estimate" if draft.setup.moving else "zero",
+        "effects": [],
+    }
+
+
+def _truth(draft: Draft, setup: Setup, output: Array, noise_std: float) -> dict[str, Any]:
+    """What is concealed, in numbers and words that JSON knows."""
+    effects = []
+    for built in draft.effects:
+        squares = built.sum_of_squares
+        if len(draft.effects) == 1 and not built.effect.noise_like:
+            squares = draft.belief.left_over_after_estimate(draft.recorded(draft.command), output)
+        effects.append(
+            {
+                "id": built.effect.identity,
+                "place": built.effect.place,
+                "law": built.effect.law,
+                "parameters": {
+                    name: value if value is None or isinstance(value, str) else float(value)
+                    for name, value in built.effect.parameters(built.strength).items()
+                },
+                "multiple": None if squares is None else multiple(squares, noise_std),
+            }
+        )
+    plant = draft.belief.plant
+    return {
+        "kind": draft.case.kind,
+        "effects": effects,
+        "snr_db": float(20.0 * np.log10(np.std(output) / noise_std)),
+        "excitation": draft.excitation.kind,
+        "noise_std": float(noise_std),
+        "initial_state": "estimate" if draft.setup.moving else "zero",
+        "plant": {"numerator": list(plant.numerator), "denominator": list(plant.denominator)},
+        "period": float(setup.period),
+        "exposure": float(setup.exposure),
+        "latency": float(setup.latency),
+        "hold": setup.hold,
+        "frames": setup.frames,
+        "images": bool(draft.images),
+        "repeatable": all(b.effect.repeatable for b in draft.effects),
+    }

@@ -1,0 +1,209 @@
+"""The equations of motion of the machine with everything that may be hidden in it (compiled).
+
+Sources: Canudas de Wit et al. (1995), IEEE Transactions on Automatic Control 40(3) (LuGre); Dahl (1976), AIAA Journal
+14(12); Wen (1976), Journal of the Engineering Mechanics Division 102(2) (hysteresis); Iwan (1966), Journal of Applied
+Mechanics 33(4) (Jenkins elements); Johnson (1985), Contact Mechanics, ch. 4 (Hertz).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from camid.proof.concealed import vector_layout as s
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True)
+def drift(p: Array, kind: int, t: float) -> float:
+    """Factor of stiffness (1), damping (2) or actuator constant (3) at time t in s; nothing drifts before t = 0."""
+    if p[s.DRIFT_KIND] != kind or t <= 0.0:
+        return 1.0
+    tau = p[s.DRIFT_TIME]
+    return 1.0 + p[s.DRIFT_RATE] * (t if tau == 0.0 else tau * (1.0 - np.exp(-t / tau)))
+
+
+@njit(cache=True)
+def contact(p: Array, x: float, v: float) -> float:
+    """Positive while the stop pushes: depth in m, or force in N where its damper would have to pull."""
+    side = p[s.STOP_SIDE]
+    depth = side * x - p[s.STOP_POSITION]
+    if p[s.STOP_DAMPING] == 0.0 or depth <= 0.0:
+        return depth
+    push = depth + p[s.STOP_DAMPING] / p[s.STOP_STIFFNESS] * side * v
+    return min(depth, push)
+
+
+@njit(cache=True)
+def disturbance(p: Array, t: float, within: float) -> float:
+    """Disturbing force in V at the actuator at a time of the step around another; steps end where a force begins."""
+    force = 0.0
+    if p[s.SINE] != 0.0 and within > 0.0:
+        force += p[s.SINE] * np.sin(p[s.SINE_FREQUENCY] * t + p[s.SINE_PHASE])
+        force += p[s.HARMONIC] * np.sin(2.0 * p[s.SINE_FREQUENCY] * t + p[s.HARMONIC_PHASE])
+    if p[s.STEP] != 0.0 and within > p[s.STEP_TIME]:
+        force += p[s.STEP]
+    if p[s.PULSE] != 0.0 and 0.0 < within - p[s.PULSE_TIME] < p[s.PULSE_DURATION]:
+        force += p[s.PULSE] * np.sin(np.pi * (t - p[s.PULSE_TIME]) / p[s.PULSE_DURATION])
+    return force
+
+
+@njit(cache=True)
+def jenkins(p: Array, x: float, memory: Array, element: int) -> float:
+    """Force in N of one spring-slider element, from its force at the last committed position in ``memory``."""
+    limit = p[s.JENKINS_FORCE] * (element + 1.0) / s.JENKINS_ELEMENTS
+    force = memory[element] + p[s.JENKINS_STIFFNESS] / s.JENKINS_ELEMENTS * (x - memory[s.LAST_POSITION])
+    return min(max(force, -limit), limit)
+
+
+@njit(cache=True)
+def bristle_rate(p: Array, z: float, v: float) -> float:
+    """Rate of the bristle deflection in m/s."""
+    level = p[s.BRISTLE_COULOMB]
+    if p[s.BRISTLE_VELOCITY] != 0.0:
+        level += (p[s.BRISTLE_BREAKAWAY] - level) * np.exp(-((v / p[s.BRISTLE_VELOCITY]) ** 2))
+    return v - p[s.BRISTLE_STIFFNESS] * abs(v) / level * z
+
+
+@njit(cache=True)
+def spring_force(p: Array, x: float, t: float) -> float:
+    """Restoring force in N of the mount and of what is fixed beside it."""
+    stiffness = p[s.STIFFNESS] * drift(p, 1, t)
+    stretch = x
+    if p[s.GAP] != 0.0:
+        stretch = x - min(max(x, -p[s.GAP]), p[s.GAP])
+    if p[s.PENDULUM] != 0.0:
+        stretch = p[s.PENDULUM] * np.sin(x / p[s.PENDULUM])
+    force = stiffness * stretch + x * x * (p[s.QUADRATIC] + x * (p[s.CUBIC] + x * x * p[s.QUINTIC]))
+    if p[s.SIDE_STIFFNESS] != 0.0:
+        length = p[s.SIDE_LENGTH]
+        force += 2.0 * p[s.SIDE_STIFFNESS] * x * (1.0 - length / np.sqrt(x * x + length * length))
+    if p[s.DETENT] != 0.0:
+        force += p[s.DETENT] * np.sin(2.0 * np.pi * x / p[s.DETENT_PITCH] + p[s.DETENT_PHASE])
+    return force
+
+
+@njit(cache=True)
+def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float:
+    """Force in N of the actuator for what reaches it, in V."""
+    force = p[s.ACTUATOR_CONSTANT] * command * drift(p, 3, t)
+    if p[s.POSITION_GAIN] != 0.0:
+        force *= 1.0 + p[s.POSITION_GAIN] * x
+    if p[s.SPEED_LIMIT] != 0.0:
+        force /= 1.0 + abs(v) / p[s.SPEED_LIMIT]
+    if p[s.RIPPLE] != 0.0:
+        force *= 1.0 + p[s.RIPPLE] * np.sin(2.0 * np.pi * x / p[s.RIPPLE_PITCH] + p[s.RIPPLE_PHASE])
+    if p[s.HORIZONTAL_FORCE] != 0.0:
+        force *= np.cos(x / p[s.PENDULUM])
+    return force
+
+
+@njit(cache=True)
+def net_force(p: Array, state: Array, memory: Array, command: float, t: float, damped: bool) -> float:
+    """All forces on the mass in N but dry friction; without the viscous damper where ``damped`` is false."""
+    x, v = state[s.POSITION], state[s.VELOCITY]
+    if p[s.LAG] != 0.0 or p[s.SOFT_SLEW] != 0.0:
+        command = state[s.SECOND_ACTUATOR] if p[s.SECOND_LAG] != 0.0 else state[s.ACTUATOR]
+    force = motor_force(p, x, v, command, t) - spring_force(p, x, t)
+    force += p[s.ACTUATOR_CONSTANT] * disturbance(p, t, memory[s.WITHIN])
+    if damped:
+        force -= p[s.DAMPING] * drift(p, 2, t) * v
+    if p[s.DRAG] != 0.0:
+        force -= p[s.DRAG] * abs(v) ** (p[s.DRAG_EXPONENT] - 1.0) * v
+    if p[s.POSITION_DAMPING] != 0.0:
+        force -= p[s.POSITION_DAMPING] * x * x * v
+    if memory[s.TOUCHING] != 0.0:
+        depth = max(p[s.STOP_SIDE] * x - p[s.STOP_POSITION], 0.0)
+        push = p[s.STOP_STIFFNESS] * depth ** p[s.STOP_EXPONENT] + p[s.STOP_DAMPING] * p[s.STOP_SIDE] * v
+        force -= p[s.STOP_SIDE] * push
+    if p[s.BRISTLE_STIFFNESS] != 0.0:
+        force -= p[s.BRISTLE_STIFFNESS] * state[s.BRISTLE]
+        force -= p[s.BRISTLE_DAMPING] * bristle_rate(p, state[s.BRISTLE], v)
+    if p[s.LOOP_FORCE] != 0.0:
+        force -= p[s.LOOP_FORCE] * state[s.LOOP]
+    if p[s.JENKINS_STIFFNESS] != 0.0:
+        for element in range(s.JENKINS_ELEMENTS):
+            force -= jenkins(p, x, memory, element)
+    if p[s.HIDDEN_MASS] != 0.0:
+        force -= hidden_pull(p, state)
+    if p[s.MAXWELL_STIFFNESS] != 0.0:
+        force -= state[s.MAXWELL] + state[s.MAXWELL + 1] + state[s.MAXWELL + 2]
+    return force
+
+
+@njit(cache=True)
+def hidden_pull(p: Array, state: Array) -> float:
+    """Force in N with which the hidden mass holds the mass back."""
+    stretch = state[s.POSITION] - state[s.HIDDEN]
+    force = p[s.HIDDEN_STIFFNESS] * stretch + p[s.HIDDEN_CUBIC] * stretch**3
+    return force + p[s.HIDDEN_DAMPING] * (state[s.VELOCITY] - state[s.HIDDEN_RATE])
+
+
+@njit(cache=True)
+def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machine can have
+    p: Array, state: Array, memory: Array, command: float, t: float, direction: int, rate: Array
+) -> None:
+    """Time derivative of the state; ``direction`` is that of sliding, or 0 where the mass sticks."""
+    v = state[s.VELOCITY]
+    dry = p[s.DRY_BREAKAWAY] != 0.0
+    if p[s.MASS] == 0.0:
+        v = net_force(p, state, memory, command, t, False) / (p[s.DAMPING] * drift(p, 2, t))
+        rate[s.POSITION], rate[s.VELOCITY] = v, 0.0
+    elif dry and direction == 0:
+        v = 0.0
+        rate[s.POSITION], rate[s.VELOCITY] = 0.0, 0.0
+    else:
+        force = net_force(p, state, memory, command, t, True)
+        if dry:
+            force -= direction * dry_level(p, v)
+        rate[s.POSITION], rate[s.VELOCITY] = v, force / p[s.MASS]
+    measured = state[s.POSITION]
+    if p[s.SERIES_LAG] != 0.0:
+        rate[s.SERIES] = (measured - state[s.SERIES]) / p[s.SERIES_LAG]
+        measured = state[s.SERIES]
+    if p[s.SERIES_FREQUENCY] != 0.0:
+        omega = p[s.SERIES_FREQUENCY]
+        rate[s.SERIES] = state[s.SERIES_RATE]
+        pull = omega * (measured - state[s.SERIES]) - 2.0 * p[s.SERIES_DAMPING] * state[s.SERIES_RATE]
+        rate[s.SERIES_RATE] = omega * pull
+        measured = state[s.SERIES]
+    if p[s.SECOND_SERIES_FREQUENCY] != 0.0:
+        omega = p[s.SECOND_SERIES_FREQUENCY]
+        rate[s.SECOND_SERIES] = state[s.SECOND_SERIES_RATE]
+        pull = omega * (measured - state[s.SECOND_SERIES])
+        pull -= 2.0 * p[s.SECOND_SERIES_DAMPING] * state[s.SECOND_SERIES_RATE]
+        rate[s.SECOND_SERIES_RATE] = omega * pull
+        measured = state[s.SECOND_SERIES]
+    rate[s.INTEGRAL] = measured
+    if p[s.HIDDEN_MASS] != 0.0:
+        rate[s.HIDDEN] = state[s.HIDDEN_RATE]
+        rate[s.HIDDEN_RATE] = hidden_pull(p, state) / p[s.HIDDEN_MASS]
+    if p[s.BRISTLE_STIFFNESS] != 0.0:
+        rate[s.BRISTLE] = bristle_rate(p, state[s.BRISTLE], v)
+    if p[s.LOOP_FORCE] != 0.0:
+        z = state[s.LOOP]
+        power = abs(z) ** p[s.LOOP_EXPONENT]
+        rate[s.LOOP] = p[s.LOOP_SHAPE] * (v - 0.5 * abs(v) * power * np.sign(z) - 0.5 * v * power)
+    if p[s.MAXWELL_STIFFNESS] != 0.0:
+        time = p[s.MAXWELL_TIME]
+        for i in range(3):
+            rate[s.MAXWELL + i] = p[s.MAXWELL_STIFFNESS] / 3.0 * v - state[s.MAXWELL + i] / time
+            time *= p[s.MAXWELL_RATIO]
+    if p[s.LAG] != 0.0:
+        rate[s.ACTUATOR] = (command - state[s.ACTUATOR]) / p[s.LAG]
+        if p[s.SECOND_LAG] != 0.0:
+            rate[s.SECOND_ACTUATOR] = (state[s.ACTUATOR] - state[s.SECOND_ACTUATOR]) / p[s.SECOND_LAG]
+    if p[s.SOFT_SLEW] != 0.0:
+        gap = (command - state[s.ACTUATOR]) / (p[s.SOFT_SLEW] * p[s.SOFT_SLEW_TIME])
+        rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
+
+
+@njit(cache=True)
+def dry_level(p: Array, v: float) -> float:
+    """Dry friction level in N at a speed in m/s."""
+    if p[s.DRY_VELOCITY] == 0.0:
+        return p[s.DRY_COULOMB]
+    rise = p[s.DRY_BREAKAWAY] - p[s.DRY_COULOMB]
+    return p[s.DRY_COULOMB] + rise * np.exp(-((v / p[s.DRY_VELOCITY]) ** 2))

@@ -1,0 +1,82 @@
+"""Share of the avoidable error that the improved model avoids on recordings it was not fitted to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from camid import plotting as style
+from camid.proof.scoring import STRONG
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PANELS = {"same_kind": "fresh input of the same kind", "double_amplitude": "twice the amplitude"}
+LOWEST, HIGHEST = -0.25, 1.15
+TARGET = 0.95
+
+
+def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
+    """Draw the share against the strength, a panel a kind of held-out recording.
+
+    Parameters
+    ----------
+    scores : DataFrame
+        With ``share_same_kind`` and ``share_double_amplitude``, from
+        :func:`camid.proof.score_table.recovered_shares`.
+    """
+    style.apply()
+    import matplotlib.pyplot as plt
+
+    known = scores[scores["share_same_kind"].notna() & scores["multiple"].notna()]
+    figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 3.1), sharey=True)
+    for axes, (name, title) in zip(panels, PANELS.items(), strict=True):
+        shares = known[f"share_{name}"]
+        for named, symbol, colour, face, words in (
+            (True, "o", style.BLUE, style.BLUE, "all effects named or in a class"),
+            (False, "s", style.VERMILION, "white", "not all"),
+        ):
+            chosen = known["in_class"] == named
+            drawn = shares[chosen].clip(LOWEST, HIGHEST)
+            axes.plot(
+                known["multiple"][chosen], drawn, symbol, color=colour, markerfacecolor=face, markersize=3, label=words
+            )
+        below = shares < LOWEST
+        axes.plot(
+            known["multiple"][below],
+            np.full(int(below.sum()), LOWEST),
+            "v",
+            color=style.BLACK,
+            clip_on=False,
+            label=f"below −{-LOWEST:g}",
+        )
+        strong = shares[known["multiple"] >= STRONG].dropna()
+        if len(strong):
+            middle = float(np.median(strong))
+            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.2, label=f"median from {STRONG:g} on")
+            axes.annotate(
+                f"median {middle:.3f} of {len(strong)}",
+                (0.98, 0.42),
+                xycoords="axes fraction",
+                ha="right",
+                va="bottom",
+                fontsize=6.5,
+            )
+        axes.axhline(TARGET, color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+        axes.set(
+            title=title,
+            xscale="log",
+            xlim=(0.25, 110.0),
+            ylim=(LOWEST, HIGHEST),
+            xlabel="strength (multiples of the detectable size)",
+        )
+        axes.set_xticks([0.3, 1, 3, 10, 30, 100], ["0.3", "1", "3", "10", "30", "100"])
+        axes.minorticks_off()
+    panels[0].set_ylabel("share of the avoidable error recovered")
+    figure.legend(*panels[1].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    columns = ["index", "truth", "multiple", "in_class"]
+    columns += [f"{quantity}_{name}" for name in PANELS for quantity in ("refitted", "improved", "floor", "share")]
+    return figure, known[columns].reset_index(drop=True)

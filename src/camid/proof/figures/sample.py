@@ -1,0 +1,98 @@
+"""A small sample of the sealed proof, recording by recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from camid import plotting as style
+from camid.proof.scoring import STRONG
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Outcome → symbol, colour, face.
+OUTCOMES = {
+    "right": ("o", style.BLUE, style.BLUE),
+    "right, in a class": ("o", style.BLUE, "white"),
+    "right, with a wrong name besides": ("D", style.ORANGE, style.ORANGE),
+    "not (all) named": ("s", style.ORANGE, "white"),
+    "wrong": ("X", style.VERMILION, style.VERMILION),
+}
+NO_STRENGTH, STRONGEST = 0.14, 105.0  # where recordings without an effect, and with huge ones, are drawn
+INVISIBLE = 1e-3
+ORDER = ("none", "invisible", "single", "several", "outside")
+
+
+def outcome(row: Mapping[Any, Any]) -> str:
+    """What became of a recording, in a few words."""
+    if row["kind"] in {"none", "invisible"}:
+        return "wrong" if row["false_alarm"] else "right"
+    if row["kind"] == "outside":
+        return "wrong" if row["confidently_wrong"] else "right"
+    # Of several effects those that are too weak to show need not be named.
+    enough = row["kind"] == "several" and row["strong"] > 0
+    top = row["top"] or (enough and row["strong_top"] == row["strong"])
+    if top or row["in_class"] or (enough and row["strong_in_class"] == row["strong"]):
+        if row["wrong_names"]:
+            return "right, with a wrong name besides"
+        return "right" if top else "right, in a class"
+    return "wrong" if row["wrong_names"] else "not (all) named"
+
+
+def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
+    """Draw a line a recording: what was concealed, how strong, what was said.
+
+    Parameters
+    ----------
+    scores : DataFrame
+        A row a recording, from :func:`camid.proof.scoring.score`.
+    """
+    style.apply()
+    import matplotlib.pyplot as plt
+
+    rank = scores["kind"].map(ORDER.index)
+    ordered = scores.assign(rank=rank).sort_values(["rank", "multiple", "index"], ascending=[True, False, True])
+    records = ordered.to_dict("records")
+    figure, axes = plt.subplots(figsize=(style.PAGE_WIDTH, 0.6 + 0.17 * len(records)))
+    drawn = []
+    for line, row in enumerate(records):
+        found = outcome(row)
+        symbol, colour, face = OUTCOMES[found]
+        # Nothing missing has no strength; noise is measured by no multiple.
+        place = NO_STRENGTH if np.isnan(row["multiple"]) else np.clip(row["multiple"], NO_STRENGTH, STRONGEST)
+        axes.plot(place, line, symbol, color=colour, markerfacecolor=face, markersize=5, clip_on=False)
+        said = row["verdict"] + (f": {row['names']}" if row["names"] else "")
+        axes.annotate(
+            said, (1.02, line), xycoords=("axes fraction", "data"), va="center", fontsize=6.5, annotation_clip=False
+        )
+        drawn.append({"concealed": row["truth"] or "nothing missing", "outcome": found})
+    axes.set_yticks(range(len(records)), [d["concealed"] for d in drawn], fontsize=6.5)
+    axes.set_ylim(len(records) - 0.4, -0.6)
+    axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+    edges = np.flatnonzero(np.diff(ordered["rank"].to_numpy())) + 0.5
+    for edge in edges:
+        axes.axhline(edge, color=style.GREY, linewidth=0.6)
+    axes.set(
+        xscale="log",
+        xlim=(0.1, 110.0),
+        xlabel="strength of the strongest effect (multiples of the detectable size)",
+        title="concealed, strength",
+    )
+    axes.set_xticks([NO_STRENGTH, 0.3, 1, 3, 10, 30, 100], ["none", "0.3", "1", "3", "10", "30", "100"])
+    axes.minorticks_off()
+    axes.annotate("said", (1.02, 1.0), xycoords="axes fraction", xytext=(0, 4), textcoords="offset points")
+    handles = [
+        plt.Line2D([], [], marker=s, color=c, markerfacecolor=f, linestyle="", label=words)
+        for words, (s, c, f) in OUTCOMES.items()
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    columns = ["index", "kind", "multiple", "snr_db", "verdict", "names", "named_place"]
+    numbers = ordered[columns].reset_index(drop=True).join(pd.DataFrame(drawn))
+    # More digits would be those of the processor, as is the strength of what cannot show.
+    printed = {c: [float(f"{v:.3g}") for v in numbers[c]] for c in ("multiple", "snr_db")}
+    printed["multiple"] = [0.0 if v < INVISIBLE else v for v in printed["multiple"]]
+    return figure, numbers.assign(**printed)

@@ -1,0 +1,69 @@
+"""How often an effect is detected, named and placed, against its strength."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid import plotting as style
+from camid.proof.rates import STRENGTHS, by_strength
+from camid.proof.scoring import STRONG
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Name in the scores → words, symbol, line, colour, and a shift that keeps the intervals apart.
+RATES = {
+    "detected": ("detected", "o", "-", style.BLACK, 0.93),
+    "place_in_class": ("place right", "^", ":", style.GREEN, 0.98),
+    "in_class": ("named or in a class of at most four", "s", "--", style.BLUE, 1.03),
+    "top": ("named first", "x", "-.", style.VERMILION, 1.08),
+}
+TARGET = 95.0
+
+
+def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
+    """Draw the rates of single effects with their 95 % intervals (Wilson).
+
+    Parameters
+    ----------
+    scores : DataFrame
+        A row a recording, from :func:`camid.proof.scoring.score`.
+    """
+    style.apply()
+    import matplotlib.pyplot as plt
+
+    rates = by_strength(scores)
+    figure, axes = plt.subplots(figsize=(style.COLUMN_WIDTH, 3.4))
+    for name, (words, symbol, line, colour, shift) in RATES.items():
+        part = rates[rates["rate"] == name]
+        share = 100.0 * part["share"]
+        errors = [share - 100.0 * part["from"], 100.0 * part["to"] - share]
+        axes.errorbar(
+            part["multiple"] * shift,
+            share,
+            yerr=[e.clip(lower=0.0) for e in errors],
+            fmt=symbol + line,
+            color=colour,
+            markerfacecolor="white",
+            elinewidth=0.7,
+            capsize=1.5,
+            label=words,
+        )
+    for row in rates[rates["rate"] == "detected"].to_dict("records"):
+        axes.annotate(f"{row['recordings']}", (row["multiple"], 103.0), ha="center", fontsize=6.0, color=style.GREY)
+    axes.annotate("recordings:", (STRENGTHS[0], 108.0), fontsize=6.0, color=style.GREY, annotation_clip=False)
+    axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+    axes.hlines(TARGET, STRONG, 1.2 * STRENGTHS[-1], color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+    axes.set(
+        xscale="log",
+        xlim=(STRENGTHS[0], 1.2 * STRENGTHS[-1]),
+        ylim=(-3.0, 107.0),
+        xlabel="strength (multiples of the detectable size)",
+        ylabel="recordings with a single effect (%)",
+    )
+    axes.set_xticks([0.3, 1, 3, 10, 30, 100], ["0.3", "1", "3", "10", "30", "100"])
+    axes.minorticks_off()
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure, rates

@@ -1,0 +1,196 @@
+"""The table that holds every measured rate of the sealed proof against its target."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from camid.proof.rates import median, rate
+from camid.proof.scoring import COLOURED_NOISE, STRONG
+
+HIGH_SNR = 30.0  # dB: between the 20 and the 40 dB of the recordings with an effect outside the catalogue
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the table of targets.
+
+    Attributes
+    ----------
+    quantity, title, unit : str
+        Name for tolerances, words for readers, unit of the values.
+    value, low, high : float
+        Measured, with its 95 % interval.
+    count : int
+        Recordings (or intervals, or effects) behind it.
+    at_least, at_most : float or None
+        The target.
+    """
+
+    quantity: str
+    title: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    count: int
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the measured value meets the target; None without a target."""
+        if self.at_least is None and self.at_most is None:
+            return None
+        high = np.inf if self.at_most is None else self.at_most
+        return bool((-np.inf if self.at_least is None else self.at_least) <= self.value <= high)
+
+
+def _share(quantity: str, title: str, successes: pd.Series, **target: float) -> Line:
+    value, low, high = (100.0 * v for v in rate(int(successes.sum()), len(successes)))
+    return Line(quantity, title, "%", value, low, high, len(successes), **target)
+
+
+def _median(quantity: str, title: str, unit: str, values: pd.Series, **target: float) -> Line:
+    known = values.dropna().to_numpy(float)
+    return Line(quantity, title, unit, *median(known), len(known), **target)
+
+
+def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFrame | None = None) -> list[Line]:
+    """Every measured rate beside its target.
+
+    Parameters
+    ----------
+    scores : DataFrame
+        A row a recording: :func:`camid.proof.scoring.score`, with ``share_same_kind`` and
+        ``share_double_amplitude``.
+    parameters : DataFrame
+        From :func:`camid.proof.scoring.parameter_rows`.
+    run_times : DataFrame, optional
+        ``seconds``.
+    """
+    kind = scores["kind"]
+    coloured = (kind == "single") & (scores["truth"] == COLOURED_NOISE)
+    single = scores[(kind == "single") & (scores["multiple"] >= STRONG)]
+    both = scores[(kind == "several") & (scores["strong"] >= 2)]
+    modelled = scores[kind.isin(["single", "several"]) & scores["repeatable"] & (scores["multiple"] >= STRONG)]
+    outside = scores[kind == "outside"]
+    above = f"above {STRONG:g} × the detectable size"
+    found = [
+        _share(
+            "false_alarms",
+            "nothing missing: false alarms",
+            scores[kind == "none"]["false_alarm"],
+            at_most=100.0 / 200.0,
+        ),
+        _share(
+            "false_alarms_invisible",
+            "effect that cannot show: false alarms",
+            scores[kind == "invisible"]["false_alarm"],
+        ),
+        _share(
+            "coloured_noise_alone", "coloured noise alone: taken for something else", scores[coloured]["false_alarm"]
+        ),
+        _share("detected", f"{above}: detected", single["detected"]),
+        _share("named_top", f"{above}: named first", single["top"]),
+        _share("named_in_class", f"{above}: named or in a class of at most four", single["in_class"], at_least=95.0),
+        _share("place_top", f"{above}: place right, strictly", single["place_top"]),
+        _share("place", f"{above}: place right", single["place_in_class"], at_least=95.0),
+        _share("wrong_names", f"{above}: with a wrong name besides or instead", single["wrong_names"] > 0),
+        _share("several_top", "two or more above that size: all named first", both["strong_top"] == both["strong"]),
+        _share(
+            "several_in_class",
+            "two or more above that size: all named or in a class",
+            both["strong_in_class"] == both["strong"],
+            at_least=80.0,
+        ),
+        *(
+            _share(
+                f"outside_{level}",
+                f"outside the catalogue, {level} dB: confidently wrong",
+                outside[(outside["snr_db"] >= HIGH_SNR) == (level == 40)]["confidently_wrong"],
+                at_most=limit,
+            )
+            for level, limit in ((40, 20.0), (20, 40.0))
+        ),
+        *(
+            _share(
+                f"outside_{level}_strong",
+                f"outside the catalogue, {level} dB, {above}: confidently wrong",
+                outside[((outside["snr_db"] >= HIGH_SNR) == (level == 40)) & (outside["multiple"] >= STRONG)][
+                    "confidently_wrong"
+                ],
+            )
+            for level in (40, 20)
+        ),
+        *(
+            _median(
+                f"recovered_share_{name}",
+                f"{above}: share of the error recovered, held out, {words} (median)",
+                "1",
+                modelled[f"share_{name}"],
+                at_least=0.95,
+            )
+            for name, words in (("same_kind", "same kind"), ("double_amplitude", "twice the amplitude"))
+        ),
+        _share(
+            "coverage",
+            "95 % intervals of parameters that hold the truth",
+            parameters["covered"],
+            at_least=90.0,
+            at_most=98.0,
+        ),
+    ]
+    if run_times is not None:
+        seconds = run_times["seconds"]
+        largest = float(seconds.max())
+        found += [
+            _median("run_time", "run time of a diagnosis without report.html (median)", "s", seconds, at_most=3.0),
+            Line(
+                "run_time_largest",
+                "run time of a diagnosis without report.html (largest)",
+                "s",
+                largest,
+                np.nan,
+                np.nan,
+                len(seconds),
+                at_most=10.0,
+            ),
+        ]
+    return found
+
+
+def quantities(found: list[Line], target: str) -> pd.DataFrame:
+    """The table as quantities that tolerances can guard: ``target``, ``quantity``, ``value``, ``unit``."""
+    rows = [{"target": target, "quantity": q.quantity, "value": q.value, "unit": q.unit} for q in found]
+    return pd.DataFrame(rows)
+
+
+def to_markdown(found: list[Line], stamp: str) -> str:
+    """The table for README.md, with a line that says what it was computed from."""
+
+    def number(value: float, unit: str) -> str:
+        return f"{value:.1f} %" if unit == "%" else f"{value:.2f} s" if unit == "s" else f"{value:.3f}"
+
+    def target(line: Line) -> str:
+        if line.met is None:
+            return "–"
+        low, high = line.at_least, line.at_most
+        if low is not None and high is not None:
+            return f"{low:g} to {high:g} {line.unit}"
+        sign, bound = ("≥", low) if low is not None else ("≤", high)
+        return f"{sign} {bound:g}{'' if line.unit == '1' else ' ' + line.unit}"
+
+    table = []
+    for line in found:
+        known = np.isfinite(line.low) and np.isfinite(line.high)
+        interval = f"{number(line.low, line.unit)} to {number(line.high, line.unit)}" if known else "–"
+        measured = number(line.value, line.unit) if np.isfinite(line.value) else "–"
+        met = {True: "yes", False: "**no**", None: "–"}[line.met] if np.isfinite(line.value) else "–"
+        table.append(
+            {"": line.title, "target": target(line), "measured": measured, "95 % interval": interval, "of": line.count}
+            | {"met": met}
+        )
+    return f"{pd.DataFrame(table).to_markdown(index=False, disable_numparse=True)}\n\n{stamp}\n"

@@ -1,0 +1,98 @@
+"""Figures of the real recordings: a telling stretch, the law that was found, and the residual before and after."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from camid import plotting as style
+from camid.real_recordings.laws import Law
+from camid.real_recordings.results import RECORDINGS, Results
+from camid.writing import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# What is drawn of each recording: label, factor to its unit, and the stretch in seconds that shows the difference best.
+SIGNALS: dict[str, tuple[str, float, tuple[float, float]]] = {
+    "silverbox": ("V2 (mV)", 1e3, (92.0, 92.15)),
+    "emps": ("force of the drive (N)", 1.0, (20.0, 24.8)),
+    "pendulum_decay": ("angle (rad)", 1.0, (42.5, 47.5)),
+    "pendulum_clip": ("x from the middle (px)", 1.0, (1.95, 2.65)),
+}
+LOOKS: dict[str, dict[str, Any]] = {
+    "recorded": {"color": "#B0B0B0", "linewidth": 3.0, "linestyle": "-"},
+    "refitted": {"color": style.VERMILION, "linewidth": 1.1, "linestyle": "--"},
+    "improved": {"color": style.BLUE, "linewidth": 0.9, "linestyle": "-"},
+}
+
+
+def draw(results: Results, law: Law) -> Figure:
+    """Draw what was recorded, what the simulation makes of it before and after, and the law between.
+
+    Parameters
+    ----------
+    results : Results
+    law : Law
+    """
+    style.apply()
+    import matplotlib.pyplot as plt
+
+    label, factor, (start, end) = SIGNALS[results.name]
+    table = results.residuals
+    time = table.iloc[:, 0].to_numpy()
+    figure = plt.figure(figsize=(style.PAGE_WIDTH, 4.3))
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.55, 1.0], height_ratios=[1.25, 1.0])
+    above, beside, below = (figure.add_subplot(g) for g in (grid[0, 0], grid[0, 1], grid[1, :]))
+    rows = (time >= start) & (time <= end)
+    for name, look in LOOKS.items():
+        above.plot(time[rows], factor * table[name].to_numpy()[rows], label=name, **look)
+    above.set(xlabel="time (s)", ylabel=label, title=_stretch(table, rows), xlim=(time[rows][0], time[rows][-1]))
+    handles, labels = above.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3, title=RECORDINGS[results.name])
+    _draw_law(beside, law)
+    _draw_residuals(below, results, factor, label)
+    return figure
+
+
+def _stretch(table: pd.DataFrame, rows: Any) -> str:
+    fitted = table["fitted"].to_numpy()[rows]
+    return "rows that were not fitted" if not fitted.any() else "all rows" if len(fitted) == len(table) else "a stretch"
+
+
+def _draw_law(axes: Any, law: Law) -> None:
+    if len(law.low):
+        axes.fill_between(law.position, law.low, law.high, color="#D0D0D0", linewidth=0.0, label="quartiles")
+    axes.plot(law.position, law.middle, "o", color=style.BLACK, markersize=2.6, label="recording")
+    for name, (abscissa, ordinate) in law.curves.items():
+        axes.plot(abscissa, ordinate, **{**LOOKS[name], "linewidth": 1.4})
+    axes.set(xlabel=law.abscissa, ylabel=law.ordinate, title=law.title)
+
+
+def _draw_residuals(axes: Any, results: Results, factor: float, label: str) -> None:
+    table = results.residuals
+    time = table.iloc[:, 0].to_numpy()
+    for name, colour, width in (("refitted", "#E8A27C", 0.5), ("improved", style.BLUE, 0.5)):
+        residual = factor * table[f"residual_{name}"].to_numpy()
+        size = float(np.sqrt(np.mean(residual**2)))
+        axes.plot(time, residual, color=colour, linewidth=width, label=f"{name}: rms {size:.3g}")
+    held_out = time[table["fitted"].to_numpy() == 0]
+    if len(held_out):
+        axes.axvspan(held_out[0], held_out[-1], color="#EEEEEE", zorder=-1, label="not fitted")
+    unit = label[label.rindex("(") :]
+    axes.set(xlabel="time (s)", ylabel=f"residual {unit}", xlim=(time[0], time[-1]))
+    legend = axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.1)
+    for line in legend.get_lines():
+        line.set_linewidth(2.0)
+
+
+def save(figure: Figure, quantities: pd.DataFrame, png: str | Path, csv: str | Path) -> None:
+    """Write the figure and the results beside it; recorded samples stay out of the table, they have no licence."""
+    import matplotlib.pyplot as plt
+
+    write_whole(png, lambda path: figure.savefig(path, format="png", metadata={"Software": None}))
+    write_whole(csv, lambda path: style.rounded(quantities).to_csv(path, index=False, lineterminator="\n"))
+    plt.close(figure)

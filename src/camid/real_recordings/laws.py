@@ -1,0 +1,182 @@
+"""The forces that real recordings show by themselves, beside the laws that a diagnosis found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.identification.loading import load_recordings
+from camid.real_recordings.results import Results
+from camid.recording.recording import Recording
+
+Array = NDArray[np.float64]
+
+BINS = 40
+FEWEST_IN_A_BIN = 10
+# Highest frequency up to which the Silverbox's motion is differentiated; rows and order of the local polynomials of the
+# others. The drive moves smoothly, and the encoder of the pendulum has coarse steps.
+SILVERBOX_BAND = 280.0  # Hz
+EMPS_FILTER = (61, 3)
+PENDULUM_FILTER = (31, 4)
+EDGE = 100  # rows at each end of a recording where derivatives are bad
+
+
+@dataclass(frozen=True)
+class Law:
+    """A force (or a residual) against what it depends on.
+
+    Attributes
+    ----------
+    position, middle, low, high : ndarray, shape (n,)
+        Bins or swings of the recording: abscissa, median and quartiles; without spread ``low`` and ``high`` are empty.
+    curves : dict of str to (ndarray, ndarray)
+        Laws by name, ``improved`` or ``refitted``.
+    abscissa, ordinate, title : str
+        Labels with units.
+    """
+
+    position: Array
+    middle: Array
+    low: Array
+    high: Array
+    curves: dict[str, tuple[Array, Array]]
+    abscissa: str
+    ordinate: str
+    title: str
+
+
+def law(results: Results) -> Law:
+    """The law behind the strongest effect of a recording, or where the rest sits."""
+    return LAWS[results.name](results)
+
+
+def _recorded(results: Results) -> Recording:
+    return load_recordings(results.recording, results.improved, output_needed=True)[0]
+
+
+def _binned(abscissa: Array, force: Array) -> tuple[Array, Array, Array, Array]:
+    """Medians of bins of equal width, and the quartiles of the force."""
+    edges = np.linspace(abscissa.min(), abscissa.max(), BINS + 1)
+    members = np.digitize(abscissa, edges)
+    full = [i for i in range(1, BINS + 1) if np.count_nonzero(members == i) >= FEWEST_IN_A_BIN]
+    quartiles = np.array([np.quantile(force[members == i], (0.25, 0.5, 0.75)) for i in full])
+    centres = np.array([np.median(abscissa[members == i]) for i in full])
+    return centres, quartiles[:, 1], quartiles[:, 0], quartiles[:, 2]
+
+
+def _smoothed(values: Array, window: tuple[int, int], period: float) -> list[Array]:
+    """Values and their first two derivatives by local polynomials (Savitzky & Golay 1964)."""
+    from scipy.signal import savgol_filter
+
+    return [savgol_filter(values, *window, deriv=order, delta=period) for order in range(3)]
+
+
+def _silverbox(results: Results) -> Law:
+    """Spring force beyond the linear one, from the equation of motion with the improved coefficients."""
+    recorded, improved = _recorded(results), results.improved
+    count = len(recorded)
+    angular = 2j * np.pi * np.fft.rfftfreq(count, recorded.period)
+    band = np.abs(angular) < 2.0 * np.pi * SILVERBOX_BAND
+    motion, driven = (
+        np.fft.rfft(recorded.columns[str(c)]) * band for c in (improved.output_column, improved.input_column)
+    )
+    output, velocity, acceleration = (np.fft.irfft(motion * angular**k, count) for k in range(3))
+    force = np.fft.irfft(driven, count) + results.parameter("input-bias", "bias")
+    b0, a1, a0 = (results.coefficient(c, "improved")[0] for c in ("b0", "a1", "a0"))
+    rest = force - (acceleration + a1 * velocity + a0 * output) / b0
+    inner = slice(EDGE, -EDGE)
+    points = _binned(1e3 * output[inner], 1e3 * rest[inner])
+    grid = np.linspace(points[0][0], points[0][-1], 200)
+    cubic = results.parameter("cubic-stiffness", "coefficient") * 1e-6 * grid**3
+    return Law(
+        *points,
+        {"improved": (grid, cubic)},
+        "position V2 (mV)",
+        "spring force beyond\nthe linear one (mV)",
+        "the law, and what the recording says",
+    )
+
+
+def _emps(results: Results) -> Law:
+    """Friction beyond the viscous, from the equation of motion with the improved coefficients."""
+    recorded, improved = _recorded(results), results.improved
+    _, velocity, acceleration = _smoothed(recorded.columns[improved.output_column], EMPS_FILTER, recorded.period)
+    force = recorded.columns[str(improved.input_column)] + results.parameter("input-bias", "bias")
+    (b0, _), (a1, _) = results.coefficient("b0", "improved"), results.coefficient("a1", "improved")
+    friction = force - (acceleration + a1 * velocity) / b0
+    inner = slice(EDGE, -EDGE)
+    points = _binned(1e3 * velocity[inner], friction[inner])
+    coulomb = results.parameter("coulomb-friction", "force")
+    ends = np.array([points[0][0], 0.0, 0.0, points[0][-1]])
+    return Law(
+        *points,
+        {"improved": (ends, coulomb * np.array([-1.0, -1.0, 1.0, 1.0]))},
+        "velocity (mm/s)",
+        "friction beyond\nthe viscous (N)",
+        "the law, and what the recording says",
+    )
+
+
+def _pendulum_decay(results: Results) -> Law:
+    """Mean friction of each swing, from the height lost in it, against the mean square over the mean speed.
+
+    The height lost over the path is the mean friction: viscous damping alone is a line through the origin, and Coulomb
+    friction lifts it.
+    """
+    from scipy.signal import find_peaks
+
+    recorded, improved = _recorded(results), results.improved
+    assert improved.pendulum is not None
+    angle, velocity, _ = _smoothed(recorded.columns[improved.output_column], PENDULUM_FILTER, recorded.period)
+    deflection = angle - improved.pendulum.rest
+    turns = np.sort(np.concatenate([find_peaks(deflection, height=0.0)[0], find_peaks(-deflection, height=0.0)[0]]))
+    heights = -np.cos(deflection[turns])
+    path = np.abs(np.diff(deflection[turns]))
+    squared = np.array([np.sum(velocity[a:b] ** 2) * recorded.period for a, b in pairwise(turns)])
+    # Two halves at a time: an angle at rest that is off by little makes one side higher and the other lower.
+    path, squared = path[1:] + path[:-1], squared[1:] + squared[:-1]
+    speed, friction = squared / path, (heights[:-2] - heights[2:]) / path
+    curves = {}
+    grid = np.array([0.0, float(speed.max())])
+    for model, coulomb in (("refitted", 0.0), ("improved", results.parameter("coulomb-friction", "force"))):
+        (a1, _), (a0, _) = results.coefficient("a1", model), results.coefficient("a0", model)
+        curves[model] = (grid, 1e3 * (coulomb + a1 / a0 * grid))
+    none = np.zeros(0)
+    return Law(
+        speed,
+        1e3 * friction,
+        none,
+        none,
+        curves,
+        "∫v² dt / ∫|v| dt of a swing (rad/s)",
+        "mean friction (10⁻³ rad)",
+        "the law, and each swing",
+    )
+
+
+def _pendulum_clip(results: Results) -> Law:
+    """Residual of the refitted simulation against the position: where the rest sits."""
+    table = results.residuals
+    none = np.zeros(0)
+    return Law(
+        table["recorded"].to_numpy(),
+        table["residual_refitted"].to_numpy(),
+        none,
+        none,
+        {},
+        "recorded position x (px)",
+        "residual of the\nrefitted (px)",
+        "where the rest sits: even in x",
+    )
+
+
+LAWS: dict[str, Callable[[Results], Law]] = {
+    "silverbox": _silverbox,
+    "emps": _emps,
+    "pendulum_decay": _pendulum_decay,
+    "pendulum_clip": _pendulum_clip,
+}

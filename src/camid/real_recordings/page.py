@@ -1,0 +1,180 @@
+"""The page on the real recordings: what was believed, refitted and improved beside what others published."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import floor, log10
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from camid.real_recordings.results import MODELS
+
+BASELINES = "Champneys et al., arXiv 2405.10779, Tables 3 and 4"
+DRIVE = "Janot, Gautier & Brunot 2019, hal-02178709: inverse dynamics, least squares"
+THESIS = "code of the thesis, nielsSkov/masterThesisMatlab, cartPendulum/initCartPendulum.m at b7eb298: whole record"
+REPORT = "experimenter's report beside the clip, juangomez177/Pendulum_Oscillatory_Motion"
+NOT_FOUND = "not found"
+# Numbers behind the thesis's friction, from the same file: mass, length, gravity, Coulomb and viscous friction.
+THESIS_MASS, THESIS_LENGTH, THESIS_GRAVITY = 0.2235, 0.31692, 9.82  # kg, m, m/s²
+THESIS_COULOMB, THESIS_VISCOUS = 4.1e-3, 0.5e-3  # N m, N m s
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a table.
+
+    Attributes
+    ----------
+    label : str
+        With the unit.
+    quantity : str
+        Name in the results; ``_nominal``, ``_refitted`` and ``_improved`` follow it unless it is an effect's.
+    published, source : str
+    """
+
+    label: str
+    quantity: str
+    published: str = NOT_FOUND
+    source: str = ""
+
+
+def _thesis(value: float) -> str:
+    return f"{value:.3g}"
+
+
+LINES: dict[str, list[Line]] = {
+    "silverbox": [
+        Line("natural frequency (Hz)", "natural_frequency"),
+        Line("damping ratio", "damping_ratio"),
+        Line("cubic stiffness (V/V³)", "cubic-stiffness_coefficient"),
+        Line("offset of the input (V)", "input-bias_bias"),
+        Line("rms error, test multisine (mV)", "multisine", "6.95 linear; 0.301 best there (GP NARX)", BASELINES),
+        Line("rms error, test arrow (mV)", "arrow", "14.2 linear; 0.60 (GP NARX)", BASELINES),
+    ],
+    "emps": [
+        Line("mass (kg)", "mass", "95.11", DRIVE),
+        Line("viscous friction (N s/m)", "viscous_friction", "203.5", DRIVE),
+        Line("Coulomb friction (N)", "coulomb-friction_force", "20.39", DRIVE),
+        Line("offset of the force (N)", "input-bias_bias", "−3.165, subtracted", DRIVE),
+        Line("error of the force, rows not fitted (%)", "held_out_error", "4.08 of the norm, fitted rows", DRIVE),
+        Line("error of the position, rows not fitted (%)", "position_error"),
+    ],
+    "pendulum_decay": [
+        Line(
+            "natural frequency (rad/s)", "natural_frequency", _thesis((THESIS_GRAVITY / THESIS_LENGTH) ** 0.5), THESIS
+        ),
+        Line(
+            "viscous damping (1/s)", "viscous_damping", _thesis(THESIS_VISCOUS / THESIS_MASS / THESIS_LENGTH**2), THESIS
+        ),
+        Line(
+            "Coulomb friction (rad of static deflection)",
+            "coulomb-friction_force",
+            _thesis(THESIS_COULOMB / THESIS_MASS / THESIS_GRAVITY / THESIS_LENGTH),
+            THESIS,
+        ),
+        Line("error, fitted rows, 16 to 42.5 s (%)", "fitted_error"),
+        Line("error, rows not fitted, 42.5 to 47.5 s (%)", "held_out_error"),
+    ],
+    "pendulum_clip": [
+        Line("period (s)", "period"),
+        Line("length (m)", "length", "1.7", REPORT),
+        Line("rms residual, all frames (px)", "residual"),
+        Line("error, frames not fitted (%)", "held_out_error"),
+    ],
+}
+
+
+def table(name: str, quantities: pd.DataFrame) -> str:
+    """Markdown table of a recording.
+
+    Parameters
+    ----------
+    name : str
+        Key of :data:`camid.real_recordings.results.RECORDINGS`.
+    quantities : DataFrame
+        From :func:`camid.real_recordings.results.quantities`.
+    """
+    from tabulate import tabulate
+
+    known = quantities.set_index("quantity")
+    rows = []
+    for line in LINES[name]:
+        row = {"": line.label}
+        for model in MODELS:
+            key = f"{line.quantity}_{model}"
+            if line.quantity in known.index:  # a parameter of an effect
+                key = line.quantity if model == "improved" else ""
+            row[model] = _number(known, key)
+        rows.append({**row, "published": line.published, "source": line.source})
+    cells = pd.DataFrame(rows).map(lambda cell: str(cell).replace("|", "\\|"))
+    return tabulate(cells.to_dict("list"), headers="keys", tablefmt="pipe", disable_numparse=True)
+
+
+def _number(known: pd.DataFrame, key: str) -> str:
+    """Value with its standard deviation, with as many digits as that has."""
+    if key not in known.index:
+        return "–"
+    value, deviation = (float(known[column].loc[key]) for column in ("value", "standard_deviation"))
+    if not deviation > 0.0:
+        return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
+    digits = max(1 - floor(log10(deviation)), 0)
+    return f"{value:.{digits}f} ± {deviation:.{digits}f}".replace("-", "−")
+
+
+def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
+    """The page, its numbers and tables from the results.
+
+    Parameters
+    ----------
+    template : Path
+        Jinja template, in which ``value(recording, quantity, format)``, ``table(recording)``, ``effects(recording)``
+        and ``named(recording, effect)`` stand for results.
+    quantities : dict of DataFrame
+        By recording.
+    """
+    import jinja2
+
+    def value(name: str, quantity: str, format_: str = ".3g") -> str:
+        known = quantities[name].set_index("quantity")["value"]
+        return format(float(known.loc[quantity]), format_).replace("-", "−")
+
+    def effects(name: str) -> str:
+        known = quantities[name].set_index("quantity")
+        found = [q.removeprefix("named_") for q in known.index if q.startswith("named_")]
+        words = []
+        for effect in found:
+            parameters = [q for q in known.index if q.startswith(f"{effect}_")]
+            numbers = (
+                f"{q.removeprefix(f'{effect}_').replace('_', ' ')} {_number(known, q)} {known['unit'].loc[q]}"
+                for q in parameters
+            )
+            words.append(f"`{effect}` ({', '.join(numbers)})")
+        return ", ".join(words) or "nothing"
+
+    def named(name: str, effect: str) -> bool:
+        return f"named_{effect}" in set(quantities[name]["quantity"])
+
+    functions: dict[str, Callable[..., Any]] = {
+        "value": value,
+        "table": lambda name: table(name, quantities[name]),
+        "effects": effects,
+        "named": named,
+    }
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
+    return _wrapped(environment.from_string(template.read_text(encoding="utf-8")).render(**functions))
+
+
+def _wrapped(text: str) -> str:
+    """Markdown with its paragraphs wrapped anew: numbers of any length stand in them."""
+    import textwrap
+
+    blocks = text.rstrip("\n").split("\n\n")
+    kept = ("|", "#", "!", "```")
+    filled = [
+        block if block.startswith(kept) else textwrap.fill(block, 120, break_long_words=False, break_on_hyphens=False)
+        for block in (block.strip("\n") for block in blocks)
+    ]
+    return "\n\n".join(filled) + "\n"

@@ -1,0 +1,118 @@
+"""The benchmarks without their peers: what needs only scipy, and what the table says of a peer that is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from benchmarks.peers import PEERS, Peer, from_discrete, from_state_space
+from benchmarks.rendering_reference import corner_area, coverage, expose_reference
+from scipy import signal
+
+from benchmarks import figure, identification, measurement, rendering, report, run, task
+
+WITHOUT_EXTRA = [peer for peer in PEERS if peer.distribution == "scipy"]
+
+
+@pytest.mark.parametrize("period", identification.PERIODS)
+@pytest.mark.parametrize("peer", WITHOUT_EXTRA, ids=lambda peer: peer.name)
+def test_scipy_finds_the_plant_in_clean_data(peer, period):
+    recording = task.record(task.excitation(), period, None)
+    assert peer.identify(recording, task.nominal()) == pytest.approx([100.0, 2.0, 100.0], rel=1e-8)
+
+
+def test_clean_data_are_511_pairs_of_a_first_order_hold():
+    given, measured = task.record(task.excitation(), 0.1, None).pairs()
+    numerator, denominator, _ = signal.cont2discrete(([100.0], [1.0, 2.0, 100.0]), 0.1, "foh")
+    assert len(given) == len(measured) == 511
+    assert signal.lfilter(numerator.ravel(), denominator, given) == pytest.approx(measured, abs=1e-12)
+
+
+def test_discrete_models_come_back_to_continuous_time():
+    a, b, c, d = signal.tf2ss([100.0], [1.0, 2.0, 100.0])
+    held = signal.cont2discrete((a, b, c, d), 0.1)
+    assert from_state_space(*held[:4], 0.1) == pytest.approx([100.0, 2.0, 100.0], rel=1e-9)
+    with pytest.raises(ValueError, match="negative real axis"):
+        from_discrete([-0.5, 0.4], 1.0, 0.1)
+    with pytest.raises(ValueError, match="no logarithm"):
+        from_discrete([0.0, 0.4], 1.0, 0.1)
+
+
+def _raise(_recording, _nominal):
+    raise RuntimeError("did not converge")
+
+
+def test_missing_and_failing_peers_stand_in_the_table():
+    tools = (
+        *identification.TOOLS[:2],
+        *WITHOUT_EXTRA,
+        Peer("absent", "no_such_package", "no-such-package", "none", _raise),
+        Peer("failing", "numpy", "numpy", "none", _raise),
+        Peer("wrong", "numpy", "numpy", "none", lambda recording, nominal: 2.0 * nominal, most_seeds=1),
+    )
+    result = identification.run(periods=(0.1,), seeds=2, tools=tools)
+    rows = result.table.set_index("tool")
+    assert rows.loc["absent", "fits"] == 0
+    assert "ModuleNotFoundError" in rows.loc["absent", "missing"]
+    assert "no_such_package" in result.shown.set_index("tool").loc["absent –", "not run because"]
+    assert rows.loc["failing", "gross_failures"] == 2
+    assert "did not converge" in rows.loc["failing", "raised"]
+    assert (rows.loc["wrong", "fits"], rows.loc["wrong", "gross_failures"]) == (1, 1)
+    assert not rows.loc[["absent", "failing", "wrong"], "equal_accuracy"].any()
+    # The same model, hold and criterion: the same estimate.
+    assert rows.loc[[peer.name for peer in WITHOUT_EXTRA], "equal_accuracy"].all()
+    assert [goal.met for goal in result.goals] == [goal.measured <= goal.limit for goal in result.goals]
+    drawn = figure.draw(result.table)
+    assert {text.get_text() for text in drawn.axes[0].texts} >= {"camid (2 fits only)"}
+
+
+def test_reference_is_right_on_a_static_disk():
+    centre, radius, shape = (20.3, 15.7), 6.0, (40, 48)
+    image = expose_reference(lambda time: np.tile(centre, (len(time), 1)), 0.0, 1.0, radius, shape, 1)
+    assert image.sum() == pytest.approx(np.pi * radius**2, rel=1e-12)
+    lines = 400
+    x = (np.arange(shape[1] * lines) + 0.5) / lines - 0.5 - centre[0]
+    y = (np.arange(shape[0] * lines) + 0.5) / lines - 0.5 - centre[1]
+    # Counted along x exactly: the chord of each scan line.
+    half = np.sqrt(np.maximum(radius**2 - y**2, 0.0))
+    left = x.reshape(shape[1], lines)[:, 0] - 0.5 / lines
+    chords = np.clip(np.minimum(left + 1.0, half[:, None]) - np.maximum(left, -half[:, None]), 0.0, None)
+    assert image == pytest.approx(chords.reshape(shape[0], lines, shape[1]).mean(axis=1), abs=1e-4)
+
+
+def test_reference_is_cut_at_the_border_and_averages_a_motion():
+    def path(time):
+        return np.stack((4.0 * time - 2.0, np.zeros_like(time)), axis=-1)
+
+    image = expose_reference(path, 0.0, 1.0, 3.0, (6, 7), 64)
+    wide = expose_reference(lambda time: path(time) + 10.0, 0.0, 1.0, 3.0, (30, 30), 64)
+    assert image == pytest.approx(wide[10:16, 10:17], abs=1e-14)
+    assert expose_reference(lambda time: path(time) - 99.0, 0.0, 1.0, 3.0, (6, 7), 4).max() == 0.0
+
+
+def test_corner_area_of_halves_and_quarters():
+    assert corner_area(np.array([1.0, 0.0, 0.0, -1.0]), np.array([1.0, 0.0, 2.0, 1.0])) == pytest.approx(
+        np.pi * np.array([1.0, 0.25, 0.5, 0.0]), abs=1e-15
+    )
+    row = coverage(0.0, 0.0, 5.0, np.arange(7), np.array([0]))[0, 0]
+    assert row[:4] == pytest.approx(np.ones(4), abs=1e-13)
+    assert 0.4 < row[5] < 0.5 < row[4] <= 1.0 + 1e-13
+    assert row[6] == 0.0
+
+
+def test_rendering_and_measurement_run():
+    exposure = task.configuration()["imaging"]["exposure"]
+    path = rendering.paths(exposure)["start and stop, 63 px"]
+    rows = rendering.compare("start and stop", path, exposure, 30.0, rendering.FrameFormat(), 1)
+    errors = {row["tool"]: row["largest_error"] for row in rows}
+    assert errors["camid"] < 1e-3 < errors["OpenCV, 256 circles"] < 0.5
+    errors = measurement.run(positions=10, rounds=1).table.set_index(["area", "tool"])["rms_error"]
+    # The plain pipeline selects the same pixels.
+    assert errors["64 × 64", measurement.PLAIN] == pytest.approx(errors["64 × 64", "camid gradient_centroid"], abs=1e-6)
+    assert errors["64 × 64", "camid grey_level_centroid, threshold 10"] < 0.02
+
+
+def test_numbers_and_names():
+    assert [report.number(x) for x in (0.0, np.nan, 12345.0, 0.98765, 6.16e-5, 1e-12, 262.4)] == [
+        "0", "–", "12 300", "0.988", "0.0000616", "1.00e-12", "262",
+    ]  # fmt: skip
+    assert run.main(["no-such-benchmark"]) == 2

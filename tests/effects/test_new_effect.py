@@ -1,0 +1,80 @@
+"""An effect that is defined here alone, by the text of docs/effects.md, is known to catalogue, engine and diagnosis."""
+
+import re
+import sys
+from math import pi, sin
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import second_order
+from camid.diagnosis.screen import screen
+from camid.effects import document, known_effects
+from camid.engine.run import Chain, run
+from camid.fitting.problem import Model, Problem
+from camid.fitting.refit import refit
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
+from tests.support import ROOT
+from tests.support.adaptive_integration import Reference, pieces_of
+
+PAGE = ROOT / "docs" / "effects.md"
+PLANT = second_order(1.0, 10.0, 0.1)
+PERIOD = 0.02
+
+
+@pytest.fixture
+def detent(tmp_path, monkeypatch):
+    """The class of the page; the catalogue is as before when the test is over."""
+    code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL).group(1)
+    path = tmp_path / "detent.py"  # compiled code is kept beside its source
+    path.write_text(code, encoding="utf-8")
+    module = ModuleType("detent")
+    module.__file__ = str(path)
+    monkeypatch.setitem(sys.modules, "detent", module)
+    exec(compile(code, str(path), "exec"), module.__dict__)
+    yield module.MagneticDetent
+    del known_effects()[module.MagneticDetent.identifier]
+
+
+def excitation(count):
+    return np.repeat(np.random.default_rng(2).choice([-1.0, -0.5, 0.3, 1.0], count // 4), 4)
+
+
+def test_the_engine_runs_it(detent):
+    signal, time = excitation(60), PERIOD * np.arange(60)
+    found = run(Chain(PLANT, Acquisition(PERIOD), (detent(force=0.3, pitch=0.5),)), signal, time)
+    reference = Reference(
+        PLANT.numerator, PLANT.denominator, force=lambda t, y, v, u, m: 0.3 * sin(2.0 * pi * y / 0.5)
+    ).run(pieces_of(signal, PERIOD, "zoh"))
+    expected = reference.mean(time - PERIOD, time)
+    assert np.max(np.abs(found - expected)) < 1e-4 * np.std(expected)
+
+
+def test_the_diagnosis_finds_it(detent):
+    count = 1000
+    signal, time = excitation(count), PERIOD * np.arange(count)
+    acquisition = Acquisition(PERIOD)
+    output = run(Chain(PLANT, acquisition, (detent(force=0.05, pitch=1.0),)), signal, time)
+    output = output + 0.02 * np.std(output) * np.random.default_rng(3).standard_normal(count)
+    structure = Structure(
+        np.array([105.0]), np.array([1.0, 2.1, 97.0]), np.array([True]), np.array([False, True, True])
+    )
+    experiment = Experiment(signal, output, acquisition, np.ones(count, bool))
+    problem = Problem(structure, [experiment], [time], 0.1)
+    base = refit(problem, Model(structure.coefficients(), (), (None,)))
+    assert screen(problem, base)[0].effect.identifier == "magnetic-detent"
+
+
+def test_without_it_the_catalogue_does_not_know_it():
+    assert "magnetic-detent" not in known_effects()
+
+
+def test_the_table_of_the_page_is_that_of_the_catalogue():
+    page = PAGE.read_text(encoding="utf-8")
+    assert page == document.updated(page), "run: python -m camid.effects docs/effects.md"
+    with pytest.raises(ValueError, match="mark"):
+        document.updated("a page without marks")
+    assert all(f"`{name}`" in page for name in known_effects())

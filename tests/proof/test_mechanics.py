@@ -1,0 +1,144 @@
+"""The mechanics of the concealed recordings, against exact linear theory and smaller steps; the sizes of effects."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.proof.concealed import vector_layout as s
+from camid.proof.concealed.camera_readings import clean, motion, readings
+from camid.proof.concealed.cases import CATALOGUE
+from camid.proof.concealed.detectability import strength_for
+from camid.proof.concealed.drawn_recording import add_effect, draw_draft
+from camid.proof.concealed.generator import Case, make
+from camid.proof.concealed.machine_integrator import DivergedError
+from camid.proof.concealed.rig import draw_rig
+from camid.proof.concealed.rig_setup import Setup
+
+
+def plain_setup(
+    order: int, seed: int, *, exposure: float, latency: float, frames: int = 400
+) -> tuple[Setup, np.ndarray]:
+    """A linear rig and an input that also has what reaches beyond the last frame."""
+    generator = np.random.default_rng(seed)
+    rig = draw_rig(generator, order, 3.0, 0.2)
+    period = 0.4 / rig.rate
+    setup = Setup(rig, period, frames, exposure * period, latency * period, False, rig.parameters())
+    return setup, generator.choice([-0.2, 0.05, 0.2], setup.input_length)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    ("exposure", "latency", "hold"), [(1.0, 0.0, "zoh"), (0.37, 0.8, "zoh"), (0.0, 0.25, "zoh"), (0.6, 0.3, "foh")]
+)
+def test_linear_machine_agrees_with_the_exact_chain(order, exposure, latency, hold):
+    setup, command = plain_setup(order, order, exposure=exposure, latency=latency)
+    setup.hold = hold
+    output = readings(setup, motion(setup, command))
+    sensor = "camera" if exposure else "instant"
+    acquisition = Acquisition(setup.period, hold, sensor, setup.exposure or None, setup.latency)
+    exact = sample(setup.rig.transfer_function(), command, acquisition)[: setup.frames]
+    assert np.max(np.abs(output - exact)) < 1e-6 * np.std(exact)
+
+
+LAWS = [
+    ("coulomb-friction", "catalogue"),
+    ("coulomb-friction", "lugre"),
+    ("stribeck-friction", "catalogue"),
+    ("end-stop", "catalogue"),
+    ("end-stop", "kelvin-voigt"),
+    ("end-stop", "hertz"),
+    ("hysteresis", "catalogue"),
+    ("hysteresis", "iwan"),
+    ("play-in-joint", "play-in-joint"),
+    ("rate-limit", "catalogue"),
+    ("backlash", "catalogue"),
+    ("impulse-disturbance", "half-sine"),
+    ("speed-weighted-centroid", "catalogue"),
+]
+
+
+def drafted(identity: str, law: str, seed: int = 0):
+    """A draft with one effect of the law that is asked for."""
+    for index in range(seed, seed + 60):
+        draft = draw_draft(Case(11, index, "several", (identity,)), np.random.default_rng([11, index]))
+        add_effect(draft, identity, np.random.default_rng([12, index]))
+        if draft.effects[0].effect.law == law:
+            return draft
+    raise AssertionError(f"no {law} in 60 draws")
+
+
+@pytest.mark.parametrize(("identity", "law"), LAWS)
+def test_half_the_step_changes_nothing(identity, law):
+    draft = drafted(identity, law)
+    setup = draft.setup_with(draft.effects)
+    coarse, fine = (readings(setup, motion(setup, draft.command, refinement)) for refinement in (1, 2))
+    assert np.max(np.abs(coarse - fine)) < 5e-5 * np.std(fine)
+
+
+def test_dry_friction_sticks_until_the_drive_exceeds_it():
+    setup, _ = plain_setup(2, 5, exposure=1.0, latency=0.0, frames=60)
+    level = 0.1 * setup.rig.actuator_constant
+    setup.parameters[[s.DRY_COULOMB, s.DRY_BREAKAWAY]] = level, 2.0 * level
+    setup.parameters[s.DRY_VELOCITY] = 1e-3 * setup.rig.rate / setup.rig.output_scale
+    command = np.full(setup.input_length, 0.19)
+    assert np.all(motion(setup, command).position == 0.0)
+    command[20:] = 0.21
+    trajectory = motion(setup, command)
+    times = trajectory.begin + trajectory.step * np.arange(len(trajectory.position))
+    assert np.all(trajectory.position[times <= 20.0 * setup.period * (1.0 + 1e-9)] == 0.0)
+    assert trajectory.position[-1] > 0.0
+
+
+def test_stuck_mass_does_not_creep():
+    draft = drafted("coulomb-friction", "catalogue")
+    draft.setup.parameters[:] = draft.setup_with(draft.effects).parameters
+    draft.setup.parameters[[s.DRY_COULOMB, s.DRY_BREAKAWAY]] = (
+        0.3 * draft.context().peak * draft.setup.rig.actuator_constant
+    )
+    trajectory = motion(draft.setup, draft.command)
+    still = (trajectory.velocity_after == 0.0) & (trajectory.velocity_before == 0.0)
+    assert 0.02 < np.mean(still) < 0.98
+    # Where the mass is at rest at both ends of an interval, it has mostly not moved in between.
+    moved = np.abs(np.diff(trajectory.position)[still])
+    assert np.mean(moved == 0.0) > 0.95
+
+
+def test_runaway_is_reported():
+    setup, command = plain_setup(2, 6, exposure=1.0, latency=0.0)
+    setup.parameters[s.CUBIC] = -1e3 * setup.rig.stiffness * setup.rig.output_scale**2
+    with pytest.raises(DivergedError):
+        motion(setup, command)
+
+
+@pytest.mark.parametrize("identity", ["quadratic-drag", "lens-distortion", "delay", "step-disturbance"])
+def test_effect_has_the_size_that_was_drawn(identity):
+    draft = draw_draft(Case(21, 7, "several", (identity,)), np.random.default_rng(7))
+    effect = CATALOGUE[identity].law(np.random.default_rng(8), draft.context(), False)
+    strength = strength_for(6.0, lambda g: draft.size(effect, g), effect.start, effect.high)
+    assert draft.size(effect, strength) == pytest.approx(6.0, rel=0.1)
+    setup = draft.setup.copy()
+    effect.apply(setup, strength)
+    output = clean(setup, readings(setup, motion(setup, draft.command)))
+    left = draft.belief.left_over_after_estimate(draft.recorded(draft.command), output)
+    assert np.sqrt(left / 25.0) / draft.noise_std(output) == pytest.approx(6.0, rel=0.1)
+
+
+def test_strength_is_the_largest_where_the_family_ends():
+    assert strength_for(100.0, lambda g: 5.0 * np.tanh(g), 0.1, 2.0) == 2.0
+    assert strength_for(3.0, lambda g: g**2, 0.1, 1e3) == pytest.approx(np.sqrt(3.0), rel=0.05)
+
+    def broken(strength):
+        if strength > 0.7:
+            raise DivergedError
+        return strength
+
+    assert 0.6 < strength_for(5.0, broken, 0.1, 1e3) <= 0.7
+
+
+@pytest.mark.parametrize("identity", ["dead-zone", "backlash", "end-stop", "clipping"])
+def test_invisible_effects_leave_nothing_to_see(identity):
+    made = make(Case(31, 4, "invisible", (identity,)))
+    assert made.truth["effects"][0]["multiple"] < 0.5
