@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.excitation import multilevel, multisine, pseudo_random_binary_sequence, two_level_amplitudes
 from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 from camid.experiments.ablations._identification import (
     by_parameter,
     percent_bound,
@@ -43,7 +43,7 @@ SIGNIFICANT = 0.001
 EXACTLY_LINEAR = 1e-6  # distortion that the integration leaves
 
 
-@njit(cache=True)
+@njit
 def film(
     signal: Array, period: float, steps: int, b0: float, a1: float, a0: float, stiffness: float, half_width: float
 ) -> Array:
