@@ -12,11 +12,11 @@ sample u = 0.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 
 HOLDS = ("zoh", "foh", "band-limited")
 SENSORS = ("camera", "instant")
@@ -27,7 +27,7 @@ PERIOD_TOLERANCE = 1e-6
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit
 def _multiply(left: Array, right: Array, product: Array) -> None:
     """Product of small square matrices; a call of BLAS costs more than their few hundred multiplications."""
     size = left.shape[0]
@@ -41,7 +41,7 @@ def _multiply(left: Array, right: Array, product: Array) -> None:
                     product[i, j] += factor * right[k, j]
 
 
-@njit(cache=True)
+@njit
 def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Array]:
     """Exp(F h) and its integral over [0, h], by a Taylor series of a halved duration and doubling.
 
@@ -83,7 +83,7 @@ def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Ar
     return exponential, integral
 
 
-@njit(cache=True)
+@njit
 def sampling_matrices(
     augmented: Array, period: float, start: float, length: float, straddles: bool
 ) -> tuple[Array, Array, Array]:
@@ -120,7 +120,7 @@ def sampling_matrices(
     return transition, first, second
 
 
-@njit(cache=True)
+@njit
 def begin_interval(
     signal: Array, first: int, count: int, j: int, first_order: bool, period: float
 ) -> tuple[float, float]:
@@ -133,7 +133,7 @@ def begin_interval(
     return value, 0.0
 
 
-@njit(cache=True)
+@njit
 def _run(
     state_matrix: Array,
     input_vector: Array,

@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from camid.compiled import njit
 
 Array = NDArray[np.float64]
 
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _interpolate(
     begin: float,
     step: float,

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from camid.chain.acquisition import HOLDS, Acquisition
 from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 from camid.effects.base import Array, Effect, Parameter, Situation
 
 # Shares of the largest input, or of its changes, at which thresholds are looked for.
@@ -89,7 +89,7 @@ class Saturation(Effect):
         return _one_level(situation, "saturation")
 
 
-@njit(cache=True)
+@njit
 def _play(start: Array, end: Array, half_width: float) -> tuple[Array, Array]:
     behind, behind_end = np.empty_like(start), np.empty_like(end)
     value = 0.0
@@ -129,7 +129,7 @@ class Backlash(Effect):
         return _one_level(situation, "backlash")
 
 
-@njit(cache=True)
+@njit
 def _follow(start: Array, end: Array, step: float, rate: float) -> tuple[Array, Array]:
     """The command followed at a limited rate; each piece has the right mean, though a corner lies within it."""
     behind, behind_end = np.empty_like(start), np.empty_like(end)

@@ -13,11 +13,12 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-from numba import cfunc, types
+from numba import types
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
+from camid.compiled import callback
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
@@ -75,7 +76,7 @@ class Compiled:
     def address(self) -> int:
         """Where the compiled function lies in memory."""
         if self._callback is None:
-            self._callback = cfunc(SIGNATURE, cache=True)(self.function)
+            self._callback = callback(SIGNATURE, self.function)
         return int(self._callback.address)
 
 

@@ -8,9 +8,9 @@ friction at rest.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from camid.compiled import njit
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, friction_level, remember, switches
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ SHORTEST_PART = 1e-9
 PROBE = 1e-4
 
 
-@njit(cache=True)
+@njit
 def _slope(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, stuck: bool, result: Array
 ) -> None:
@@ -41,14 +41,14 @@ def _slope(
             result[i] -= m.force_vector[i] * hold
 
 
-@njit(cache=True)
+@njit
 def _holding_force(m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array) -> float:
     """Force along the input that a body at rest would have to overcome to keep from accelerating."""
     _slope(m, time, state, signal, memory, 0.0, False, work)
     return dot(m.velocity, work) / dot(m.velocity, m.force_vector)
 
 
-@njit(cache=True)
+@njit
 def _runge_kutta(
     m: Mechanics,
     time: float,
@@ -79,7 +79,7 @@ def _runge_kutta(
     remember(m.forces, time + step * m.time_unit, dot(m.position, result) - origin, memory, remembered)
 
 
-@njit(cache=True)
+@njit
 def _first_root(start: float, start_slope: float, end: float, end_slope: float) -> float:
     """Where in [0, 1] the cubic through values and slopes at both ends, of opposite sign, is zero."""
     low, high = 0.0, 1.0
@@ -102,7 +102,7 @@ def _first_root(start: float, start_slope: float, end: float, end_slope: float) 
     return guess
 
 
-@njit(cache=True)
+@njit
 def settle(m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array) -> tuple[float, bool]:
     """Direction of slip, or that the body sticks, where the velocity is zero."""
     hold = _holding_force(m, time, state, signal, memory, work)
@@ -111,7 +111,7 @@ def settle(m: Mechanics, time: float, state: Array, signal: float, memory: Array
     return (m.forces.along if hold > 0.0 else -m.forces.along), False
 
 
-@njit(cache=True)
+@njit
 def _crossing(
     m: Mechanics,
     index: int,
@@ -147,7 +147,7 @@ def _crossing(
     return _first_root(before, slopes[0], after, slopes[1])
 
 
-@njit(cache=True)
+@njit
 def careful_step(  # noqa: PLR0912, PLR0915 - one event is told from the other by what the others left
     m: Mechanics,
     time: float,

@@ -11,9 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from camid.compiled import njit
 
 Array = NDArray[np.float64]
 
@@ -110,7 +112,7 @@ def _call_by_address(
 _call: Any = intrinsic(_call_by_address)
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def dot(row: Array, state: Array) -> float:
     """Scalar product; a call of BLAS costs more than the few multiplications."""
     total = 0.0
@@ -119,13 +121,13 @@ def dot(row: Array, state: Array) -> float:
     return total
 
 
-@njit(cache=True)
+@njit
 def free_velocity(m: Mechanics, state: Array, signal: float) -> float:
     """Velocity in y/s but for what forces make of it at once."""
     return dot(m.velocity, state) / m.time_unit + m.velocity_input * signal
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _smooth_force(f: Forces, time: float, position: float, velocity: float, signal: float, memory: Array) -> float:
     """Sum of the forces other than dry friction, along the input."""
     functions = f.functions
@@ -138,7 +140,7 @@ def _smooth_force(f: Forces, time: float, position: float, velocity: float, sign
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def friction_level(f: Forces, time: float, position: float, speed: float, signal: float) -> float:
     """Sum of all dry friction at a speed ≥ 0."""
     functions = f.functions
@@ -151,7 +153,7 @@ def friction_level(f: Forces, time: float, position: float, speed: float, signal
     return total
 
 
-@njit(cache=True)
+@njit
 def _agreeing_force(f: Forces, time: float, position: float, free: float, signal: float, memory: Array) -> float:
     """Force along the input that agrees with the velocity v = free + b · force that it leaves."""
     b = f.velocity_force
@@ -191,7 +193,7 @@ def _agreeing_force(f: Forces, time: float, position: float, free: float, signal
     return (side * 0.5 * (low + high) - free) / b
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def force_at(
     f: Forces, time: float, position: float, free: float, signal: float, memory: Array, direction: float
 ) -> float:
@@ -207,13 +209,13 @@ def force_at(
     return total
 
 
-@njit(cache=True)
+@njit
 def force_in(m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float) -> float:
     """Total force along the input in a state; see :func:`force_at`."""
     return force_at(m.forces, time, dot(m.position, state), free_velocity(m, state, signal), signal, memory, direction)
 
 
-@njit(cache=True)
+@njit
 def remember(f: Forces, time: float, displacement: float, memory: Array, result: Array) -> None:
     """Inner states after a displacement of the body."""
     data = f.data
@@ -224,7 +226,7 @@ def remember(f: Forces, time: float, displacement: float, memory: Array, result:
             result[i] = _call(f.functions[2, i], time, displacement, displacement, 0.0, memory[i], data + i * stride)
 
 
-@njit(cache=True)
+@njit
 def switches_at(
     f: Forces,
     time: float,
@@ -257,7 +259,7 @@ def switches_at(
         result[count], result[count + 1] = rest - held, rest + held
 
 
-@njit(cache=True)
+@njit
 def switches(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, result: Array
 ) -> None:

@@ -12,10 +12,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.chain.exact import _exponential_and_integral
+from camid.compiled import njit
 from camid.engine.events import careful_step
 from camid.engine.forces import Mechanics, dot, force_at, force_in, remember, switches, switches_at
 
@@ -24,7 +24,7 @@ __all__ = ["Feedback", "Mechanics", "integrate"]
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit
 def _coefficients(matrix: Array, vector: Array, step: float) -> tuple[Array, Array]:
     """exp(A h) and the columns h φ1 b, h φ2 b and h φ3 b of a vector b, shape (q, 3)."""
     size = len(vector)
@@ -61,7 +61,7 @@ class _Smooth(NamedTuple):
     force_carried: Array
 
 
-@njit(cache=True)
+@njit
 def _smooth(m: Mechanics, scaled: float) -> _Smooth:
     """Coefficients for steps of a scaled length."""
     whole, whole_force = _coefficients(m.state_matrix, m.force_vector, scaled)
@@ -100,7 +100,7 @@ def _smooth(m: Mechanics, scaled: float) -> _Smooth:
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 def _smooth_step(
     m: Mechanics,
     c: _Smooth,
@@ -179,7 +179,7 @@ def _smooth_step(
     return middle_position, halfway, max(abs(force_1), abs(force_3)), abs(force_3 - force_2)
 
 
-@njit(cache=True)
+@njit
 def _direct_rate(
     m: Mechanics,
     time: float,
@@ -212,7 +212,7 @@ class Feedback(NamedTuple):
     control: Array
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost more than the arithmetic
     m: Mechanics,
     initial: Array,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 from camid.identification.experiment import Experiment
 from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE
 from camid.identification.predictor import Predictor
@@ -44,7 +44,7 @@ def inverse_information(sensitivities: Array, coefficients: int | None = None) -
     return inverse, bool(determined)
 
 
-@njit(cache=True)
+@njit
 def _inverse(sensitivities: Array, coefficients: int) -> tuple[Array, bool]:
     """See :func:`inverse_information`."""
     columns = sensitivities.shape[1]
@@ -162,7 +162,7 @@ def innovation_variance(experiment: Experiment) -> float:
     return float(residual @ residual) / freedom
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(fastmath={"reassoc", "contract"})
 def _lagged_products(output: Array, signal: Array, length: int) -> Array:
     """Products of the columns [u_{k-L} … u_k, y_{k-L} … y_k] of a long ARX model, without a signal those of y alone.
 
@@ -188,7 +188,7 @@ def _lagged_products(output: Array, signal: Array, length: int) -> Array:
     return products
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(fastmath={"reassoc", "contract"})
 def _power_left(products: Array) -> float:
     """Sum of squares that a regression of the last column on the others leaves; NaN where normal equations are unsound.
 

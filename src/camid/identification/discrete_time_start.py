@@ -6,10 +6,10 @@ from functools import reduce
 from itertools import islice, product
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.chain.plant import polynomial_roots
+from camid.compiled import njit
 from camid.identification.experiment import Experiment
 from camid.identification.factorisation import BLOCK, fold
 
@@ -23,7 +23,7 @@ STEIGLITZ_MCBRIDE_ITERATIONS = 12
 SETTLED = 1e-5
 
 
-@njit(cache=True)
+@njit
 def _steiglitz_mcbride(  # noqa: PLR0912 - compiled as one
     signal: Array, output: Array, used: NDArray[np.bool_], order: int, first_lag: int, lags: int, iterations: int
 ) -> Array:

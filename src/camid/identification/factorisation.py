@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.chain.exact import begin_interval, driven, sampling_matrices
+from camid.compiled import njit
 
 if TYPE_CHECKING:
     from camid.identification.experiment import Experiment
@@ -78,7 +78,7 @@ class Records(NamedTuple):
 
 
 # Sums may be taken in any order, so that the loops use the processor's vectors.
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(fastmath={"reassoc", "contract"})
 def fold(triangle: Array, block: Array, rows: int) -> None:
     """Householder reflections that fold ``rows`` rows, the columns of ``block``, into an upper triangle."""
     size = triangle.shape[0]
@@ -104,7 +104,7 @@ def fold(triangle: Array, block: Array, rows: int) -> None:
                 block[k, i] += total * block[j, i]
 
 
-@njit(cache=True)
+@njit
 def _companion_system(
     numerator: Array, denominator: Array, initial: Array, estimated: bool, sensitive: bool
 ) -> tuple[Array, Array, Array]:
@@ -147,7 +147,7 @@ def _companion_system(
     return augmented, start, rows
 
 
-@njit(cache=True)
+@njit
 def factorise(  # noqa: PLR0912, PLR0915 - one loop over the samples, so that it compiles to one
     numerator: Array,
     denominator: Array,
@@ -254,7 +254,7 @@ def factorise(  # noqa: PLR0912, PLR0915 - one loop over the samples, so that it
     return triangle, cost
 
 
-@njit(cache=True)
+@njit
 def output_error_costs(
     denominators: Array,
     numerator: Array,
@@ -298,7 +298,7 @@ def output_error_costs(
     return costs
 
 
-@njit(cache=True)
+@njit
 def solve(  # noqa: PLR0912 - compiled as one
     triangle: Array, chosen: NDArray[np.int64]
 ) -> tuple[Array, float, float, float]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.chain.plant import STABILITY_TOLERANCE
+from camid.compiled import njit
 from camid.identification.factorisation import Records, factorise, solve
 from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE, Fit
 from camid.identification.predictor import Predictor
@@ -28,7 +28,7 @@ SOUND = 1e-4
 REPORTED_ITERATIONS = 10
 
 
-@njit(cache=True)
+@njit
 def _is_stable(denominator: Array) -> bool:
     """As :func:`camid.identification.iteration.has_stable`; non-negative coefficients suffice up to the order two."""
     if not np.all(np.isfinite(denominator)):
@@ -45,7 +45,7 @@ def _is_stable(denominator: Array) -> bool:
     return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
 
 
-@njit(cache=True)
+@njit
 def _decomposed(triangle: Array, moving: NDArray[np.int64]) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
     """Singular values and right vectors of the column-scaled instruments that move, the scale and the projections."""
     size = triangle.shape[0]
@@ -61,7 +61,7 @@ def _decomposed(triangle: Array, moving: NDArray[np.int64]) -> tuple[Array, Arra
     return singular, right, lengths, np.where(kept, left.T @ np.ascontiguousarray(triangle[:, size - 1]), 0.0), kept
 
 
-@njit(cache=True)
+@njit
 def _determined(right: Array, kept: NDArray[np.bool_], moving: NDArray[np.int64], coefficients: int) -> bool:
     """Whether directions that the data do not determine concern initial states alone."""
     for i in range(len(kept)):
@@ -74,7 +74,7 @@ def _determined(right: Array, kept: NDArray[np.bool_], moving: NDArray[np.int64]
     return True
 
 
-@njit(cache=True)
+@njit
 def _damped_step(
     singular: Array, right: Array, lengths: Array, projected: Array, kept: NDArray[np.bool_], damping: float
 ) -> tuple[Array, float]:
@@ -87,7 +87,7 @@ def _damped_step(
     return step / lengths, float(np.sum(2.0 * effect * projected - effect * effect))
 
 
-@njit(cache=True)
+@njit
 def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost more than some of them
     parameters: Array,
     free: NDArray[np.bool_],

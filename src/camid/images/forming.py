@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from camid.compiled import njit
 
 Array = NDArray[np.float64]
 Path = Callable[[Array], Array]
@@ -202,7 +203,7 @@ def _instants(path: Path, start: float, exposure: float) -> tuple[Array, Array]:
     return 0.5 * (borders[1:] + borders[:-1]), np.diff(borders) / exposure
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _accumulate(difference: Array, x: Array, y: Array, weights: Array, radius: float) -> None:
     """Add the exact covered areas to an image of differences along the rows."""
     for k in range(x.size):
@@ -216,7 +217,7 @@ def _accumulate(difference: Array, x: Array, y: Array, weights: Array, radius: f
                 _add_strip(difference[j], x[k], max(low, 0.0), high, radius, weights[k])
 
 
-@numba.njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _add_strip(row: Array, centre: float, near: float, far: float, radius: float, weight: float) -> None:
     """Add the part of the disk whose distance from its horizontal diameter is between ``near`` and ``far``."""
     wide, narrow = np.sqrt(radius**2 - near**2), np.sqrt(max(radius**2 - far**2, 0.0))

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numba import njit
 from numpy.typing import NDArray
 
 from camid.ablations.identification_runs import (
@@ -26,6 +25,7 @@ from camid.ablations.identification_runs import (
 from camid.chain.acquisition import Acquisition
 from camid.chain.excitation import multilevel, multisine, pseudo_random_binary_sequence, two_level_amplitudes
 from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
@@ -42,7 +42,7 @@ SIGNIFICANT = 0.001
 EXACTLY_LINEAR = 1e-6  # distortion that the integration leaves
 
 
-@njit(cache=True)
+@njit
 def film(
     signal: Array, period: float, steps: int, b0: float, a1: float, a0: float, stiffness: float, half_width: float
 ) -> Array:

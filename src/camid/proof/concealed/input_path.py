@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from camid.compiled import njit
 from camid.proof.concealed.machine_integrator import Segments
 from camid.proof.concealed.rig_setup import MOVING_LEAD, TAIL, Setup
 
@@ -64,7 +64,7 @@ def curve(function: Curve) -> Callable[[Segments, float], Segments]:
     return apply
 
 
-@njit(cache=True)
+@njit
 def _play(values: Array, half_width: float, share: float) -> Array:
     result = np.empty_like(values)
     inside = 0.0
@@ -84,7 +84,7 @@ def play(half_width: float, share: float) -> Callable[[Segments, float], Segment
     return apply
 
 
-@njit(cache=True)
+@njit
 def _slew(start: Array, target: Array, rate: float) -> tuple[Array, Array, Array]:
     times, values, slopes = np.empty(2 * len(start)), np.empty(2 * len(start)), np.zeros(2 * len(start))
     count, now = 0, 0.0

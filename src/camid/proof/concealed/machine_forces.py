@@ -8,15 +8,15 @@ Mechanics 33(4) (Jenkins elements); Johnson (1985), Contact Mechanics, ch. 4 (He
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from camid.compiled import njit
 from camid.proof.concealed import vector_layout as s
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit
 def drift(p: Array, kind: int, t: float) -> float:
     """Factor of stiffness (1), damping (2) or actuator constant (3) at time t in s; nothing drifts before t = 0."""
     if p[s.DRIFT_KIND] != kind or t <= 0.0:
@@ -25,7 +25,7 @@ def drift(p: Array, kind: int, t: float) -> float:
     return 1.0 + p[s.DRIFT_RATE] * (t if tau == 0.0 else tau * (1.0 - np.exp(-t / tau)))
 
 
-@njit(cache=True)
+@njit
 def contact(p: Array, x: float, v: float) -> float:
     """Positive while the stop pushes: depth in m, or force in N where its damper would have to pull."""
     side = p[s.STOP_SIDE]
@@ -36,7 +36,7 @@ def contact(p: Array, x: float, v: float) -> float:
     return min(depth, push)
 
 
-@njit(cache=True)
+@njit
 def disturbance(p: Array, t: float, within: float) -> float:
     """Disturbing force in V at the actuator at a time of the step around another; steps end where a force begins."""
     force = 0.0
@@ -50,7 +50,7 @@ def disturbance(p: Array, t: float, within: float) -> float:
     return force
 
 
-@njit(cache=True)
+@njit
 def jenkins(p: Array, x: float, memory: Array, element: int) -> float:
     """Force in N of one spring-slider element, from its force at the last committed position in ``memory``."""
     limit = p[s.JENKINS_FORCE] * (element + 1.0) / s.JENKINS_ELEMENTS
@@ -58,7 +58,7 @@ def jenkins(p: Array, x: float, memory: Array, element: int) -> float:
     return min(max(force, -limit), limit)
 
 
-@njit(cache=True)
+@njit
 def bristle_rate(p: Array, z: float, v: float) -> float:
     """Rate of the bristle deflection in m/s."""
     level = p[s.BRISTLE_COULOMB]
@@ -67,7 +67,7 @@ def bristle_rate(p: Array, z: float, v: float) -> float:
     return v - p[s.BRISTLE_STIFFNESS] * abs(v) / level * z
 
 
-@njit(cache=True)
+@njit
 def spring_force(p: Array, x: float, t: float) -> float:
     """Restoring force in N of the mount and of what is fixed beside it."""
     stiffness = p[s.STIFFNESS] * drift(p, 1, t)
@@ -85,7 +85,7 @@ def spring_force(p: Array, x: float, t: float) -> float:
     return force
 
 
-@njit(cache=True)
+@njit
 def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float:
     """Force in N of the actuator for what reaches it, in V."""
     force = p[s.ACTUATOR_CONSTANT] * command * drift(p, 3, t)
@@ -100,7 +100,7 @@ def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float
     return force
 
 
-@njit(cache=True)
+@njit
 def net_force(p: Array, state: Array, memory: Array, command: float, t: float, damped: bool) -> float:
     """All forces on the mass in N but dry friction; without the viscous damper where ``damped`` is false."""
     x, v = state[s.POSITION], state[s.VELOCITY]
@@ -133,7 +133,7 @@ def net_force(p: Array, state: Array, memory: Array, command: float, t: float, d
     return force
 
 
-@njit(cache=True)
+@njit
 def hidden_pull(p: Array, state: Array) -> float:
     """Force in N with which the hidden mass holds the mass back."""
     stretch = state[s.POSITION] - state[s.HIDDEN]
@@ -141,7 +141,7 @@ def hidden_pull(p: Array, state: Array) -> float:
     return force + p[s.HIDDEN_DAMPING] * (state[s.VELOCITY] - state[s.HIDDEN_RATE])
 
 
-@njit(cache=True)
+@njit
 def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machine can have
     p: Array, state: Array, memory: Array, command: float, t: float, direction: int, rate: Array
 ) -> None:
@@ -200,7 +200,7 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
         rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
 
 
-@njit(cache=True)
+@njit
 def dry_level(p: Array, v: float) -> float:
     """Dry friction level in N at a speed in m/s."""
     if p[s.DRY_VELOCITY] == 0.0:

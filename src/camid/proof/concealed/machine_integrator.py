@@ -12,9 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from camid.compiled import njit
 from camid.proof.concealed import vector_layout as s
 from camid.proof.concealed.machine_forces import contact, derivative, jenkins, net_force
 
@@ -73,7 +73,7 @@ class Trajectory:
     velocity_before: Array
 
 
-@njit(cache=True)
+@njit
 def _step(
     p: Array, state: Array, memory: Array, value: float, slope: float, t: float, h: float, direction: int, work: Array
 ) -> None:
@@ -88,7 +88,7 @@ def _step(
     work[5] = state + h / 6.0 * (work[0] + 2.0 * work[1] + 2.0 * work[2] + work[3])
 
 
-@njit(cache=True)
+@njit
 def _indicator(
     kind: int, p: Array, state: Array, memory: Array, command: float, t: float, direction: int, touching: bool
 ) -> float:
@@ -101,7 +101,7 @@ def _indicator(
     return p[s.DRY_BREAKAWAY] - abs(net_force(p, state, memory, command, t, True))
 
 
-@njit(cache=True)
+@njit
 def _locate(
     kind: int,
     p: Array,
@@ -127,7 +127,7 @@ def _locate(
     return high
 
 
-@njit(cache=True)
+@njit
 def _watched(kind: int, dry: bool, stop: bool, direction: int) -> bool:
     """Whether an event can happen."""
     if kind == CONTACT:
@@ -135,7 +135,7 @@ def _watched(kind: int, dry: bool, stop: bool, direction: int) -> bool:
     return direction != 0 if kind == REVERSAL else dry and direction == 0
 
 
-@njit(cache=True)
+@njit
 def _advance(
     p: Array, state: Array, memory: Array, value: float, slope: float, t: float, end: float, direction: int, work: Array
 ) -> int:
@@ -179,7 +179,7 @@ def _advance(
     return direction
 
 
-@njit(cache=True)
+@njit
 def _run(p: Array, begin: float, h: float, count: int, start: Array, value: Array, slope: Array, kick: Array) -> Array:
     """Nodes of the measured point: columns are position, integral, velocity after the node and before the next."""
     state, work, rate = np.zeros(s.STATES), np.zeros((6, s.STATES)), np.zeros(s.STATES)
@@ -218,13 +218,13 @@ def _run(p: Array, begin: float, h: float, count: int, start: Array, value: Arra
     return table
 
 
-@njit(cache=True)
+@njit
 def _direction(p: Array, state: Array, direction: int) -> int:
     """A mass at rest does not slide."""
     return 0 if state[s.VELOCITY] == 0.0 and p[s.DRY_BREAKAWAY] != 0.0 else direction
 
 
-@njit(cache=True)
+@njit
 def _measured_velocity(p: Array, state: Array, rate: Array) -> float:
     """Velocity in m/s of the point that the camera sees."""
     if p[s.SECOND_SERIES_FREQUENCY] != 0.0:

@@ -1,0 +1,135 @@
+"""Compile everything that camid compiles, once per installation: ``python -m camid.compile_all``.
+
+Each part runs a small example of what it compiles, so that exactly the argument types of real use are compiled; the
+parts share out among the processors. What is in the folder of :mod:`camid.compiled` already costs nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+
+import numpy as np
+
+from camid.compiled import folder, keep_quiet
+
+PERIOD = 0.05
+
+
+def engine() -> None:
+    """The integrator, and how a sensor reads its motion."""
+    from camid.chain.acquisition import Acquisition
+    from camid.chain.plant import second_order
+    from camid.effects import known_effects
+    from camid.engine.run import Chain, run
+
+    effects = (known_effects()["coulomb-friction"](force=0.1), known_effects()["exposure"](exposure=0.5 * PERIOD))
+    run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), effects[:1]), _signal(30), PERIOD * np.arange(30))
+
+
+def effects() -> None:
+    """The forces of all effects, and the actuators that remember."""
+    from camid.effects import known_effects
+    from camid.effects.base import Compiled
+    from camid.effects.pendulum import PendulumPlant
+
+    for kind in (*known_effects().values(), PendulumPlant):
+        for name in dir(kind):
+            part = getattr(kind, name)
+            if isinstance(part, Compiled):
+                _ = part.address
+    signal = _signal(30)
+    for identifier, value in (("backlash", {"half_width": 0.1}), ("rate-limit", {"rate": 1.0})):
+        known_effects()[identifier](**value).transform(signal, signal, PERIOD)
+
+
+def identification() -> None:
+    """Simulated output with its sensitivities, and the default method."""
+    from camid.identification.estimate import estimate
+    from camid.identification.structure import Structure
+
+    estimate(Structure.of_order(2, 0), [_experiment()])
+
+
+def starts() -> None:
+    """Starting values, the noise that is left, and the method without safeguard."""
+    from camid.chain.plant import second_order
+    from camid.identification.accuracy import cramer_rao_bound, innovation_variance
+    from camid.identification.discrete_time_start import discrete_time_poles
+
+    experiment = _experiment()
+    discrete_time_poles(experiment, 2)
+    innovation_variance(experiment)
+    cramer_rao_bound(second_order(1.0, 10.0, 0.1), experiment.signal, experiment.acquisition, 1.0)
+
+
+def images() -> None:
+    """Images of a marker."""
+    from camid.images.forming import FrameFormat, Marker, circular_path, expose
+
+    expose(circular_path((10.0, 10.0), 4.0, 1.0), 0.0, 0.01, Marker(3.0), FrameFormat(20, 20))
+
+
+def concealed() -> None:
+    """The generator of concealed recordings."""
+    from camid.concealed import slots
+    from camid.concealed.input_path import held, play, slew
+    from camid.concealed.integrator import integrate
+
+    parameters = np.zeros(slots.PARAMETERS)
+    parameters[[slots.MASS, slots.DAMPING, slots.STIFFNESS, slots.TOP_SPEED]] = 1.0
+    segments = held(PERIOD * np.arange(30), _signal(30))
+    for path in (play(0.1, 0.0), slew(1.0)):
+        path(segments, PERIOD)
+    integrate(parameters, segments, PERIOD, 0, 3)
+
+
+# What takes longest comes first, so that no processor waits at the end.
+PARTS: tuple[Callable[[], None], ...] = (identification, engine, starts, concealed, effects, images)
+
+
+def _signal(count: int) -> np.ndarray:
+    return np.repeat(np.random.default_rng(1).choice([-1.0, -0.5, 0.3, 1.0], count // 3 + 1), 3)[:count]
+
+
+def _experiment():  # type: ignore[no-untyped-def]
+    """A noisy recording with an unknown initial state."""
+    from camid.chain.acquisition import Acquisition
+    from camid.chain.exact import sample
+    from camid.chain.plant import second_order
+    from camid.identification.experiment import Experiment
+
+    acquisition, signal = Acquisition(PERIOD), _signal(300)
+    output = sample(second_order(1.0, 10.0, 0.1), signal, acquisition)
+    output += 0.1 * np.random.default_rng(2).standard_normal(len(output))
+    return Experiment(signal, output, acquisition, np.ones(len(output), bool), True)
+
+
+def _timed(part: str) -> tuple[str, float]:
+    """Name of a part and the seconds that it took."""
+    keep_quiet()
+    begun = time.perf_counter()
+    globals()[part]()
+    return part, time.perf_counter() - begun
+
+
+def main() -> None:
+    """Compile all parts with a line of progress."""
+    begun = time.perf_counter()
+    folder()
+    names = [part.__name__ for part in PARTS]
+    workers = min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, len(names))
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        waiting = [pool.submit(_timed, name) for name in names]
+        for done, future in enumerate(as_completed(waiting), start=1):
+            name, _ = future.result()
+            print(f"\rcompiling camid: {done} of {len(names)} ({name})".ljust(60), end="", file=sys.stderr, flush=True)
+    print(f"\rcompiled camid in {time.perf_counter() - begun:.0f} s".ljust(60), file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()
