@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from camid.diagnosis.result import VERDICTS
+from camid.diagnosis.diagnosis import VERDICTS
 from camid.diagnosis.results_folder import FILES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "diagnosis.md").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.experiments.recordings import Results
-from camid.identification.loading import load_recordings
+from camid.identification.from_recordings import load_recordings
 from camid.recording.recording import Recording
 
 Array = NDArray[np.float64]
