@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from camid.commands.order import select_order
     from camid.commands.simulate import simulate
     from camid.commands.track import track
-    from camid.diagnosis.result import Diagnosis
+    from camid.diagnosis.diagnosis import Diagnosis
     from camid.errors import InputError
-    from camid.identification.result import Identification
+    from camid.identification.identification import Identification
     from camid.recording.recording import Recording, read_recording
     from camid.simulation.file import load_simulation, write_simulation
     from camid.simulation.model import Simulation
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Diagnosis": "diagnosis.result",
-    "Identification": "identification.result",
+    "Diagnosis": "diagnosis.diagnosis",
+    "Identification": "identification.identification",
     "InputError": "errors",
     "Recording": "recording.recording",
     "Simulation": "simulation.model",

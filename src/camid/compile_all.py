@@ -14,6 +14,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camid.compiled import folder, keep_quiet
 
@@ -76,12 +77,12 @@ def images() -> None:
 
 def concealed() -> None:
     """The generator of concealed recordings."""
-    from camid.concealed import slots
-    from camid.concealed.input_path import held, play, slew
-    from camid.concealed.integrator import integrate
+    from camid.proof.concealed import vector_layout as layout
+    from camid.proof.concealed.input_path import held, play, slew
+    from camid.proof.concealed.machine_integrator import integrate
 
-    parameters = np.zeros(slots.PARAMETERS)
-    parameters[[slots.MASS, slots.DAMPING, slots.STIFFNESS, slots.TOP_SPEED]] = 1.0
+    parameters = np.zeros(layout.PARAMETERS)
+    parameters[[layout.MASS, layout.DAMPING, layout.STIFFNESS, layout.TOP_SPEED]] = 1.0
     segments = held(PERIOD * np.arange(30), _signal(30))
     for path in (play(0.1, 0.0), slew(1.0)):
         path(segments, PERIOD)
@@ -92,7 +93,7 @@ def concealed() -> None:
 PARTS: tuple[Callable[[], None], ...] = (identification, engine, starts, concealed, effects, images)
 
 
-def _signal(count: int) -> np.ndarray:
+def _signal(count: int) -> NDArray[np.float64]:
     return np.repeat(np.random.default_rng(1).choice([-1.0, -0.5, 0.3, 1.0], count // 3 + 1), 3)[:count]
 
 

@@ -10,7 +10,7 @@ from jsonschema import Draft202012Validator
 
 import camid
 from camid.cli import main
-from camid.diagnosis.result import VERDICTS
+from camid.diagnosis.diagnosis import VERDICTS
 from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.effects import known_effects
 from camid.simulation.file import load_simulation

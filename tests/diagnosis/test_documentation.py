@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from camid.diagnosis.result import VERDICTS
+from camid.diagnosis.diagnosis import VERDICTS
 from camid.diagnosis.results_folder import FILES
 from tests.support import ROOT
 

@@ -11,9 +11,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from camid.diagnosis.diagnosis import VERDICTS, Location, ParameterEstimate
 from camid.diagnosis.report import page as report
 from camid.diagnosis.report import pictures, summary
-from camid.diagnosis.result import VERDICTS, Location, ParameterEstimate
 from camid.effects import known_effects
 from camid.errors import InputError
 from tests.support import written_diagnoses

@@ -10,11 +10,12 @@ import pytest
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
-from camid.diagnosis.screen import screen
+from camid.diagnosis.screening import screen
 from camid.effects import document, known_effects
 from camid.engine.run import Chain, run
-from camid.fitting.problem import Model, Problem
-from camid.fitting.refit import refit
+from camid.fitting.model import Model
+from camid.fitting.plants.linear import LinearPlant
+from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from tests.support import ROOT
@@ -63,8 +64,8 @@ def test_the_diagnosis_finds_it(detent):
         np.array([105.0]), np.array([1.0, 2.1, 97.0]), np.array([True]), np.array([False, True, True])
     )
     experiment = Experiment(signal, output, acquisition, np.ones(count, bool))
-    problem = Problem(structure, [experiment], [time], 0.1)
-    base = refit(problem, Model(structure.coefficients(), (), (None,)))
+    problem = Problem(structure, [experiment], [time], LinearPlant(), 0.1)
+    base = problem.kind.refit(problem, Model(structure.coefficients(), (), (None,)))
     assert screen(problem, base)[0].effect.identifier == "magnetic-detent"
 
 

@@ -14,7 +14,7 @@ from camid.chain.plant import TransferFunction, second_order
 from camid.effects import actuator, disturbance, sensor
 from camid.effects import plant as physics
 from camid.engine.run import Chain, NotApplicable, move, run
-from camid.fitting.problem import companion_state
+from camid.fitting.initial_motion import companion_state
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
 from camid.identification.structure import Structure

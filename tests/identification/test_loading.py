@@ -11,7 +11,7 @@ from scipy.signal import lsim
 import camid
 from camid.cli import main
 from camid.errors import InputError
-from camid.identification.loading import experiments_of, load_recordings, warnings_of
+from camid.identification.from_recordings import experiments_of, load_recordings, warnings_of
 from camid.simulation.file import load_simulation
 from tests.support import linear_rig as rig
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from camid.chain.plant import TransferFunction
-from camid.diagnosis.result import (
+from camid.diagnosis.diagnosis import (
     Coefficient,
     Diagnosis,
     Finding,
-    Fit,
     Location,
+    NormalisedErrors,
     ParameterEstimate,
     Signals,
     Test,
@@ -151,7 +151,7 @@ def diagnosis(verdict, *, seed=7, **changes):
             "deviation on rows that were not fitted; the noise alone leaves 6.0 %. No test finds structure.",
             "location": Location(),
             "findings": [],
-            "fit": Fit(0.31, 0.0612, 0.0612, 0.0604, (24.0, 34.0)),
+            "fit": NormalisedErrors(0.31, 0.0612, 0.0612, 0.0604, (24.0, 34.0)),
         },
         "explained": {
             "explanation": "Coulomb friction of 0.150 ± 0.002 removes 95 % of the error that re-estimated "
@@ -159,21 +159,21 @@ def diagnosis(verdict, *, seed=7, **changes):
             "leaves 4.1 %.",
             "location": Location("plant", places, state=state),
             "findings": [finding()],
-            "fit": Fit(0.684, 0.241, 0.0421, 0.0412, (24.0, 34.0)),
+            "fit": NormalisedErrors(0.684, 0.241, 0.0421, 0.0412, (24.0, 34.0)),
         },
         "partly-explained": {
             "explanation": "Coulomb friction and a periodic disturbance remove 97 % of the error. What is left is "
             "still three times the noise and depends on the velocity.",
             "location": Location("plant", places, time=(12.0, 31.0), frequency=(1.1, 2.3), state=state),
             "findings": [finding(), second_finding()],
-            "fit": Fit(0.684, 0.241, 0.0921, 0.0312, (24.0, 34.0), chosen=False),
+            "fit": NormalisedErrors(0.684, 0.241, 0.0921, 0.0312, (24.0, 34.0), chosen=False),
         },
         "unexplained": {
             "explanation": "The recording holds a structured error of 24 % that no effect of the catalogue explains. "
             "It acts at the plant and depends on the velocity.",
             "location": Location("plant", places, state=state),
             "findings": [],
-            "fit": Fit(0.684, 0.241, 0.241, 0.0412, (24.0, 34.0)),
+            "fit": NormalisedErrors(0.684, 0.241, 0.241, 0.0412, (24.0, 34.0)),
         },
     }[verdict]
     after = 0.38 if verdict in {"adequate", "explained"} else 2e-9

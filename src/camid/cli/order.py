@@ -32,7 +32,7 @@ def order(
     """Find how many poles and zeros one or several RECORDINGs of a rig call for."""
     from camid.cli.printing import print_orders
     from camid.commands.order import select_order
-    from camid.identification.result import without_infinities
+    from camid.identification.identification import without_infinities
     from camid.writing import write_table
 
     believed = declared_simulation(simulation, declared)

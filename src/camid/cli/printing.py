@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from camid.chain.pendulum import Pendulum
+    from camid.identification.identification import Identification
     from camid.identification.order_selection import OrderSelection
-    from camid.identification.result import Identification
     from camid.simulation.model import Simulation
 
 

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from camid.diagnosis.diagnose import investigate
-from camid.diagnosis.improved import improved
-from camid.diagnosis.result import Diagnosis
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_few_rows, with_validation
 from camid.effects.declared import effects_of
 from camid.engine.run import NotApplicable
 from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
-from camid.identification.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.simulation.file import load_simulation
-
-Array = NDArray[np.float64]
 
 
 def diagnose(
@@ -50,7 +47,7 @@ def diagnose(
     InputError
         If recording and simulation do not fit together or the data are too few.
     """
-    begun = time.perf_counter()
+    started = time.perf_counter()
     believed = load_simulation(simulation)
     effects = effects_of(believed)
     if believed.input_column is None and not believed.estimates_initial_state:
@@ -63,10 +60,10 @@ def diagnose(
     structure = structure_of(believed)
     refuse_few_rows(structure, experiments, recordings)
     problem = problem_of(believed, structure, recordings, experiments)
-    nominal = model_of(believed, structure, effects)
+    nominal = model_of(problem, effects)
     try:
         problem, validation, chosen = with_validation(problem, nominal, held_out)
-        outcome = investigate(problem, nominal, validation, chosen, progress)
+        diagnosis = investigate(believed, problem, nominal, validation, chosen, progress)
     except InputError:
         raise
     except NotApplicable as error:
@@ -79,20 +76,10 @@ def diagnose(
         raise InputError(
             f"no diagnosis: {error}", where=recordings[0].source, hint="check the simulation and the units"
         ) from None
-    return Diagnosis(
-        outcome.verdict,
-        outcome.explanation,
-        outcome.location,
-        outcome.findings,
-        outcome.fit,
-        outcome.undetectable,
-        outcome.coefficients,
-        outcome.tests,
-        outcome.signals,
-        improved(believed, structure, outcome, problem.acquisition),
-        [r.source for r in recordings],
-        int(sum(e.used.sum() for e in problem.experiments)),
-        recordings[0].period,
-        time.perf_counter() - begun,
-        list(warnings_of(recordings)),
+    return replace(
+        diagnosis,
+        recordings=[r.source for r in recordings],
+        period=recordings[0].period,
+        seconds=time.perf_counter() - started,
+        warnings=list(warnings_of(recordings)),
     )

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from camid.errors import InputError
-from camid.identification.loading import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.simulation.file import load_simulation
 
 if TYPE_CHECKING:

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.decide import Decision
-from camid.diagnosis.locate import PlaceTest
-from camid.diagnosis.result import Coefficient, Fit, Signals, Test
+from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, Test
+from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.mismatch_location import PlaceTest
 from camid.fitting.fit import Fitted
-from camid.fitting.problem import Model, Problem
+from camid.fitting.model import Model
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -38,7 +39,7 @@ def errors(
     validation: Sequence[NDArray[np.bool_]],
     chosen: bool,
     left: Sequence[PlaceTest],
-) -> Fit:
+) -> NormalisedErrors:
     """Errors on validation rows, and what the noise alone would leave there; ``left`` are the tests of what is left."""
     final = decision.fitted
     recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
@@ -46,27 +47,15 @@ def errors(
     variance = final.cost * (1.0 - structured) / max(len(final.residual) - len(final.packing.names), 1)
     index = next(i for i, r in enumerate(validation) if r.any())
     times = problem.times[index][validation[index]]
-    return Fit(
+    return NormalisedErrors(
         _simulated_error(problem, nominal, validation),
         _simulated_error(problem, decision.base.model, validation),
         _simulated_error(problem, final.model, validation),
         float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
         (float(times[0]), float(times[-1])),
         chosen,
-        _position_errors(problem, decision, validation) if problem.closed else None,
+        problem.kind.position_errors(problem, (decision.base.model, decision.fitted.model), validation),
     )
-
-
-def _position_errors(
-    problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]
-) -> tuple[float, float]:
-    """Errors of the position in a closed loop, with coefficients re-estimated and with the effects found."""
-    recorded = np.concatenate([p[r] for p, r in zip(problem.positions, validation, strict=True)])
-    errors = []
-    for model in (decision.base.model, decision.fitted.model):
-        moved = np.concatenate([m[0][r] for m, r in zip(problem.motion(model), validation, strict=True)])
-        errors.append(float(np.sqrt(np.mean((recorded - moved) ** 2))) / (float(np.std(recorded)) or 1.0))
-    return errors[0], errors[1]
 
 
 def validation_gains(
@@ -142,27 +131,8 @@ def signals_of(
         problem.simulate(nominal)[0],
         refitted,
         refitted if final is base else problem.simulate(final.model)[0],
-        position if problem.closed else refitted,
+        problem.kind.position_seen(problem, base.model, 0, position),
         velocity,
-        _equivalent_input(problem, base, residual),
+        problem.kind.equivalent_input(problem, base.model, residual),
         ~validation[0],
     )
-
-
-def _equivalent_input(problem: Problem, base: Fitted, residual: Array) -> Array:
-    """Input that would have caused a residual, where the plant lets the camera see it (a Wiener filter)."""
-    if problem.closed:  # the control is an input already
-        return residual
-    count, period = len(residual), problem.acquisition.period
-    size = 2 * count
-    angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
-    acquisition = problem.acquisition
-    exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
-    lag = acquisition.latency + 0.5 * exposure
-    response = problem.structure.plant(base.model.coefficients).frequency_response(np.maximum(angular, 1e-6 / period))
-    response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
-    power = np.abs(response) ** 2
-    power = np.where(np.isfinite(power), power, 0.0)
-    regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
-    spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
-    return np.asarray(np.fft.irfft(spectrum, size)[:count])

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.result import Diagnosis
+from camid.diagnosis.diagnosis import Diagnosis
 from camid.errors import InputError
-from camid.identification.result import without_infinities
+from camid.identification.identification import without_infinities
 from camid.simulation.file import simulation_text
 from camid.writing import check_writable, write_whole
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
-from camid.fitting.problem import Model, Problem
-from camid.fitting.refit import refit
+from camid.fitting.model import Model
+from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
@@ -52,7 +52,7 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     single event makes most of the mismatch in it, the part with the least.
     """
     experiment = problem.experiments[0]
-    residual = experiment.output - problem.simulate(refit(problem, replace(nominal, effects=())).model)[0]
+    residual = experiment.output - problem.simulate(problem.kind.refit(problem, replace(nominal, effects=())).model)[0]
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     energy = np.array([float(np.median(residual[p] ** 2)) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])

@@ -8,11 +8,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.decide import Decision, p_value
-from camid.diagnosis.result import Finding, Fit, Location, ParameterEstimate
-from camid.diagnosis.separate import separating_experiment
-from camid.diagnosis.weigh import weights
+from camid.diagnosis.diagnosis import Finding, Location, NormalisedErrors, ParameterEstimate
+from camid.diagnosis.effect_selection import Decision, p_value
+from camid.diagnosis.hypothesis import weights
+from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition
+from camid.effects.separating_experiment import advice
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -93,7 +94,10 @@ def findings(
                 evidence,
                 own,
                 others,
-                separating_experiment([effect.identifier, *(n for n, w in others if n != UNLISTED and w > 0.02)]),
+                advice(
+                    effect.separated_by,
+                    [known_effects()[n].separated_by for n, w in others if n != UNLISTED and w > 0.02],
+                ),
             )
         )
     return sorted(result, key=lambda f: -f.evidence["share"])
@@ -121,7 +125,7 @@ def verdict_of(named: bool, structured: bool) -> str:
 
 
 def explanation(
-    verdict: str, found: Sequence[Finding], fit: Fit, location: Location, remainder: float | None = None
+    verdict: str, found: Sequence[Finding], fit: NormalisedErrors, location: Location, remainder: float | None = None
 ) -> str:
     """Two or three plain sentences with the numbers in them."""
     before, after, floor = (100.0 * v for v in (fit.refitted, fit.improved, fit.noise_floor))

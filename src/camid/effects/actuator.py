@@ -11,6 +11,7 @@ from camid.chain.acquisition import HOLDS, Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
 from camid.effects.base import Array, Effect, Parameter, Situation
+from camid.effects.separating_experiment import SeparatingExperiment
 
 # Shares of the largest input, or of its changes, at which thresholds are looked for.
 SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)
@@ -41,6 +42,7 @@ class DeadZone(Effect):
     equation = r"u' = \mathrm{sgn}(u)\,\max(|u| - d,\ 0)"
     reference = "Tao & Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities"
     parameters = (Parameter("half_width", "u", "command d that has no effect", 0.0),)
+    separated_by = (SeparatingExperiment.MANY_LEVELS,)
     strength = "half_width"
     keeps_hold = True
 
@@ -70,6 +72,7 @@ class Saturation(Effect):
     equation = r"u' = \max(-s,\ \min(u,\ s))"
     reference = "Khalil (2002), Nonlinear Systems, 3rd ed., section 1.2"
     parameters = (Parameter("limit", "u", "largest force s in units of the command", 0.0),)
+    separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     keeps_hold = True
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
@@ -110,6 +113,7 @@ class Backlash(Effect):
     equation = r"u'_k = \min(\max(u'_{k-1},\ u_k - b),\ u_k + b)"
     reference = "Nordin & Gutman (2002), Automatica 38, 1633-1649"
     parameters = (Parameter("half_width", "u", "half b of the gap", 0.0),)
+    separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.FREE_DECAY)
     strength = "half_width"
     keeps_hold = True
 
@@ -170,6 +174,7 @@ class RateLimit(Effect):
     equation = r"|\dot u'| \leq r"
     reference = "Khalil (2002), Nonlinear Systems, 3rd ed.; Franklin, Powell & Emami-Naeini, Feedback Control"
     parameters = (Parameter("rate", "u/s", "largest rate r", 0.0),)
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Follow at a limited rate, from zero."""
@@ -196,6 +201,7 @@ class ActuatorLag(Effect):
     equation = r"\tau\,\dot u' + u' = u"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.3"
     parameters = (Parameter("time_constant", "s", "time constant τ", 0.0),)
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     strength = "time_constant"
 
     def before_plant(self) -> TransferFunction | None:
@@ -219,6 +225,7 @@ class GainAsymmetry(Effect):
     equation = r"u' = u\ \ (u \geq 0),\quad u' = \rho\,u\ \ (u < 0)"
     reference = "Jelali & Kroll (2003), Hydraulic Servo-systems, chapter 2 (asymmetric actuators)"
     parameters = (Parameter("ratio", "", "negative over positive gain ρ", 0.0),)
+    separated_by = (SeparatingExperiment.REVERSED_INPUT,)
     keeps_hold = True
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
@@ -260,6 +267,9 @@ class InputHold(Effect):
     )
     reference = "Laroche & Delavigne, section 3.2; Pintelon & Schoukens (2012), System Identification, section 13.2"
     parameters = (Parameter("hold", "", "intersample behaviour of the input", choices=HOLDS),)
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
+    corrects_declaration = True
+    box = "hold"
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
         """Another hold."""
@@ -282,6 +292,7 @@ class InputBias(Effect):
     equation = r"u' = u + b"
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
     parameters = (Parameter("bias", "u", "constant b"),)
+    separated_by = (SeparatingExperiment.REVERSED_INPUT,)
     strength = "bias"
     keeps_hold = True
 

@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import callback
+from camid.effects.separating_experiment import SeparatingExperiment
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
 Array = NDArray[np.float64]
 
-# Begin of a recording, in its durations, beyond which a drift from the zero of its clock is a constant.
+# Start of a recording, in its durations, beyond which a drift from the zero of its clock is a constant.
 FAR_FROM_ZERO = 100.0
 PLACES = ("actuator", "plant", "disturbance", "sensor", "noise")
 SIGNATURE = types.float64(*[types.float64] * 5, types.CPointer(types.float64))
@@ -175,6 +176,23 @@ class Effect:
         Whether the effect changes the noise and not the expected output, so that no simulation shows it.
     uses_velocity : bool
         Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
+    separated_by : tuple of SeparatingExperiment
+        Experiments that tell the effect from the others that name them, too.
+    corrects_declaration : bool
+        Whether a simulation says it in other words (hold, exposure, latency), which the improved one then corrects.
+    box : str
+        Box of the chain that the report marks: the place, if nothing else is said.
+    spoils_rows : bool
+        Of a noise-like effect, whether its rows say nothing of the motion, whatever the model.
+    shows_in_values : bool
+        Of a noise-like effect, whether the recorded values alone show it, so that structure left in the residual cannot
+        imitate it.
+    makes_variance_uneven : bool
+        Of a noise-like effect, whether it makes the variance of the noise change with the position.
+    judged_by_even_spread : bool
+        Of a noise-like effect, whether noise of a variance that changes (see :meth:`added_variance`) imitates it.
+    colours_noise : bool
+        Whether it is what a residual that is not white stands for; see :meth:`of_autoregression`.
 
     Raises
     ------
@@ -193,6 +211,14 @@ class Effect:
     keeps_hold: ClassVar[bool] = False
     noise_like: ClassVar[bool] = False
     uses_velocity: bool = False
+    separated_by: ClassVar[tuple[SeparatingExperiment, ...]] = ()
+    corrects_declaration: ClassVar[bool] = False
+    box: ClassVar[str]
+    spoils_rows: ClassVar[bool] = False
+    shows_in_values: ClassVar[bool] = False
+    makes_variance_uneven: ClassVar[bool] = False
+    judged_by_even_spread: ClassVar[bool] = False
+    colours_noise: ClassVar[bool] = False
     # Compiled parts; see :class:`Compiled` for their arguments.
     force: ClassVar[Compiled | None] = None
     """Force against the motion, in units of u."""
@@ -209,6 +235,8 @@ class Effect:
         if "identifier" in vars(cls):
             if cls.place not in PLACES:
                 raise ValueError(f"{cls.__name__}: place '{cls.place}' is none of {', '.join(PLACES)}")
+            if "box" not in vars(cls):
+                cls.box = cls.place
             _catalogue[cls.identifier] = cls
 
     def __init__(self, **values: Any) -> None:
@@ -303,11 +331,11 @@ class Effect:
         return None
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
-        """Input behind the effect on a grid: value at the begin and at the end of each step of ``step`` seconds."""
+        """Input behind the effect on a grid: value at the start and at the end of each step of ``step`` seconds."""
         return start, end
 
     def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:
-        """Begin and end of the exposures in seconds, shape (N,), where the effect shifts them."""
+        """Start and end of the exposures in seconds, shape (N,), where the effect shifts them."""
         return start, end
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
@@ -329,6 +357,18 @@ class Effect:
     def recognise(cls, situation: Situation) -> Recognition | None:
         """For noise-like effects: whether residual and recorded values show it."""
         raise NotImplementedError(f"{cls.__name__} changes the expected output")
+
+    def added_variance(self, situation: Situation) -> Array | None:
+        """For noise-like effects: variance that it adds to the noise of each row, shape (N,); None where it adds none.
+
+        Only what changes from row to row is meant.
+        """
+        return None
+
+    @classmethod
+    def of_autoregression(cls, coefficients: Array) -> Effect:
+        """For an effect that colours the noise: with the autoregression α_1 … α_p of the residual, shape (p,)."""
+        raise NotImplementedError(f"{cls.__name__} does not colour the noise")
 
     @classmethod
     def limit_of_recognition(cls, situation: Situation) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 
 from camid.chain.exact import sample
 from camid.effects.base import Array, Effect, Parameter, Situation, compiled
+from camid.effects.separating_experiment import SeparatingExperiment
 
 # Spectral lines of the residual, and times, that are looked into.
 LINES = 4
@@ -31,6 +32,7 @@ class PeriodicDisturbance(Effect):
         Parameter("frequency", "rad/s", "angular frequency ω", 0.0, scale="resolution"),
         Parameter("phase", "rad", "phase φ at time zero", scale="one"),
     )
+    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
     strength = "amplitude"
     trials = "frequencies"
 
@@ -101,6 +103,11 @@ class StepDisturbance(Effect):
         Parameter("size", "u", "size s"),
         Parameter("time", "s", "onset t_0", scale="period"),
     )
+    separated_by = (
+        SeparatingExperiment.REVERSED_INPUT,
+        SeparatingExperiment.REPEATED_INPUT,
+        SeparatingExperiment.NO_INPUT,
+    )
     strength = "size"
     trials = "frames"
 
@@ -134,6 +141,7 @@ class ImpulseDisturbance(Effect):
         Parameter("size", "u s", "size s"),
         Parameter("time", "s", "time t_0", scale="period"),
     )
+    separated_by = (SeparatingExperiment.NO_INPUT,)
     strength = "size"
     trials = "frames"
 

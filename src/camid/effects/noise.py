@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.base import Array, Effect, Parameter, Recognition, Situation
+from camid.effects.separating_experiment import SeparatingExperiment
 
 # A lattice whose rounding error has less than this share of the residual's variance does not matter.
 NEGLIGIBLE_ROUNDING = 0.02
@@ -79,6 +80,8 @@ class Quantisation(Effect):
     equation = r"w = q\,\mathrm{round}(w/q)"
     reference = "Widrow & Kollar (2008), Quantization Noise"
     parameters = (Parameter("step", "y", "step q of the lattice", 1e-300),)
+    shows_in_values = True
+    makes_variance_uneven = True
     noise_like = True
 
     def observe(self, output: Array, time: Array) -> Array:
@@ -106,6 +109,9 @@ class DroppedFrames(Effect):
     equation = r"w_k = w_{k-1}\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
     reference = "Laroche & Delavigne, section 2 (every frame is delivered)"
     parameters = (Parameter("fraction", "", "share p of repeated frames", 0.0, 1.0),)
+    separated_by = (SeparatingExperiment.NO_INPUT,)
+    shows_in_values = True
+    spoils_rows = True
     noise_like = True
 
     @classmethod
@@ -160,6 +166,10 @@ class Outliers(Effect):
     equation = r"w_k = w + o_k\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
     reference = "Huber & Ronchetti (2009), Robust Statistics, 2nd ed."
     parameters = (Parameter("fraction", "", "share p of the frames", 0.0, 1.0),)
+    separated_by = (SeparatingExperiment.NO_INPUT,)
+    spoils_rows = True
+    makes_variance_uneven = True
+    judged_by_even_spread = True
     noise_like = True
 
     @classmethod
@@ -209,6 +219,7 @@ class TimestampJitter(Effect):
     equation = r"w_k = w(t_k + \delta_k),\quad \delta_k \sim \mathcal{N}(0, \sigma_t^2)"
     reference = "Souders et al. (1990), IEEE Trans. Instrum. Meas. 39, 80-85"
     parameters = (Parameter("std", "s", "standard deviation σ_t of the times", 0.0),)
+    makes_variance_uneven = True
     noise_like = True
 
     @classmethod
@@ -226,6 +237,10 @@ class TimestampJitter(Effect):
         timing = sqrt(jitter)
         spoiled = np.zeros(len(situation.time), bool)
         return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
+
+    def added_variance(self, situation: Situation) -> Array:
+        """What passes in the time by which a frame is early or late, squared."""
+        return np.asarray((self.values["std"] * situation.velocity) ** 2)
 
 
 def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
@@ -264,9 +279,15 @@ class ColouredNoise(Effect):
     parameters = (
         Parameter("spectrum", "", "coefficients α_i of the autoregression with the noise's spectrum", sequence=True),
     )
+    colours_noise = True
     noise_like = True
 
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """The diagnosis tests every residual for whiteness, with regard to what was fitted, and asks nothing here."""
         return None
+
+    @classmethod
+    def of_autoregression(cls, coefficients: Array) -> ColouredNoise:
+        """The noise with this autoregression."""
+        return cls(spectrum=coefficients.tolist())

@@ -13,6 +13,7 @@ import numpy as np
 
 from camid.chain.plant import TransferFunction, second_order
 from camid.effects.base import Effect, Parameter, Situation, compiled
+from camid.effects.separating_experiment import SeparatingExperiment
 
 # Force of a first guess as a share of the largest input: small, but above the rounding of the integrator.
 GUESS = 0.02
@@ -64,6 +65,7 @@ class CoulombFriction(Effect):
     equation = r"f = f_c\,\mathrm{sgn}(\dot y),\quad |f| \leq f_c\ \mathrm{at\ rest}"
     reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
     parameters = (Parameter("force", "u", "friction f_c", 0.0),)
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "force"
     uses_velocity = True
 
@@ -91,6 +93,7 @@ class StribeckFriction(Effect):
         Parameter("breakaway", "u", "friction f_s at rest", 0.0),
         Parameter("velocity", "y/s", "Stribeck velocity v_s", 1e-300),
     )
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
     uses_velocity = True
 
     @compiled
@@ -130,6 +133,7 @@ class QuadraticDrag(_AgainstMotion):
     equation = r"f = c\,|\dot y|\,\dot y"
     reference = "Worden & Tomlinson (2001), Nonlinearity in Structural Dynamics, chapter 1"
     parameters = (Parameter("coefficient", "u s^2/y^2", "drag c"),)
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "coefficient"
     uses_velocity = True
 
@@ -153,6 +157,7 @@ class CubicStiffness(_AgainstMotion):
     equation = r"f = \beta\,y^3"
     reference = "Kerschen et al. (2006), Mech. Syst. Signal Process. 20, 505-592"
     parameters = (Parameter("coefficient", "u/y^3", "stiffness β, negative where it softens"),)
+    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
     strength = "coefficient"
 
     @compiled
@@ -175,6 +180,7 @@ class QuadraticStiffness(_AgainstMotion):
     equation = r"f = \gamma\,y^2"
     reference = "Kerschen et al. (2006), Mech. Syst. Signal Process. 20, 505-592"
     parameters = (Parameter("coefficient", "u/y^2", "stiffness γ"),)
+    separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.HELD_POSITIONS)
     strength = "coefficient"
 
     @compiled
@@ -197,6 +203,7 @@ class PendulumGravity(Effect):
     equation = r"f = k\,(A\,\sin(y/A) - y),\quad k = 1/G(0)"
     reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
     parameters = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
+    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
@@ -229,6 +236,7 @@ class EndStop(_AgainstMotion):
         Parameter("position", "y", "begin y_s of the contact"),
         Parameter("stiffness", "u/y", "stiffness k_s of the contact", 0.0),
     )
+    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
     strength = "stiffness"
     signed = 1
 
@@ -272,6 +280,7 @@ class Hysteresis(_AgainstMotion):
         Parameter("strength", "u", "largest hysteretic force h", 0.0),
         Parameter("shape", "1/y", "inverse κ of the displacement that saturates it", 1e-300),
     )
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "strength"
 
     @compiled
@@ -323,6 +332,7 @@ class ExtraMode(Effect):
         Parameter("natural_frequency", "rad/s", "natural frequency ω₁", 1e-300),
         Parameter("damping", "", "damping ratio ξ₁", 0.0, 5.0),
     )
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
     def behind_plant(self) -> TransferFunction | None:
         """The mode, with a static gain of one."""
@@ -355,6 +365,7 @@ class ParameterDrift(Effect):
         Parameter("coefficient", "", "what drifts", choices=("stiffness", "damping", "gain")),
         Parameter("rate", "1/s", "relative change r per second"),
     )
+    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
     strength = "rate"
 
     def __init__(self, **values: Any) -> None:

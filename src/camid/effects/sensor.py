@@ -10,6 +10,7 @@ import numpy as np
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Array, Effect, Parameter, Situation
+from camid.effects.separating_experiment import SeparatingExperiment
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
@@ -33,6 +34,8 @@ class Exposure(Effect):
     equation = r"w_k = \frac{1}{\tau}\int_{t_k-\ell-\tau}^{t_k-\ell} y\,\mathrm{d}t"
     reference = "Laroche & Delavigne, equation (6)"
     parameters = (Parameter("exposure", "s", "exposure τ; 0 for an instant sensor", 0.0),)
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
+    corrects_declaration = True
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
         """The camera with this exposure, at most the period; periods of several recordings differ by a hair."""
@@ -61,6 +64,8 @@ class Delay(Effect):
     equation = r"w_k = w(t_k - \theta)"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.2"
     parameters = (Parameter("delay", "s", "delay θ beyond the declared latency"),)
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
+    corrects_declaration = True
     strength = "delay"
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
@@ -119,6 +124,7 @@ class ClockSkew(Effect):
     equation = r"w_k = w((1 + \epsilon)\,t_k)"
     reference = "Moon, Skelly & Towsley (1999), Proc. IEEE INFOCOM, 227-234"
     parameters = (Parameter("skew", "", "relative rate ε", -0.5, 0.5),)
+    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
     strength = "skew"
 
     def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:
@@ -142,6 +148,7 @@ class LensDistortion(Effect):
     equation = r"w = y\,(1 + k_1 y^2)"
     reference = "Brown (1966), Photogramm. Eng. 32, 444-462"
     parameters = (Parameter("k1", "1/y^2", "first radial coefficient k₁"),)
+    separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     strength = "k1"
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
@@ -166,6 +173,7 @@ class Perspective(Effect):
     equation = r"w = \frac{y}{1 + c\,y}"
     reference = "Hartley & Zisserman (2004), Multiple View Geometry in Computer Vision, 2nd ed., section 2.3"
     parameters = (Parameter("obliqueness", "1/y", "relative change c of the distance with the position"),)
+    separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     strength = "obliqueness"
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
@@ -195,6 +203,7 @@ class Clipping(Effect):
         Parameter("low", "y", "smallest value c₋"),
         Parameter("high", "y", "largest value c₊"),
     )
+    separated_by = (SeparatingExperiment.SCALE_IN_THE_IMAGE,)
 
     def observe(self, output: Array, time: Array) -> Array:
         """Clip."""
@@ -230,6 +239,7 @@ class SensorOffset(Effect):
     equation = r"w = y + b"
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
     parameters = (Parameter("offset", "y", "offset b"),)
+    separated_by = (SeparatingExperiment.REVERSED_INPUT,)
     strength = "offset"
 
     def observe(self, output: Array, time: Array) -> Array:
@@ -251,6 +261,7 @@ class SensorDrift(Effect):
     equation = r"w = y + r\,t"
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
     parameters = (Parameter("rate", "y/s", "rate r"),)
+    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
     strength = "rate"
 
     def observe(self, output: Array, time: Array) -> Array:
@@ -277,6 +288,7 @@ class AbsoluteValue(Effect):
     equation = r"w = |y|"
     reference = "Wigren & Schoukens (2017), Coupled electric drives data set (pulse counters without sign)"
     parameters = ()
+    separated_by = (SeparatingExperiment.SCALE_IN_THE_IMAGE,)
 
     def observe(self, output: Array, time: Array) -> Array:
         """Drop the sign."""

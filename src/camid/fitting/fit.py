@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.engine.run import NotApplicable
+from camid.fitting.model import Model
 from camid.fitting.packing import Packing
-from camid.fitting.problem import Model, Noise, Problem
+from camid.fitting.problem import Noise, Problem
 
 Array = NDArray[np.float64]
 

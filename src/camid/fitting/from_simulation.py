@@ -1,9 +1,8 @@
-"""From recordings and a simulation to what is fitted: structure, problem and nominal model."""
+"""From recordings and a simulation to what is fitted: structure, kind of plant, problem and nominal model."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,12 @@ from camid.chain.controller import Loop
 from camid.chain.exact import time_scale
 from camid.effects.base import Effect
 from camid.errors import InputError
-from camid.fitting.problem import Model, Problem
+from camid.fitting.model import Model
+from camid.fitting.plants.closed_loop import ClosedLoop
+from camid.fitting.plants.kind import PlantKind
+from camid.fitting.plants.linear import FreeDecay, LinearPlant
+from camid.fitting.plants.pendulum import Pendulum
+from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
@@ -26,37 +30,49 @@ def structure_of(believed: Simulation) -> Structure:
     monic = believed.plant.monic
     if monic.order == 0:
         raise InputError("the plant has no dynamics", where=believed.source, hint="give it at least one pole")
-    # A free decay says nothing of the numerator: it keeps its believed value.
-    free = believed.free_numerator & (believed.input_column is not None)
+    free = _free_numerator(believed)
     return Structure(np.array(monic.numerator), np.array(monic.denominator), free, believed.free_denominator)
+
+
+def _free_numerator(believed: Simulation) -> NDArray[np.bool_]:
+    """A free decay says nothing of the numerator: it keeps its believed value."""
+    return believed.free_numerator & (believed.input_column is not None)
+
+
+def kind_of(believed: Simulation, recordings: Sequence[Recording]) -> PlantKind:
+    """The kind of plant that a simulation declares, for these recordings."""
+    plant = _uncontrolled(believed)
+    controller = believed.controller
+    if controller is None:
+        return plant
+    loops = tuple(Loop(controller, r.columns[controller.reference]) for r in recordings)
+    positions = tuple(r.columns[believed.output_column] for r in recordings if believed.output_column in r.columns)
+    return ClosedLoop(plant, loops, positions)
+
+
+def _uncontrolled(believed: Simulation) -> PlantKind:
+    pendulum = believed.pendulum
+    if pendulum is not None:
+        gain_free = bool(_free_numerator(believed)[0])
+        return Pendulum(pendulum.rest, pendulum.is_free("rest"), None if gain_free else pendulum.gain)
+    return FreeDecay() if believed.input_column is None else LinearPlant()
 
 
 def problem_of(
     believed: Simulation, structure: Structure, recordings: list[Recording], experiments: list[Experiment]
 ) -> Problem:
-    """What is diagnosed; in a closed loop the control is what is compared."""
-    loops: tuple[Loop, ...] = ()
-    positions: tuple[Array, ...] = ()
-    if believed.controller is not None:
-        loops = tuple(Loop(believed.controller, r.columns[believed.controller.reference]) for r in recordings)
-        positions = tuple(e.output for e in experiments)
-        experiments = [replace(e, output=e.signal) for e in experiments]
-    pendulum = believed.pendulum
-    gain_fixed = pendulum is not None and not bool(structure.free_numerator[0])
+    """What is fitted and diagnosed."""
+    kind = kind_of(believed, recordings)
     return Problem(
         structure,
-        experiments,
+        kind.compared(experiments),
         [r.time for r in recordings],
+        kind,
         time_scale(tuple(structure.denominator)),
-        loops=loops,
-        positions=positions,
-        rest_free=pendulum is not None and pendulum.is_free("rest"),
-        fixed_gain=pendulum.gain if pendulum is not None and gain_fixed else None,
         remainder=believed.remainder,
     )
 
 
-def model_of(believed: Simulation, structure: Structure, effects: Sequence[Effect]) -> Model:
+def model_of(problem: Problem, effects: Sequence[Effect]) -> Model:
     """The nominal model, with the effects that the simulation declares."""
-    rest = None if believed.pendulum is None else believed.pendulum.rest
-    return Model(structure.coefficients(), tuple(effects), rest=rest)
+    return Model(problem.structure.coefficients(), tuple(effects), constants=problem.kind.constants())

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import time_scale
-from camid.fitting.problem import Model, Problem
+from camid.chain.exact import companion, time_scale
+from camid.engine.run import companion_block
+from camid.fitting.model import Model
+from camid.fitting.problem import Problem
+from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 # Motion at the first sample: a cubic through so much of the recording, in time constants of the plant, and its rows.
@@ -19,25 +22,25 @@ FEWEST_SMOOTHED, MOST_SMOOTHED = 6, 60
 def recorded_start(problem: Problem, model: Model) -> Model:
     """The model with initial states that the first recorded positions show."""
     initial: list[Array | None] = []
+    positions = problem.kind.recorded_positions(problem)
     for index, experiment in enumerate(problem.experiments):
         if not experiment.estimate_initial_state:
             initial.append(None)
             continue
-        recorded = problem.positions[index] if problem.closed else experiment.output
-        position, velocity = _first_motion(problem, index, problem.restored(recorded, model))
-        initial.append(_companion_state(problem, model, position, velocity))
+        position, velocity = _first_motion(problem, index, problem.kind.at_plant(positions[index], model))
+        initial.append(_smallest_state(problem, model, position, velocity))
     return replace(model, initial=tuple(initial))
 
 
 def _first_motion(problem: Problem, index: int, recorded: Array) -> tuple[float, float]:
-    """Position and velocity (per second) where the simulation begins, from a cubic through the first recorded rows."""
+    """Position and velocity (per second) where the simulation starts, from a cubic through the first recorded rows."""
     experiment = problem.experiments[index]
     acquisition = experiment.acquisition
     denominator = np.concatenate([[1.0], problem.structure.denominator[1:]])
     constant = time_scale(tuple(denominator))
     rows = int(np.clip(SMOOTHED * constant / acquisition.period, FEWEST_SMOOTHED, MOST_SMOOTHED))
     used = np.flatnonzero(experiment.used)[:rows]
-    delay = acquisition.window()[0] if experiment.free_motion_before_record and not problem.closed else 0
+    delay = acquisition.window()[0] if problem.kind.state_before_record(experiment) else 0
     exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
     # A mean over an exposure is the position in its middle, up to the second order.
     seen = (used + delay) * acquisition.period - acquisition.latency - 0.5 * exposure
@@ -45,13 +48,41 @@ def _first_motion(problem: Problem, index: int, recorded: Array) -> tuple[float,
     return float(polynomial(0.0)), float(polynomial.deriv()(0.0))
 
 
-def _companion_state(problem: Problem, model: Model, position: float, velocity: float) -> Array:
+def _smallest_state(problem: Problem, model: Model, position: float, velocity: float) -> Array:
     """The smallest companion state with this position and velocity."""
-    from camid.engine.run import companion_block
-
     plant = problem.structure.plant(model.coefficients)
     unit = time_scale(plant.monic.denominator)
     matrix, row, _ = companion_block(plant, unit)
     table = np.vstack([row, row @ matrix / unit])
     wanted = np.array([position, velocity])
     return np.asarray(np.linalg.lstsq(table, wanted, rcond=None)[0], dtype=np.float64)
+
+
+def companion_state(structure: Structure, coefficients: Array, polynomial: Array) -> Array:
+    """Companion state of a plant whose free motion is C/A, as the engine takes it.
+
+    Parameters
+    ----------
+    structure : Structure
+    coefficients : ndarray, shape (m + 1 + n,)
+        SI units.
+    polynomial : ndarray, shape (n,)
+        C in units of the plant's time scale, highest power first, see :func:`camid.chain.exact.sample`.
+    """
+    plant = structure.plant(coefficients)
+    unit = time_scale(plant.monic.denominator)
+    order, degree = structure.order, structure.degree
+    denominator = np.asarray(plant.monic.denominator) * unit ** np.arange(order + 1)
+    numerator = np.asarray(coefficients[: degree + 1]) * unit ** (order - degree + np.arange(degree + 1.0))
+    matrix = companion(denominator)
+    row = np.zeros(order)
+    row[max(order - degree - 1, 0) :] = numerator[-order:]
+    observed, wanted = np.zeros((order, order)), np.zeros(order)
+    free = np.asarray(polynomial, dtype=float)
+    state = np.eye(order)[0]
+    for k in range(order):
+        observed[k] = row
+        wanted[k] = free @ state
+        row = row @ matrix
+        state = matrix @ state
+    return np.asarray(np.linalg.lstsq(observed, wanted, rcond=None)[0], dtype=np.float64)

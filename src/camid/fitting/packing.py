@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.fitting.problem import Model, Problem
+from camid.effects.base import Parameter
+from camid.fitting.model import Model
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -22,12 +24,13 @@ class Packing:
     lower: Array
     upper: Array
     names: list[str]
+    problem: Problem
+    constants: tuple[Parameter, ...] = ()
     fixed: int = 0
-    fixed_gain: float | None = None
 
     @classmethod
     def of(cls, problem: Problem, model: Model, fixed: int = 0) -> Packing:
-        """Packing of the free coefficients, the effects' parameters and the initial states.
+        """Packing of the free coefficients, the effects' parameters, the plant's constants and the initial states.
 
         The first ``fixed`` effects keep their values.
         """
@@ -47,11 +50,12 @@ class Packing:
                 lower.append(parameter.lower)
                 upper.append(parameter.upper)
                 names.append(f"{i} {parameter.name}")
-        if problem.rest_free and model.rest is not None:
-            units.append(1.0)
-            lower.append(-np.inf)
-            upper.append(np.inf)
-            names.append("rest")
+        constants = problem.kind.free_constants()
+        for constant in constants:
+            units.append(_measure(problem, constant.scale, model.constants[constant.name]))
+            lower.append(constant.lower)
+            upper.append(constant.upper)
+            names.append(constant.name)
         for i, state in enumerate(model.initial):
             if state is not None:
                 size = float(np.linalg.norm(state)) or 1.0
@@ -61,13 +65,12 @@ class Packing:
                 names += [f"initial {i}"] * len(state)
         measures = np.array(units)
         low, high = np.array(lower) / measures, np.array(upper) / measures
-        return cls(model, free, measures, low, high, names, fixed, problem.fixed_gain)
+        return cls(model, free, measures, low, high, names, problem, constants, fixed)
 
     def pack(self, model: Model) -> Array:
         """Vector of a model."""
         parts = [model.coefficients[self.free], *(e.vector for e in model.effects[self.fixed :])]
-        if "rest" in self.names:
-            parts.append(np.array([model.rest]))
+        parts.append(np.array([model.constants[c.name] for c in self.constants]))
         parts += [s for s in model.initial if s is not None]
         return np.concatenate(parts) / self.units
 
@@ -77,16 +80,15 @@ class Packing:
         coefficients = self.template.coefficients.copy()
         position = int(np.count_nonzero(self.free))
         coefficients[self.free] = values[:position]
-        if self.fixed_gain is not None:
-            coefficients[0] = self.fixed_gain * coefficients[-1]
+        coefficients = self.problem.kind.completed(coefficients)
         effects = list(self.template.effects[: self.fixed])
         for effect in self.template.effects[self.fixed :]:
             size = len(effect.numeric())
             effects.append(effect.with_vector(values[position : position + size]) if size else effect)
             position += size
-        rest = self.template.rest
-        if "rest" in self.names:
-            rest = float(values[position])
+        constants = dict(self.template.constants)
+        for constant in self.constants:
+            constants[constant.name] = float(values[position])
             position += 1
         initial: list[Array | None] = []
         for state in self.template.initial:
@@ -95,7 +97,7 @@ class Packing:
             else:
                 initial.append(values[position : position + len(state)])
                 position += len(state)
-        return Model(coefficients, tuple(effects), tuple(initial), rest)
+        return Model(coefficients, tuple(effects), tuple(initial), constants)
 
 
 def _stable(problem: Problem) -> Array:

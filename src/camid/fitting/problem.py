@@ -1,25 +1,30 @@
-"""What is diagnosed: recordings of one rig, the structure of its nominal plant, and models of it with effects."""
+"""What is fitted: recordings of one rig, the structure of its nominal plant, and what models of it make of them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.controller import Loop
-from camid.chain.exact import companion, time_scale
-from camid.chain.plant import TransferFunction
-from camid.effects.base import Effect, Situation
-from camid.effects.pendulum import PendulumPlant
+from camid.chain.acquisition import Acquisition
+from camid.effects.base import Situation
 from camid.engine.run import Chain, move, run, steps_of
+from camid.fitting.model import Model
 from camid.identification.experiment import Experiment
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
 from camid.identification.structure import Structure
 
+if TYPE_CHECKING:
+    from camid.fitting.plants.kind import PlantKind
+
 Array = NDArray[np.float64]
+
+# Threads that simulate side by side.
+WORKERS = 2
 
 LARGEST_LAG = 25
 LARGEST_ORDER = 12
@@ -31,35 +36,6 @@ COLOURED = 12.0
 MOST_COARSE_STEPS = 12
 MOST_STEPS = 100
 ROWS_A_LAG = 8
-
-
-@dataclass(frozen=True)
-class Model:
-    """A plant with effects.
-
-    Attributes
-    ----------
-    coefficients : ndarray, shape (m + 1 + n,)
-        [b_0 … b_m, a_1 … a_n] of the monic plant in SI units.
-    effects : tuple of Effect
-    initial : tuple of (ndarray or None)
-        Companion state of the plant at the begin of each recording; None at rest.
-    rest : float, optional
-        Angle in rad at which a pendulum hangs still; None where the plant is no pendulum.
-    """
-
-    coefficients: Array
-    effects: tuple[Effect, ...] = ()
-    initial: tuple[Array | None, ...] = ()
-    rest: float | None = None
-
-    def without(self, index: int) -> Model:
-        """The same model without one of its effects."""
-        return replace(self, effects=self.effects[:index] + self.effects[index + 1 :])
-
-    def plus(self, effect: Effect) -> Model:
-        """The same model with one effect more."""
-        return replace(self, effects=(*self.effects, effect))
 
 
 @dataclass(frozen=True)
@@ -86,22 +62,14 @@ class Problem:
     ----------
     structure : Structure
     experiments : list of Experiment
-        ``used`` marks the rows that are fitted.
+        ``used`` marks the rows that are fitted; the outputs are what is compared.
     times : list of ndarray, each of shape (N,)
         Recorded times in seconds.
+    kind : PlantKind
     unit : float
         Time in seconds that makes the plant's coefficients of the order of one.
     steps : tuple of int, optional
         Steps of the integrator in a period of each recording; see :meth:`pinned`.
-    loops : tuple of Loop, optional
-        The controller of each recording with its reference. The outputs of the experiments are then what it put out:
-        the position follows the reference whatever the plant is like.
-    positions : tuple of ndarray, each of shape (N,)
-        The recorded positions in a closed loop.
-    rest_free : bool
-        Whether the angle at rest of a pendulum is re-estimated.
-    fixed_gain : float, optional
-        Ratio of b_0 to a_n that is kept where a pendulum's natural frequency is re-estimated and its gain is not.
     remainder : float, optional
         Root mean square of what an earlier diagnosis left unexplained.
     """
@@ -109,34 +77,10 @@ class Problem:
     structure: Structure
     experiments: list[Experiment]
     times: list[Array]
-    unit: float = field(default=1.0)
+    kind: PlantKind
+    unit: float = 1.0
     steps: tuple[int, ...] | None = None
-    loops: tuple[Loop, ...] = ()
-    positions: tuple[Array, ...] = ()
-    rest_free: bool = False
-    fixed_gain: float | None = None
     remainder: float | None = None
-
-    @property
-    def closed(self) -> bool:
-        """Whether a controller makes the input."""
-        return bool(self.loops)
-
-    def is_linear(self, model: Model) -> bool:
-        """Whether the plant without effects is linear and driven by a recorded input."""
-        return not self.closed and model.rest is None
-
-    def is_winding(self, model: Model) -> bool:
-        """Whether an effect changes a phase that adds up: a pendulum, or a free decay.
-
-        The change of the output is then proportional to an effect's size for very small ones only. What the screening
-        says of it, and the first steps of a fit, are no measure of what the effect would explain.
-        """
-        return model.rest is not None or not any(np.any(e.signal) for e in self.experiments)
-
-    def restored(self, recorded: Array, model: Model) -> Array:
-        """Recorded positions as the plant's forces count them: from the angle at rest."""
-        return recorded if model.rest is None else recorded - model.rest
 
     @cached_property
     def output(self) -> Array:
@@ -144,7 +88,7 @@ class Problem:
         return self.fitted([e.output for e in self.experiments])
 
     @property
-    def acquisition(self):  # type: ignore[no-untyped-def]
+    def acquisition(self) -> Acquisition:
         """Declared acquisition of the first recording."""
         return self.experiments[0].acquisition
 
@@ -154,7 +98,7 @@ class Problem:
         return max(float(t[-1] - t[0]) for t in self.times)
 
     def fitted(self, rows: Sequence[Array]) -> Array:
-        """The fitted rows of all recordings, one behind the other."""
+        """The fitted rows of all recordings, concatenated."""
         return np.concatenate([r[e.used] for r, e in zip(rows, self.experiments, strict=True)])
 
     def with_used(self, used: Sequence[NDArray[np.bool_]]) -> Problem:
@@ -162,25 +106,23 @@ class Problem:
         experiments = [replace(e, used=u) for e, u in zip(self.experiments, used, strict=True)]
         return replace(self, experiments=experiments)
 
-    def beginning(self, rows: int) -> Problem:
-        """The same recordings, cut off behind so many rows."""
+    def start_of(self, rows: int) -> Problem:
+        """The same recordings, cut off after so many rows."""
         experiments = [
             replace(e, signal=e.signal[:rows], output=e.output[:rows], used=e.used[:rows]) for e in self.experiments
         ]
-        loops = tuple(replace(loop, reference=loop.reference[:rows]) for loop in self.loops)
-        return replace(
-            self,
-            experiments=experiments,
-            times=[t[:rows] for t in self.times],
-            loops=loops,
-            positions=tuple(p[:rows] for p in self.positions),
-        )
+        times = [t[:rows] for t in self.times]
+        return replace(self, experiments=experiments, times=times, kind=self.kind.start_of(rows))
 
-    def unseen(self, effect: type[Effect]) -> str | None:
-        """Why recordings of this kind cannot show an effect; None if they can."""
-        if self.closed and (effect.place == "sensor" or effect.identifier in {"input-hold", "exposure", "delay"}):
-            return "in a closed loop the control tells of the plant; the controller has a sensor of its own"
-        return None
+    def all_fixed(self) -> Problem:
+        """The same with none of the plant's constants free."""
+        return replace(self, kind=self.kind.all_fixed())
+
+    def with_initial_states(self, model: Model) -> Model:
+        """The model with the initial states that a fit starts from."""
+        if not any(e.estimate_initial_state for e in self.experiments):
+            return replace(model, initial=tuple(None for _ in self.experiments))
+        return self.kind.with_initial_states(self, model)
 
     def pinned(self, model: Model, *, finest: bool) -> Problem:
         """The same with the steps of the integrator that suit a model.
@@ -199,23 +141,23 @@ class Problem:
     def chain(self, model: Model, index: int) -> Chain:
         """Chain of a model as recording ``index`` saw it."""
         experiment = self.experiments[index]
-        pendulum = () if model.rest is None else (PendulumPlant(rest=model.rest),)
         return Chain(
             self.structure.plant(model.coefficients),
             experiment.acquisition,
-            (*pendulum, *model.effects),
+            (*self.kind.forces(model), *model.effects),
             model.initial[index] if model.initial else None,
-            experiment.free_motion_before_record,
+            self.kind.state_before_record(experiment),
             None if self.steps is None else self.steps[index],
-            self.loops[index] if self.closed else None,
+            self.kind.loop(index),
         )
 
+    def simulate_one(self, model: Model, index: int) -> Array:
+        """What is compared with the output of one recording, all rows, shape (N,)."""
+        return run(self.chain(model, index), self.experiments[index].signal, self.times[index])
+
     def simulate(self, model: Model) -> list[Array]:
-        """Sensor output of every recording, all rows: shapes (N,)."""
-        return [
-            run(self.chain(model, i), e.signal, t)
-            for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True))
-        ]
+        """What is compared with the outputs of all recordings, all rows: shapes (N,)."""
+        return [self.simulate_one(model, i) for i in range(len(self.experiments))]
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
         """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) a recording."""
@@ -226,53 +168,15 @@ class Problem:
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found
 
-    def situation(self, model: Model, index: int | None = None, *, at_sensor: bool = True) -> Situation:
-        """What first guesses need, of one recording: the longest where none is named.
+    def situation(self, model: Model, index: int | None = None) -> Situation:
+        """What first guesses need, of one recording as its sensor sees it: the longest where none is named."""
+        return self.situations(model, index)[0]
 
-        The positions of a pendulum count from its rest where not the sensor but the plant is looked at.
-        """
+    def situations(self, model: Model, index: int | None = None) -> tuple[Situation, Situation]:
+        """The same as the sensor sees it, and with positions as the plant's forces count them."""
         if index is None:
             index = int(np.argmax([np.count_nonzero(e.used) for e in self.experiments]))
-        experiment = self.experiments[index]
-        if self.closed:
-            return self._closed_situation(model, index)
-        simulated = run(self.chain(model, index), experiment.signal, self.times[index])
-        residual = np.where(experiment.used, experiment.output - simulated, 0.0)
-        acquisition = experiment.acquisition
-        for effect in model.effects:
-            acquisition = effect.declare(acquisition)
-        recorded = experiment.output
-        if not at_sensor:
-            recorded, simulated = self.restored(recorded, model), self.restored(simulated, model)
-        return Situation(
-            self.times[index],
-            experiment.signal,
-            recorded,
-            simulated,
-            np.gradient(simulated, acquisition.period),
-            residual,
-            self.structure.plant(model.coefficients),
-            acquisition,
-            experiment.used,
-        )
-
-    def _closed_situation(self, model: Model, index: int) -> Situation:
-        """Position and velocity are the simulated ones, the residual is that of the control."""
-        experiment, time = self.experiments[index], self.times[index]
-        motion = move(self.chain(model, index), experiment.signal, time)
-        nodes = np.round((time - motion.begin) / motion.step).astype(int)
-        simulated = np.zeros(len(time)) if motion.control is None else motion.control
-        return Situation(
-            time,
-            experiment.signal,
-            self.positions[index],
-            motion.position[nodes],
-            motion.velocity[nodes],
-            np.where(experiment.used, experiment.output - simulated, 0.0),
-            self.structure.plant(model.coefficients),
-            experiment.acquisition,
-            experiment.used,
-        )
+        return self.kind.situations(self, model, index)
 
     # -- noise -----------------------------------------------------------------------------------------------------
 
@@ -332,38 +236,3 @@ class Problem:
                 known[part][lag:][~near] = False
         result[~known] = 0.0
         return result
-
-
-def companion_state(structure: Structure, coefficients: Array, polynomial: Array) -> Array:
-    """Companion state of a plant whose free motion is C/A, as the engine takes it.
-
-    Parameters
-    ----------
-    structure : Structure
-    coefficients : ndarray, shape (m + 1 + n,)
-        SI units.
-    polynomial : ndarray, shape (n,)
-        C in units of the plant's time scale, highest power first, see :func:`camid.chain.exact.sample`.
-    """
-    plant = structure.plant(coefficients)
-    unit = time_scale(plant.monic.denominator)
-    order, degree = structure.order, structure.degree
-    denominator = np.asarray(plant.monic.denominator) * unit ** np.arange(order + 1)
-    numerator = np.asarray(coefficients[: degree + 1]) * unit ** (order - degree + np.arange(degree + 1.0))
-    matrix = companion(denominator)
-    row = np.zeros(order)
-    row[max(order - degree - 1, 0) :] = numerator[-order:]
-    observed, wanted = np.zeros((order, order)), np.zeros(order)
-    free = np.asarray(polynomial, dtype=float)
-    state = np.eye(order)[0]
-    for k in range(order):
-        observed[k] = row
-        wanted[k] = free @ state
-        row = row @ matrix
-        state = matrix @ state
-    return np.asarray(np.linalg.lstsq(observed, wanted, rcond=None)[0], dtype=np.float64)
-
-
-def plant_of(problem: Problem, model: Model) -> TransferFunction:
-    """Plant of a model."""
-    return problem.structure.plant(model.coefficients)

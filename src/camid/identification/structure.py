@@ -65,3 +65,10 @@ class Structure:
         """Transfer function of [b_0 … b_m, a_1 … a_n]."""
         split = self.degree + 1
         return TransferFunction(tuple(coefficients[:split]), (1.0, *coefficients[split:]))
+
+    def full_covariance(self, covariance: Array) -> Array:
+        """Covariance of all coefficients, zero for those that are not free, from that of the free ones."""
+        free = np.flatnonzero(self.free)
+        result = np.zeros((len(self.free), len(self.free)))
+        result[np.ix_(free, free)] = covariance
+        return result

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.loading import load_recordings
+from camid.identification.from_recordings import load_recordings
 from camid.real_recordings.results import Results
 from camid.recording.recording import Recording
 

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.report import summary
-from camid.diagnosis.result import Coefficient, Diagnosis, Finding
+from camid.effects import known_effects
 from camid.writing import write_whole
 
 STRUCTURE_BELOW = 0.01  # p-values below it are set in bold: chance hardly makes them
@@ -74,10 +75,12 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     """The chain of the design with the located box marked."""
     simulation, location = diagnosis.improved, diagnosis.location
     # The hold is part of the actuator's side, and drawn as a box of its own.
-    flags = {"hold" if f.identifier == "input-hold" else f.place: "also here" for f in diagnosis.findings}
-    strongest = diagnosis.findings[0].identifier if diagnosis.findings else None
+    boxes = [_box_of(f) for f in diagnosis.findings]
+    flags = dict.fromkeys(boxes, "also here")
     if location.place is not None:
-        flags["hold" if strongest == "input-hold" else location.place] = "here"
+        strongest = diagnosis.findings[0] if diagnosis.findings else None
+        at_strongest = strongest is not None and strongest.place == location.place
+        flags[boxes[0] if at_strongest else location.place] = "here"
     # Where there is no mismatch, or the noise is all of it, no place has a share of it.
     shares = {} if location.place in {None, "noise"} else location.places
     sensor = "instant"
@@ -104,6 +107,12 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         Box("+", "", "sum", area="added"),
         Box(summary.printable(simulation.output_column), "recorded", "signal", area="recorded"),
     ]
+
+
+def _box_of(finding: Finding) -> str:
+    """Box of the chain that an effect is marked at."""
+    known = known_effects().get(finding.identifier)
+    return finding.place if known is None else known.box
 
 
 def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, str]]:

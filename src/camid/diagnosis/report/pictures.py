@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.diagnosis import Diagnosis, NormalisedErrors, Signals
 from camid.diagnosis.report.summary import percentage, plain, printable
-from camid.diagnosis.result import Diagnosis, Fit, Signals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -202,7 +202,7 @@ def _subdivisions(low: float, high: float) -> tuple[float, ...]:
     return (1.0, 2.0, 5.0) if high < 200.0 * low else (1.0,)
 
 
-def _errors(fit: Fit, named: bool) -> Axes:
+def _errors(fit: NormalisedErrors, named: bool) -> Axes:
     """Errors on held-out rows on a logarithmic axis, with the noise floor as a line."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -341,7 +341,7 @@ def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
     drawn, unseen = _overlay(diagnosis.signals, output, named)
     where = "rows that were not fitted" if unseen else "the first recording (all of it was fitted)"
     yield Picture(
-        "Recorded and simulated control" if diagnosis.improved.controller else "Recorded and simulated output",
+        f"Recorded and simulated {diagnosis.residual_of}",
         f"The stretch of {where} on which the re-estimated simulation errs most.",
         _svg(drawn, "Recorded and simulated output, zoomed"),
         wide=True,
@@ -379,7 +379,7 @@ def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
         ("output", f"simulated {output}", signals.refitted, residual, f"residual, {output}", "sensor",
          f"A curve here {verb} a fault of the sensor: it distorts what is seen, not what moves."),
     ]  # fmt: skip
-    if names.controller is not None:  # recorded and simulated values are those of the control
+    if diagnosis.residual_of == "control":  # recorded and simulated values are those of the control
         del panels[-1]
     for variable, label, x, y, across, place, caption in panels:
         if not np.any(np.diff(x[np.isfinite(x)])):

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from camid.diagnosis.result import Diagnosis, Finding, ParameterEstimate, Undetectable
+from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
 
 # Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
 VERDICT_WORDS = {

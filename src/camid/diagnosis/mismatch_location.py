@@ -8,19 +8,16 @@ imitate is projected off first.
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import sample
-from camid.diagnosis.result import Location
-from camid.diagnosis.screen import WORKERS, Metric, metrics
+from camid.diagnosis.diagnosis import Location
+from camid.diagnosis.screening import Metric, metrics
 from camid.effects.base import PLACES
-from camid.engine.run import run, steps_of
 from camid.fitting.fit import Fitted
-from camid.fitting.problem import Problem, plant_of
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -29,8 +26,6 @@ SMALLEST_DIRECTION = 1e-4
 # Knots of piecewise linear functions.
 FEW, MANY = 5, 14
 WINDOWS = 16
-# Force, as a share of the largest input, that a chain which is not linear is asked about.
-SMALL_FORCE = 1e-4
 # Span of time or band of frequency that is worth naming: most of the energy in less than half of the range.
 MOST_ENERGY = 0.8
 SHARE_OF_RANGE = 0.5
@@ -85,6 +80,7 @@ def _polynomials(count: int, degree: int) -> list[Array]:
 def regressors(problem: Problem, fitted: Fitted) -> dict[str, Array]:
     """Columns on the fitted rows for each place, shape (M, c)."""
     tables: dict[str, list[Array]] = {}
+    respond = problem.kind.force_responses
     motions = problem.motion(fitted.model)
     for index, experiment in enumerate(problem.experiments):
         acquisition = problem.chain(fitted.model, index).declared()
@@ -101,44 +97,21 @@ def regressors(problem: Problem, fitted: Fitted) -> dict[str, Array]:
         moved += [*_hinges(y, MANY), *_hinges(v, MANY), np.abs(y) * v, np.abs(y), y**4 * v, np.sign(v) * y]
         moved += [f * g for f in _hinges(y, FEW) for g in _hinges(v, FEW)]
         slow = _polynomials(count, 10)
-        output = _scaled(position if problem.closed else problem.simulate(fitted.model)[index])
+        output = _scaled(problem.kind.position_seen(problem, fitted.model, index, position))
         rate = np.gradient(output)
         rate = rate / (float(np.std(rate)) or 1.0)
         seen = [np.ones(count), output**2, output**3, *_hinges(output, MANY), output * rate, rate, rate**2]
         seen += [np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, count) * rate, np.gradient(rate)]
         columns = {
-            "actuator": _responses(problem, fitted, index, held, acquisition.hold),
-            "plant": _responses(problem, fitted, index, moved, "foh"),
-            "disturbance": _responses(problem, fitted, index, slow, "foh"),
-            "sensor": [np.zeros(count)] if problem.closed else seen,
+            "actuator": respond(problem, fitted.model, index, held, acquisition.hold),
+            "plant": respond(problem, fitted.model, index, moved, "foh"),
+            "disturbance": respond(problem, fitted.model, index, slow, "foh"),
+            "sensor": seen,
         }
+        columns |= {place: [np.zeros(count)] for place in problem.kind.hidden_places}
         for place, found in columns.items():
             tables.setdefault(place, []).append(np.column_stack(found)[experiment.used])
     return {place: np.concatenate(parts) for place, parts in tables.items()}
-
-
-def _responses(problem: Problem, fitted: Fitted, index: int, forces: list[Array], hold: str) -> list[Array]:
-    """What the sensor (in a closed loop: the controller) makes of forces at the plant's input, each of shape (N,).
-
-    Behind a linear chain exactly; else by differences with a small force, so that pendulum and loop answer as they are.
-    """
-    chain = problem.chain(fitted.model, index)
-    if problem.is_linear(fitted.model):
-        plant = plant_of(problem, fitted.model)
-        acquisition = replace(chain.declared(), hold=hold)
-        return [sample(plant, f, acquisition) for f in forces]
-    signal, time = problem.experiments[index].signal, problem.times[index]
-    chain = replace(chain, steps=steps_of(chain, signal, time, finest=False))
-    small = SMALL_FORCE * problem.situation(fitted.model, index).largest("signal")
-    undisturbed = run(chain, signal, time)
-
-    def respond(force: Array) -> Array:
-        size = small / (float(np.max(np.abs(force), initial=0.0)) or 1.0)
-        disturbed = run(replace(chain, known_force=(size * force, hold)), signal, time)
-        return np.nan_to_num((disturbed - undisturbed) / size)
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return list(pool.map(respond, forces))
 
 
 def places(problem: Problem, fitted: Fitted) -> list[PlaceTest]:

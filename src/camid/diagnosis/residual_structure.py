@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.locate import PlaceTest
-from camid.diagnosis.recognise import depends_on_position, force_like
-from camid.diagnosis.result import Fit
+from camid.diagnosis.diagnosis import NormalisedErrors
+from camid.diagnosis.mismatch_location import PlaceTest
+from camid.diagnosis.noise_recognition import depends_on_position, force_like
+from camid.effects import known_effects
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -41,14 +42,15 @@ def reasons_for_structure(
 ) -> list[str]:
     """Which tests say that what is left is more than noise."""
     reasons = [t.place for t in after if t.p_value < STRUCTURE]
-    if "coloured-noise" in recognised and force_like(problem, final):
+    kinds = [known_effects()[identifier] for identifier in recognised]
+    coloured = any(kind.colours_noise for kind in kinds)
+    if coloured and force_like(problem, final):
         reasons.append("resonance")
     if _unexpected(problem, final, validation):
         reasons.append("validation")
-    if "coloured-noise" in recognised and final.cost > MISFIT * float(np.var(problem.output)) * len(final.residual):
+    if coloured and final.cost > MISFIT * float(np.var(problem.output)) * len(final.residual):
         reasons.append("misfit")  # coloured noise that is most of the output is a model that does not fit
-    explained = {"timestamp-jitter", "quantisation", "outliers"} & recognised
-    if not explained and depends_on_position(problem, final) < UNEVEN:
+    if not any(kind.makes_variance_uneven for kind in kinds) and depends_on_position(problem, final) < UNEVEN:
         reasons.append("variance")
     return reasons
 
@@ -78,7 +80,7 @@ def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np
 
 
 def unlisted_weight(
-    base: Fitted, final: Fitted, after: Sequence[PlaceTest], reasons: Sequence[str], fits: Fit
+    base: Fitted, final: Fitted, after: Sequence[PlaceTest], reasons: Sequence[str], fits: NormalisedErrors
 ) -> float:
     """Weight of physics outside of the catalogue."""
     if not reasons or reasons == ["variance"]:

@@ -7,13 +7,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from camid.diagnosis.decide import FALSE_ALARM
-from camid.diagnosis.result import Undetectable
-from camid.diagnosis.screen import WORKERS, Candidate, Metric, metrics, signature, trials
+from camid.diagnosis.diagnosis import Undetectable
+from camid.diagnosis.effect_selection import FALSE_ALARM
+from camid.diagnosis.screening import Candidate, Metric, metrics, signature, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
-from camid.fitting.problem import Problem
+from camid.fitting.problem import WORKERS, Problem
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645
@@ -56,7 +56,7 @@ def undetectable(
 
     def judge(item: tuple[str, type[Effect]]) -> Undetectable:
         identifier, effect = item
-        reason = problem.unseen(effect)
+        reason = problem.kind.unseen(effect)
         if reason is None and effect.noise_like:
             return Undetectable(identifier, effect.limit_of_recognition(situation))
         reason = reason or effect.invisible(situation)

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.decide import ALL_STEPS, Decision
-from camid.diagnosis.weigh import Hypothesis
+from camid.diagnosis.effect_selection import ALL_STEPS, Decision
+from camid.diagnosis.hypothesis import Hypothesis
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 

@@ -112,7 +112,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Fit:
+class NormalisedErrors:
     """Normalised errors on rows that were not fitted.
 
     Attributes
@@ -195,7 +195,7 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class Signals:
-    """What the pictures of the report show, one entry a row of the (first) recording.
+    """What the pictures of the report show, one entry per row of the (first) recording.
 
     Attributes
     ----------
@@ -238,30 +238,54 @@ class Test:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Everything that diagnosis.json, improved.yaml, residuals.csv and report.html say."""
+    """Everything that diagnosis.json, improved.yaml, residuals.csv and report.html say.
+
+    Attributes
+    ----------
+    verdict, explanation : str
+    location : Location
+    findings : list of Finding
+        The strongest first.
+    fit : NormalisedErrors
+    undetectable : list of Undetectable
+    coefficients : list of Coefficient
+    tests : list of Test
+    signals : Signals
+    improved : Simulation
+    recordings : list of str
+        Where they were read from.
+    rows_fitted : int
+    period : float
+        Seconds, of the first recording.
+    seconds : float
+        How long the diagnosis took.
+    warnings : list of str
+        What was done to the rows of the recordings before.
+    residual_of : str
+        What recorded and simulated values are of: the ``output`` or, in a closed loop, the ``control``.
+    """
 
     verdict: str
     explanation: str
     location: Location
     findings: list[Finding]
-    fit: Fit
+    fit: NormalisedErrors
     undetectable: list[Undetectable]
     coefficients: list[Coefficient]
     tests: list[Test]
     signals: Signals
     improved: Simulation
-    recordings: list[str]
-    rows_fitted: int
-    period: float
-    seconds: float
+    recordings: list[str] = field(default_factory=list)
+    rows_fitted: int = 0
+    period: float = 0.0
+    seconds: float = 0.0
     warnings: list[str] = field(default_factory=list)
+    residual_of: str = "output"
 
     @property
     def compared(self) -> str:
         """Column that recorded and simulated values are of: in a closed loop the control."""
-        improved = self.improved
-        in_loop = improved.controller is not None and improved.input_column is not None
-        return str(improved.input_column) if in_loop else improved.output_column
+        return str(self.improved.input_column) if self.residual_of == "control" else self.improved.output_column
 
     def to_mapping(self) -> dict[str, Any]:
         """diagnosis.json, version 1 of the design's contract."""

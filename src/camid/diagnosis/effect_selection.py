@@ -14,12 +14,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.screen import WORKERS, Candidate, screen, trials
-from camid.diagnosis.weigh import Hypothesis, refuted
+from camid.diagnosis.hypothesis import Hypothesis, refuted
+from camid.diagnosis.screening import Candidate, screen, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
-from camid.fitting.problem import Model, Problem
+from camid.fitting.model import Model
+from camid.fitting.problem import WORKERS, Problem
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None] | None
@@ -104,8 +105,8 @@ def hypotheses(
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
     """
     # Beside a first effect the motion is followed, and the screening is a guide again.
-    winding = problem.is_winding(base.model) and most == MOST_CANDIDATES
-    starts = _shortlist(problem, screened, most, winding=winding)
+    phases_add_up = problem.kind.phases_add_up and most == MOST_CANDIDATES
+    starts = _shortlist(problem, screened, most, phases_add_up=phases_add_up)
     gross = [] if nominal is None else _from_nominal(problem, nominal, screened)
 
     def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
@@ -113,7 +114,7 @@ def hypotheses(
         return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
 
     with ThreadPoolExecutor(WORKERS) as pool:
-        steps = ALL_STEPS if winding else FIRST_STEPS
+        steps = ALL_STEPS if phases_add_up else FIRST_STEPS
         first = [h for h in pool.map(lambda c: fitted(c, steps), starts) if h is not None]
         if nominal is not None:
             tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), gross)
@@ -125,7 +126,9 @@ def hypotheses(
             if known is None or hypothesis.criterion < known.criterion:
                 best[hypothesis.identifier] = hypothesis
         ranked = sorted(best.values(), key=lambda h: h.criterion)
-        behind = max(BEHIND, BEHIND_SHARE * (base.criterion - ranked[0].criterion)) if winding and ranked else BEHIND
+        behind = (
+            max(BEHIND, BEHIND_SHARE * (base.criterion - ranked[0].criterion)) if phases_add_up and ranked else BEHIND
+        )
         near = [h for h in ranked[:MOST_THOROUGH] if h.criterion <= ranked[0].criterion + behind]
         again = pool.map(lambda h: _fitted(problem, h.identifier, _start(problem, h, near[0]), ALL_STEPS), near)
         thorough = [
@@ -202,7 +205,9 @@ def _fitted(
     return Hypothesis(identifier, result, result.criterion + penalty)
 
 
-def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int, *, winding: bool = False) -> list[Candidate]:
+def _shortlist(
+    problem: Problem, screened: Sequence[Candidate], most: int, *, phases_add_up: bool = False
+) -> list[Candidate]:
     """The likeliest shapes of each of the likeliest effects, of those that may be more than chance.
 
     Two of each at first, and one where other effects are known already.
@@ -211,8 +216,8 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int, *, wi
 
     if not screened:
         return []
-    least = 0.0 if winding else LEAST_SHARE * screened[0].gain
-    distinct = MORE_CANDIDATES if winding else most
+    least = 0.0 if phases_add_up else LEAST_SHARE * screened[0].gain
+    distinct = MORE_CANDIDATES if phases_add_up else most
     count = len({c.effect.identifier for c in screened})
     shapes: dict[str, list[Candidate]] = {}
     for candidate in screened:
@@ -224,7 +229,7 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate], most: int, *, wi
     return [c for known in list(shapes.values())[:distinct] for c in known]
 
 
-def decide(
+def select_effects(
     problem: Problem,
     base: Fitted,
     screened: Sequence[Candidate] | None = None,

@@ -17,17 +17,16 @@ from numpy.typing import NDArray
 from camid.effects import known_effects
 from camid.effects.base import Effect, Situation
 from camid.fitting.fit import Fitted
-from camid.fitting.problem import Problem
+from camid.fitting.problem import WORKERS, Problem
 
 Array = NDArray[np.float64]
 
 # A change of the output of which less than this share is left beside the plant's coefficients is a change of them.
 IMITATED = 1e-4
-IMITATED_WINDING = 5e-3
+# The same where phases add up.
+IMITATED_OVER_TIME = 5e-3
 # Change of the output, as a share of its standard deviation, that is rounding.
 ROUNDING = 1e-7
-# Effects that this small part of a recording could show are left out of the catalogue's search.
-WORKERS = 2
 
 
 @dataclass(frozen=True)
@@ -64,15 +63,13 @@ def trials(effect: type[Effect], problem: Problem) -> float:
 
 def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> Iterator[Effect]:
     """All first guesses of the catalogue that are not in the model already."""
-    situation = problem.situation(base.model)
-    # A pendulum's forces count the angle from its rest, the sensor from its own zero.
-    at_plant = situation if base.model.rest is None else problem.situation(base.model, at_sensor=False)
+    at_sensor, at_plant = problem.situations(base.model)
     present = {e.identifier for e in base.model.effects}
     for identifier, effect in sorted(known_effects().items()):
         if effect.noise_like or identifier in present or (only is not None and identifier not in only):
             continue
-        view = situation if effect.place == "sensor" else at_plant
-        if problem.unseen(effect) is None and effect.invisible(view) is None:
+        view = at_sensor if effect.place == "sensor" else at_plant
+        if problem.kind.unseen(effect) is None and effect.invisible(view) is None:
             yield from _possible(effect, view)
 
 
@@ -143,7 +140,7 @@ def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list
     """Every first guess with its gain, the highest first."""
     views = metrics(problem, base)
     spread = float(np.std(problem.output)) or 1.0
-    imitated = IMITATED_WINDING if problem.is_winding(base.model) else IMITATED
+    imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
 
     def judge(effect: Effect) -> Candidate | None:
         change = signature(problem, base, effect)

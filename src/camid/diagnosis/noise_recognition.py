@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.result import Finding
+from camid.diagnosis.diagnosis import Finding
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition, Situation
-from camid.effects.noise import ColouredNoise, tail, variance_regression
+from camid.effects.noise import tail, variance_regression
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -23,8 +23,6 @@ SUSPECT = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE = 4.0
 NEAR = 0.2
-# Those whose rows say nothing of the motion, whatever the model.
-SPOILING = ("dropped-frames", "outliers")
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
@@ -33,16 +31,16 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
     for index in range(len(problem.experiments)):
         situation = problem.situation(base.model, index)
         rows = np.zeros(len(situation.time), bool)
-        for identifier in SPOILING if situation.used.any() else ():  # a recording may validate only
-            effect = known_effects()[identifier]
-            found = effect.recognise(situation) if problem.unseen(effect) is None else None
+        spoiling = [e for _, e in sorted(known_effects().items()) if e.spoils_rows and problem.kind.unseen(e) is None]
+        for effect in spoiling if situation.used.any() else ():  # a recording may validate only
+            found = effect.recognise(situation)
             if found is not None and found.p_value < SUSPECT:
                 rows |= found.spoiled
         result.append(rows)
     return result
 
 
-def noise_findings(
+def recognised_noise(
     whole: Problem, problem: Problem, final: Fitted, declared: Sequence[Effect]
 ) -> tuple[list[Finding], list[tuple[Effect, dict[str, float | None]]]]:
     """Noise-like effects that are not declared already, and the same as the improved simulation declares them.
@@ -60,41 +58,42 @@ def noise_findings(
     situation = whole.situation(final.model)
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames stand before outliers
-        possible = effect.noise_like and problem.unseen(effect) is None
-        if possible and identifier not in known and effect is not ColouredNoise:
+        possible = effect.noise_like and problem.kind.unseen(effect) is None
+        if possible and identifier not in known:
             recognition = effect.recognise(situation)
             if recognition is not None and recognition.p_value < RECOGNISED:
                 found.append(recognition)
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
-    if ColouredNoise.identifier not in known:
-        p_value = problem.whiteness(final.residual, final.sensitivities)
-        if p_value < RECOGNISED and len(final.noise.whitening) > 1:
-            found.append(_coloured(problem, final, p_value))
+    for identifier, effect in sorted(known_effects().items()):
+        if effect.colours_noise and identifier not in known and len(final.noise.whitening) > 1:
+            p_value = problem.whiteness(final.residual, final.sensitivities)
+            if p_value < RECOGNISED:
+                found.append(_coloured(effect, problem, final, p_value))
     findings = [recognised(r) for r in found]
     effects: list[tuple[Effect, dict[str, float | None]]] = [(r.effect, dict(r.standard_deviations)) for r in found]
     return findings, [*((e, {}) for e in declared if e.noise_like), *effects]
 
 
 def _without_imitations(situation: Situation, found: list[Recognition]) -> list[Recognition]:
-    """Without outliers that are the tails of noise whose variance follows the speed."""
-    kinds = {type(r.effect).identifier: r for r in found}
-    if not {"outliers", "timestamp-jitter"} <= set(kinds):
+    """Without what is only the tails of noise whose variance another effect makes uneven: outliers of a jitter."""
+    added = [v for r in found if (v := r.effect.added_variance(situation)) is not None]
+    if not added:
         return found
-    jitter = kinds["timestamp-jitter"].effect.values["std"]
-    outliers = known_effects()["outliers"]
-    used = situation.used | kinds["outliers"].spoiled
+    moving = np.sum(added, axis=0)
     variance = np.mean(situation.residual[situation.used] ** 2)
-    moving = (jitter * situation.velocity) ** 2
     rest = max(float(variance - np.mean(moving[situation.used])), 0.05 * float(variance))
-    scaled = replace(situation, residual=situation.residual / np.sqrt(rest + moving), used=used)
-    again = outliers.recognise(scaled)
-    if again is not None and again.p_value < RECOGNISED:
-        return found
-    return [r for r in found if r.effect.identifier != "outliers"]
+    residual = situation.residual / np.sqrt(rest + moving)
+
+    def shows_in_even_noise(recognition: Recognition) -> bool:
+        scaled = replace(situation, residual=residual, used=situation.used | recognition.spoiled)
+        again = recognition.effect.recognise(scaled)
+        return again is not None and again.p_value < RECOGNISED
+
+    return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
 
 
-def _coloured(problem: Problem, final: Fitted, p_value: float) -> Recognition:
+def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: float) -> Recognition:
     """The autoregression of the residual, with standard deviations of its coefficients (Ljung 1999, section 9.4)."""
     coefficients = -final.noise.whitening[1:]
     rows = np.lib.stride_tricks.sliding_window_view(final.residual, len(coefficients))
@@ -102,9 +101,10 @@ def _coloured(problem: Problem, final: Fitted, p_value: float) -> Recognition:
     variance = float(np.mean(innovations**2))
     covariance = variance * np.linalg.pinv(rows.T @ rows)
     deviations = np.sqrt(np.diag(covariance))[::-1]
-    effect = ColouredNoise(spectrum=coefficients.tolist())
+    effect = kind.of_autoregression(coefficients)
+    (parameter,) = effect.parameters
     spoiled = np.zeros(len(problem.times[0]), bool)
-    return Recognition(effect, {"spectrum": deviations.tolist()}, p_value, spoiled)
+    return Recognition(effect, {parameter.name: deviations.tolist()}, p_value, spoiled)
 
 
 def depends_on_position(problem: Problem, final: Fitted) -> float:

@@ -1,0 +1,320 @@
+"""One diagnosis from recordings and a nominal model: detect → locate → screen → fit → decide → report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis import mismatch_location
+from camid.diagnosis.detection_limits import undetectable
+from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.effect_selection import ALL_STEPS, FALSE_ALARM, MOST_EFFECTS, Decision, searched, select_effects
+from camid.diagnosis.evidence import (
+    coefficients_of,
+    errors,
+    removed_shares,
+    signals_of,
+    tests_of,
+    validation_gains,
+)
+from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
+from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
+from camid.diagnosis.residual_structure import reasons_for_structure, unlisted_weight
+from camid.diagnosis.screening import Candidate, screen
+from camid.diagnosis.simplest_effects import simplest
+from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
+from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.fitting.fit import Fitted, fit
+from camid.fitting.model import Model
+from camid.fitting.problem import Problem
+from camid.simulation.model import Simulation
+
+Array = NDArray[np.float64]
+# A residual up to so many times what an earlier diagnosis left unexplained is the same.
+KNOWN_REMAINDER = 1.1
+# Remainder, as a share of the output's standard deviation, from which a model explains nothing.
+LARGEST_REMAINDER = 0.5
+Progress = Callable[[str], None] | None
+
+
+@dataclass(frozen=True)
+class Residue:
+    """What a decision leaves of the residual, and what it says.
+
+    Attributes
+    ----------
+    places : list of PlaceTest
+    reasons : list of str
+        Tests that say that it is more than noise.
+    findings : list of Finding
+        Effects on the noise.
+    noise_effects : list of (Effect, dict)
+        The same, and those declared already, as the improved simulation declares them.
+    """
+
+    places: list[mismatch_location.PlaceTest]
+    reasons: list[str]
+    findings: list[Finding]
+    noise_effects: list[tuple[Effect, Deviations]]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a diagnosis starts from.
+
+    Attributes
+    ----------
+    believed : Simulation
+    whole, problem : Problem
+        With and without the rows that say nothing of the motion.
+    nominal, start : Model
+        As the simulation says; and without effects on the noise, with the initial states that suit it.
+    base : Fitted
+        The nominal structure re-estimated.
+    screened : list of Candidate
+        Of the base.
+    validation : sequence of ndarray of bool
+        Rows of each recording that judge.
+    chosen : bool
+        Whether the tool chose those rows.
+    settled : bool
+        Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
+    """
+
+    believed: Simulation
+    whole: Problem
+    problem: Problem
+    nominal: Model
+    start: Model
+    base: Fitted
+    screened: list[Candidate]
+    validation: Sequence[NDArray[np.bool_]]
+    chosen: bool
+    settled: bool
+
+    @property
+    def known(self) -> int:
+        """How many effects on the motion the nominal simulation holds already."""
+        return len(self.start.effects)
+
+
+def investigate(
+    believed: Simulation,
+    problem: Problem,
+    nominal: Model,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    progress: Progress = None,
+) -> Diagnosis:
+    """Diagnose.
+
+    Parameters
+    ----------
+    believed : Simulation
+    problem : Problem
+        ``used`` marks the rows that may be fitted.
+    nominal : Model
+        As the simulation says, with the effects that it declares.
+    validation : sequence of ndarray of bool
+        Rows of each recording that judge.
+    chosen : bool
+        Whether the tool chose those rows.
+    progress : callable, optional
+
+    Raises
+    ------
+    ValueError
+        If the simulation runs away whatever its coefficients.
+    """
+    say = progress or (lambda sentence: None)
+    setting = _prepared(believed, problem, nominal, validation, chosen, say)
+    problem, base = setting.problem, setting.base
+    decision = Decision(base, base)
+    if not setting.settled:
+        start = setting.start if not setting.known else None
+        decision = select_effects(problem, base, setting.screened, validation, progress, start)
+    say("testing what is left")
+    if not setting.settled:
+        decision = _with_noise(problem, decision, setting.known)
+    before = mismatch_location.places(problem, decision.base)
+    decision, residue = _simplified(setting, decision, before, progress)
+    return _diagnosis(setting, decision, before, residue, say)
+
+
+def _prepared(
+    believed: Simulation,
+    whole: Problem,
+    nominal: Model,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    say: Callable[[str], None],
+) -> Setting:
+    """The plant re-estimated, rows left out that say nothing of the motion, and the catalogue screened."""
+    say("re-estimating the plant's coefficients")
+    known = tuple(e for e in nominal.effects if not e.noise_like)
+    start = whole.with_initial_states(replace(nominal, effects=known))
+    base = whole.kind.refit(whole, start)
+    if not np.all(np.isfinite(base.residual)):
+        raise ValueError("the simulation runs away, whatever its coefficients")
+    problem, base = _without_spoiled(whole, base, start)
+    say("screening the catalogue")
+    screened = screen(problem, base)
+    settled = _settled(problem, base)
+    return Setting(believed, whole, problem, nominal, start, base, screened, validation, chosen, settled)
+
+
+def _simplified(
+    setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest], progress: Progress
+) -> tuple[Decision, Residue]:
+    """The decision, and what it leaves; with the fewest and simplest effects where that is more than noise."""
+    problem = setting.problem
+    residue = _residue(setting, decision, before)
+    if setting.settled:
+        declared: list[tuple[Effect, Deviations]] = [(e, {}) for e in setting.nominal.effects if e.noise_like]
+        return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
+    if residue.reasons and decision.rivals:
+        share = max((t.share for t in residue.places), default=0.0)
+        decision = simplest(problem, _unweighted(problem, decision), setting.known, share, progress)
+        residue = _residue(setting, decision, before)
+    return decision, residue
+
+
+def _residue(setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest]) -> Residue:
+    """Tests of what a decision leaves, and what changes the noise."""
+    problem, whole, final = setting.problem, setting.whole, decision.fitted
+    after = before if final is decision.base else mismatch_location.places(problem, final)
+    every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
+    found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
+    reasons = reasons_for_structure(problem, final, after, setting.validation, {f.identifier for f in found})
+    if reasons:  # what looks like jitter, outliers or colour may be the structure
+        found = [f for f in found if known_effects()[f.identifier].shows_in_values]
+        noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in found}]
+    return Residue(after, reasons, found, noise_effects)
+
+
+def _diagnosis(
+    setting: Setting,
+    decision: Decision,
+    before: list[mismatch_location.PlaceTest],
+    residue: Residue,
+    say: Callable[[str], None],
+) -> Diagnosis:
+    """What is said of a decision."""
+    believed, problem, validation = setting.believed, setting.problem, setting.validation
+    base, final, after, reasons = decision.base, decision.fitted, residue.places, residue.reasons
+    fits = errors(problem, setting.start, decision, validation, setting.chosen, [])
+    unlisted = unlisted_weight(base, final, after, reasons, fits)
+    if reasons:
+        fits = errors(problem, setting.start, decision, validation, setting.chosen, after)
+    gains = validation_gains(problem, decision, validation)
+    found = findings(problem, decision, setting.known, removed_shares(base, decision), gains, unlisted)
+    found += residue.findings
+    verdict = verdict_of(bool(found), bool(reasons))
+    location = _location(problem, base, found, before, reasons)
+    say("working out what the recording could not have shown")
+    names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
+    effects = [*zip(final.model.effects, effect_deviations(final), strict=True), *residue.noise_effects]
+    remainder = remainder_of(verdict, believed, problem, final, validation)
+    return Diagnosis(
+        verdict,
+        explanation(verdict, found, fits, location, problem.remainder if setting.settled else None),
+        location,
+        found,
+        fits,
+        undetectable(problem, final, setting.screened, names),
+        coefficients_of(problem, setting.nominal, base, final),
+        tests_of(problem, base, final, before, after),
+        signals_of(problem, setting.start, base, final, validation),
+        improved_simulation(believed, problem, final, effects, remainder),
+        rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
+        period=problem.acquisition.period,
+        residual_of=problem.kind.residual_of,
+    )
+
+
+def _location(
+    problem: Problem,
+    base: Fitted,
+    found: list[Finding],
+    before: list[mismatch_location.PlaceTest],
+    reasons: list[str],
+) -> mismatch_location.Location:
+    """Where the mismatch sits: at the strongest effect, or where the tests say it is."""
+    strongest = max(before, key=lambda t: t.gain)
+    elsewhere = "noise" if reasons == ["variance"] else strongest.place
+    place = found[0].place if found else (elsewhere if reasons else None)
+    return mismatch_location.locate(problem, base, place, mismatch_location.shares(before))
+
+
+def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Problem, Fitted]:
+    """The problem without rows that say nothing of the motion (repeated frames, outliers), if there are any."""
+    spoiled = spoiled_rows(problem, base)
+    if not any(s.any() for s in spoiled):
+        return problem, base
+    problem = problem.with_used([e.used & ~s for e, s in zip(problem.experiments, spoiled, strict=True)])
+    return problem, problem.kind.refit(problem, problem.with_initial_states(start))
+
+
+def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
+    """The decision's model fitted anew in the metric of its noise, if that is coloured, and without what it refutes."""
+    from scipy.stats import chi2
+
+    for _ in range(MOST_EFFECTS + 1):
+        final = decision.fitted
+        whitening = final.noise.whitening
+        if len(whitening) == 1:
+            return decision
+        again = fit(problem, final.model, steps=15, whitening=whitening)
+        cost = _whitened_cost(problem, again, whitening)
+        refuted = None
+        for i, effect in enumerate(again.model.effects[known:]):
+            without = fit(problem, again.model.without(known + i), steps=15, whitening=whitening)
+            ratio = len(again.residual) * float(np.log(_whitened_cost(problem, without, whitening) / cost))
+            chance = float(chi2.sf(ratio, max(len(effect.numeric()), 1))) * searched(problem, effect.identifier)
+            if chance >= FALSE_ALARM:
+                refuted = i, without
+        if refuted is None:
+            return replace(decision, fitted=again)
+        index, fitted = refuted
+        decision = replace(
+            decision,
+            fitted=fitted,
+            rivals=decision.rivals[:index] + decision.rivals[index + 1 :],
+            without=[
+                fit(problem, fitted.model.without(known + i), steps=15, whitening=whitening)
+                for i in range(len(decision.without) - 1)
+            ],
+        )
+        if not decision.rivals:
+            return replace(decision, fitted=decision.base)
+    return decision
+
+
+def _settled(problem: Problem, base: Fitted) -> bool:
+    """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
+
+    A remainder of the size of the output itself is no remainder of a model.
+    """
+    if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * float(np.std(problem.output)):
+        return False
+    return bool(np.sqrt(base.cost / len(base.residual)) <= KNOWN_REMAINDER * problem.remainder)
+
+
+def _unweighted(problem: Problem, decision: Decision) -> Decision:
+    """The decision with the estimate of least squares.
+
+    What the laws leave is no noise, and its spectrum no reason to trust some frequencies more than others: a filter
+    that whitens it would give the weight to those at which the model is wrong by little because little happens there.
+    """
+    if not decision.fitted.weighted:
+        return decision
+    return replace(decision, fitted=fit(problem, decision.fitted.model, steps=ALL_STEPS))
+
+
+def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
+    innovations = problem.whitened(fitted.residual, whitening)
+    return max(float(innovations @ innovations), 1e-300)

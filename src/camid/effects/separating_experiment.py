@@ -1,0 +1,60 @@
+"""Experiments that tell effects apart which one recording could not; an effect names those that separate it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+
+
+class SeparatingExperiment(Enum):
+    """An experiment that separates the effects which name it, and the advice to the reader.
+
+    Of several that separate two effects the first one here is advised.
+    """
+
+    FASTER_CAMERA = (
+        "Input and output of one camera cannot tell these apart at first order. Flash a light with the command to "
+        "measure the latency, shorten the exposure at the same frame rate, or record at twice the frame rate with "
+        "an input that has energy up to half of it."
+    )
+    REVERSED_INPUT = (
+        "Record the rig at rest with zero input, then repeat the recording with the input's sign reversed and "
+        "with half of its amplitude: an offset stays, an asymmetry scales with the input."
+    )
+    MANY_LEVELS = (
+        "Use an input with at least three levels that reach from small to large values, and slow ramps up and down."
+    )
+    FREE_DECAY = (
+        "Record a free decay from a large amplitude, and slow reversals of small amplitude: dry friction stops "
+        "the motion linearly and holds it, hysteresis closes loops, drag fades with the amplitude."
+    )
+    HELD_POSITIONS = (
+        "Repeat the recording at half and at twice the amplitude, and hold the rig still at several positions: "
+        "the camera's distortion shows at rest, a spring's law in the force that holds it, a stop beyond its "
+        "position only."
+    )
+    SCALE_IN_THE_IMAGE = "Move the marker slowly by hand through the whole image beside a scale."
+    REPEATED_INPUT = "Repeat exactly the same input several times in one long recording, and record once without input."
+    NO_INPUT = (
+        "Record once without input and watch what happens after the event: a blow rings down, a wrong frame does not."
+    )
+
+
+OTHERWISE = "Repeat the recording at half and at twice the amplitude, and once without input."
+
+
+def advice(likeliest: Iterable[SeparatingExperiment], others: Iterable[Iterable[SeparatingExperiment]]) -> str | None:
+    """What would tell the likeliest effect from others that a recording does not rule out; None without others.
+
+    Parameters
+    ----------
+    likeliest : iterable of SeparatingExperiment
+        Those that separate the likeliest effect.
+    others : iterable of iterable of SeparatingExperiment
+        The same of each alternative.
+    """
+    shared = [set(likeliest) & set(experiments) for experiments in others]
+    if not shared:
+        return None
+    useful = set().union(*shared)
+    return next((experiment.value for experiment in SeparatingExperiment if experiment in useful), OTHERWISE)

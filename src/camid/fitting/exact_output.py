@@ -1,0 +1,59 @@
+"""Output of a linear chain without effects, by the exact path."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.exact import sample
+from camid.errors import InputError
+from camid.identification.experiment import Experiment
+from camid.identification.from_recordings import acquisition_of, experiment_of
+from camid.identification.predictor import Predictor
+from camid.identification.structure import Structure
+from camid.recording.recording import Recording
+from camid.simulation.model import Simulation
+
+Array = NDArray[np.float64]
+
+
+def exact_output(simulation: Simulation, recording: Recording) -> Array:
+    """Samples of the sensor, shape (N,), with the initial state fitted where the simulation wants that.
+
+    Raises
+    ------
+    InputError
+        If there are fewer samples than initial states.
+    """
+    if not simulation.estimates_initial_state or simulation.plant.order == 0:
+        acquisition = acquisition_of(recording, simulation)
+        signal = (
+            np.zeros(len(recording)) if simulation.input_column is None else recording.columns[simulation.input_column]
+        )
+        return sample(simulation.plant, signal, acquisition)
+    monic = simulation.plant.monic
+    structure = Structure.fixed(monic)
+    experiment = experiment_of(recording, simulation)
+    refuse_few_rows(experiment, structure, recording)
+    predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
+    simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
+    return from_first_known(simulated, predictor.experiments[0])
+
+
+def refuse_few_rows(experiment: Experiment, structure: Structure, recording: Recording) -> None:
+    """Refuse a recording that does not determine its initial states."""
+    rows, states = experiment.used.sum(), structure.order
+    if rows <= states:
+        raise InputError(
+            f"{rows} samples are fewer than needed for {states} initial states",
+            where=recording.source,
+            hint="record longer, or set initial_state: zero",
+        )
+
+
+def from_first_known(simulated: Array, experiment: Experiment) -> Array:
+    """Frames exposed before the record saw an input that nobody wrote down: the first known value stands for them."""
+    if experiment.estimate_initial_state and not experiment.free_motion_before_record:
+        first = min(experiment.acquisition.window()[0], len(simulated) - 1)
+        simulated[:first] = simulated[first]
+    return simulated

@@ -1,0 +1,122 @@
+"""Identification of a linear plant behind a recorded input, with the tests of its residual."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.plant import TransferFunction
+from camid.identification.declarations import alternative_declarations
+from camid.identification.estimate import Estimate, estimate
+from camid.identification.experiment import Experiment
+from camid.identification.identification import Identification
+from camid.identification.residual_analysis import analyse_residual
+from camid.identification.structure import Structure
+from camid.recording.recording import Recording
+from camid.simulation.model import Simulation
+
+
+def identify_exactly(
+    believed: Simulation,
+    structure: Structure,
+    recordings: list[Recording],
+    experiments: list[Experiment],
+    held_out: list[NDArray[np.bool_]],
+    nominal: TransferFunction | None,
+    method: str,
+    progress: Callable[[str], None] | None,
+) -> Identification:
+    """Estimate, test the residual, and fit other declarations where it contradicts this one.
+
+    Parameters
+    ----------
+    believed : Simulation
+        Without effects.
+    structure : Structure
+        Of the plant that is looked for.
+    recordings, experiments : list
+        Of one rig.
+    held_out : list of ndarray of bool
+        Validation rows.
+    nominal : TransferFunction, optional
+        Plant to start from.
+    method : str
+        See :func:`camid.identification.estimate.estimate`.
+    progress : callable, optional
+    """
+    result = estimate(structure, experiments, nominal=nominal, method=method, progress=progress)
+    identification = _identification(believed, result, recordings, experiments, held_out)
+    return _analysed(identification, structure, experiments, progress)
+
+
+def _identification(
+    believed: Simulation,
+    result: Estimate,
+    recordings: list[Recording],
+    experiments: list[Experiment],
+    held_out: list[NDArray[np.bool_]],
+) -> Identification:
+    """The estimate as a simulation, with its errors."""
+    lead = believed.plant.denominator[0] if len(believed.plant.denominator) == result.plant.order + 1 else 1.0
+    split = len(result.plant.numerator)
+    deviations, covariance = abs(lead) * result.standard_deviations, np.square(lead) * result.covariance
+    free_numerator, free_denominator = result.free[:split], np.concatenate([[False], result.free[split:]])
+    if believed.input_column is None:  # the numerator was not fitted, but a recording with an input may fit it
+        free_numerator = believed.free_numerator
+    plant = TransferFunction(
+        tuple(lead * b for b in result.plant.numerator), tuple(lead * a for a in result.plant.denominator)
+    )
+    model = replace(
+        believed,
+        plant=plant,
+        exposure=experiments[0].acquisition.exposure if believed.sensor == "camera" else None,
+        free_numerator=free_numerator,
+        free_denominator=free_denominator,
+        # Where the data leave a coefficient undetermined there is no accuracy to write down.
+        standard_deviations={
+            "numerator": [float(v) for v in deviations[:split]],
+            "denominator": [0.0, *(float(v) for v in deviations[split:])],
+        }
+        if np.all(np.isfinite(deviations))
+        else None,
+        covariance=covariance.tolist() if np.all(np.isfinite(covariance)) else None,
+    )
+
+    def nrmse(rows: list[NDArray[np.bool_]]) -> float:
+        residual = np.concatenate([r[k] for r, k in zip(result.residuals, rows, strict=True)])
+        recorded = np.concatenate([e.output[k] for e, k in zip(experiments, rows, strict=True)])
+        spread = float(np.std(recorded))
+        return float(np.sqrt(np.mean(residual**2))) / spread if spread > 0.0 else float("inf")
+
+    fitted = [e.used for e in experiments]
+    return Identification(
+        simulation=model,
+        estimate=result,
+        converged=result.converged,
+        period=recordings[0].period,
+        rows_fitted=int(sum(k.sum() for k in fitted)),
+        nrmse=nrmse(fitted),
+        nrmse_validation=nrmse(held_out) if any(k.any() for k in held_out) else None,
+        acquisition=experiments[0].acquisition,
+    )
+
+
+def _analysed(
+    identification: Identification,
+    wanted: Structure,
+    experiments: list[Experiment],
+    progress: Callable[[str], None] | None,
+) -> Identification:
+    """The identification with the tests of its residual and, where they contradict the declaration, with others."""
+    plant = identification.estimate.plant
+    try:
+        analysis = analyse_residual(wanted, plant, experiments)
+    except (ValueError, ArithmeticError):  # a method without safeguard ran away
+        return identification
+    alternatives = []
+    if identification.converged and analysis is not None and analysis.contradicts:
+        alternatives = alternative_declarations(wanted, plant, experiments, progress)
+    return replace(identification, residual_analysis=analysis, alternatives=alternatives)

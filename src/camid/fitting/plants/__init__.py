@@ -1,0 +1,1 @@
+"""Kinds of plant, a class each: what differs between them in simulating, fitting, diagnosing and writing back."""

@@ -1,0 +1,161 @@
+"""A plant in a closed loop: the control is what tells of it, for the position follows the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.controller import Loop
+from camid.effects.base import Effect, Parameter, Situation
+from camid.engine.run import Chain, move, observed
+from camid.fitting.fit import Fitted, fit
+from camid.fitting.growing_horizon import STEPS
+from camid.fitting.initial_motion import recorded_start
+from camid.fitting.model import Model
+from camid.fitting.plants.kind import PlantKind
+from camid.fitting.problem import Problem
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
+from camid.simulation.model import Simulation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ClosedLoop(PlantKind):
+    """A plant of any other kind whose input a controller makes.
+
+    Attributes
+    ----------
+    plant : PlantKind
+        What is controlled.
+    loops : tuple of Loop
+        The controller of each recording with its reference.
+    positions : tuple of ndarray, each of shape (N,)
+        Recorded positions; the outputs that are compared are what the controller put out.
+    """
+
+    plant: PlantKind
+    loops: tuple[Loop, ...]
+    positions: tuple[Array, ...] = ()
+
+    prescribes_order: ClassVar[str | None] = "a closed loop"
+    residual_of: ClassVar[str] = "control"
+    simulated_columns: ClassVar[tuple[str, ...]] = ("simulated", "simulated_input")
+    hidden_places: ClassVar[frozenset[str]] = frozenset({"sensor"})
+    why_hidden: ClassVar[str] = (
+        "in a closed loop the control tells of the plant; the controller has a sensor of its own"
+    )
+
+    @property
+    def phases_add_up(self) -> bool:
+        """As those of what is controlled."""
+        return self.plant.phases_add_up
+
+    def constants(self) -> dict[str, float]:
+        """Those of what is controlled."""
+        return self.plant.constants()
+
+    def free_constants(self) -> tuple[Parameter, ...]:
+        """Those of what is controlled."""
+        return self.plant.free_constants()
+
+    def completed(self, coefficients: Array) -> Array:
+        """As what is controlled completes them."""
+        return self.plant.completed(coefficients)
+
+    def all_fixed(self) -> Self:
+        """The same with nothing to be re-estimated."""
+        return replace(self, plant=self.plant.all_fixed())
+
+    def forces(self, model: Model) -> tuple[Effect, ...]:
+        """Those of what is controlled."""
+        return self.plant.forces(model)
+
+    def loop(self, index: int) -> Loop:
+        """The controller with the reference of a recording."""
+        return self.loops[index]
+
+    def state_before_record(self, experiment: Experiment) -> bool:
+        """The controller starts with the record."""
+        return False
+
+    def output_and_control(self, chain: Chain, signal: Array, time: Array) -> tuple[Array, Array | None]:
+        """Samples of the sensor, and what the controller puts out."""
+        motion = move(chain, signal, time)
+        return observed(chain, motion, time), motion.control
+
+    def compared(self, experiments: list[Experiment]) -> list[Experiment]:
+        """Experiments whose outputs are what the controller put out."""
+        return [replace(e, output=e.signal) for e in experiments]
+
+    def start_of(self, rows: int) -> Self:
+        """The same for recordings that are cut off after so many rows."""
+        loops = tuple(replace(loop, reference=loop.reference[:rows]) for loop in self.loops)
+        return replace(self, loops=loops, positions=tuple(p[:rows] for p in self.positions))
+
+    def at_plant(self, positions: Array, model: Model) -> Array:
+        """As what is controlled counts them."""
+        return self.plant.at_plant(positions, model)
+
+    def recorded_positions(self, problem: Problem) -> Sequence[Array]:
+        """Recorded positions of each recording, shapes (N,)."""
+        return self.positions
+
+    def position_seen(self, problem: Problem, model: Model, index: int, position: Array) -> Array:
+        """The motion itself: the controller's sensor is not the camera."""
+        return position
+
+    def unseen(self, effect: type[Effect]) -> str | None:
+        """Nothing of the camera, and of what is declared of it."""
+        hidden = effect.place in self.hidden_places or effect.corrects_declaration
+        return self.why_hidden if hidden else None
+
+    def situations(self, problem: Problem, model: Model, index: int) -> tuple[Situation, Situation]:
+        """Position and velocity are the simulated ones, the residual is that of the control."""
+        experiment, time = problem.experiments[index], problem.times[index]
+        motion = move(problem.chain(model, index), experiment.signal, time)
+        nodes = np.round((time - motion.begin) / motion.step).astype(int)
+        simulated = np.zeros(len(time)) if motion.control is None else motion.control
+        situation = Situation(
+            time,
+            experiment.signal,
+            self.positions[index],
+            motion.position[nodes],
+            motion.velocity[nodes],
+            np.where(experiment.used, experiment.output - simulated, 0.0),
+            problem.structure.plant(model.coefficients),
+            experiment.acquisition,
+            experiment.used,
+        )
+        return situation, situation
+
+    def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
+        """The residual of the control is an input already."""
+        return residual
+
+    def position_errors(
+        self, problem: Problem, models: tuple[Model, Model], rows: Sequence[NDArray[np.bool_]]
+    ) -> tuple[float, float] | None:
+        """Root mean square error over the standard deviation of the recorded position, with each model."""
+        recorded = np.concatenate([p[r] for p, r in zip(self.positions, rows, strict=True)])
+        spread = float(np.std(recorded)) or 1.0
+
+        def error(model: Model) -> float:
+            moved = np.concatenate([m[0][r] for m, r in zip(problem.motion(model), rows, strict=True)])
+            return float(np.sqrt(np.mean((recorded - moved) ** 2))) / spread
+
+        before, after = models
+        return error(before), error(after)
+
+    def refit(self, problem: Problem, start: Model) -> Fitted:
+        """Output error over the whole record: the controller keeps the simulation near the recording."""
+        return fit(problem, start if start.initial else recorded_start(problem, start), steps=STEPS)
+
+    def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:
+        """As that of what is controlled."""
+        return self.plant.written_back(believed, structure, fitted)

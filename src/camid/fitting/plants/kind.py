@@ -1,0 +1,281 @@
+"""What every kind of plant has to say: a plant that the engine simulates behind a recorded input."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.controller import Loop
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect, Parameter, Situation
+from camid.engine.run import Chain, run, steps_of
+from camid.fitting.fit import Fitted
+from camid.fitting.growing_horizon import fit_growing
+from camid.fitting.identified_by_simulation import identify_by_simulation
+from camid.fitting.initial_motion import recorded_start
+from camid.fitting.model import Model
+from camid.fitting.problem import WORKERS, Problem
+from camid.identification.experiment import Experiment
+from camid.identification.structure import Structure
+from camid.recording.recording import Recording
+from camid.simulation.model import Simulation
+
+if TYPE_CHECKING:
+    from camid.identification.identification import Identification
+
+Array = NDArray[np.float64]
+
+# Force, as a share of the largest input, that a plant which is not linear is asked about.
+SMALL_FORCE = 1e-4
+
+
+@dataclass(frozen=True)
+class PlantKind:
+    """A kind of plant; it is made once, from the simulation, and asked wherever kinds differ.
+
+    The defaults are those of a plant that the engine simulates behind a recorded input; a new kind overrides what it
+    does otherwise and is made in :func:`camid.fitting.from_simulation.kind_of`.
+
+    Attributes
+    ----------
+    prescribes_order : str or None
+        What of the simulation leaves no order to choose, in words; None where any order may be tried.
+    method : str or None
+        How the plant is identified, whatever method is asked for; None where that has a choice.
+    residual_of : str
+        What recorded and simulated values are of: the ``output`` or the ``control``.
+    simulated_columns : tuple of str
+        What ``simulate`` adds to the recorded columns.
+    hidden_places : frozenset of str
+        Places of the chain whose faults the residual does not show.
+    why_hidden : str
+        Why not.
+    """
+
+    prescribes_order: ClassVar[str | None] = None
+    method: ClassVar[str | None] = "output error"
+    residual_of: ClassVar[str] = "output"
+    simulated_columns: ClassVar[tuple[str, ...]] = ("simulated",)
+    hidden_places: ClassVar[frozenset[str]] = frozenset()
+    why_hidden: ClassVar[str] = ""
+
+    @property
+    def phases_add_up(self) -> bool:
+        """Whether an effect changes a phase that grows with the time, which no input sets right again.
+
+        The change of the output is then proportional to an effect's size for very small ones only. What the screening
+        says of it, and the first steps of a fit, are no measure of what the effect would explain.
+        """
+        return False
+
+    # -- what it consists of -----------------------------------------------------------------------------------------
+
+    def constants(self) -> dict[str, float]:
+        """Nominal values of the plant's constants beside the coefficients."""
+        return {}
+
+    def free_constants(self) -> tuple[Parameter, ...]:
+        """Those of them that are re-estimated; a ``scale`` of ``one`` or ``value`` says what each is measured by."""
+        return ()
+
+    def completed(self, coefficients: Array) -> Array:
+        """Coefficients, shape (m + 1 + n,), with those set that follow from others."""
+        return coefficients
+
+    def all_fixed(self) -> Self:
+        """The same with nothing to be re-estimated."""
+        return self
+
+    # -- how it is simulated -----------------------------------------------------------------------------------------
+
+    def forces(self, model: Model) -> tuple[Effect, ...]:
+        """What makes of the linear chain this plant, as the engine takes it."""
+        return ()
+
+    def loop(self, index: int) -> Loop | None:
+        """The controller that makes the input of a recording, if one does."""
+        return None
+
+    def state_before_record(self, experiment: Experiment) -> bool:
+        """Whether an initial state is that before the first frame's exposure, and not that at the first sample."""
+        return experiment.free_motion_before_record
+
+    def simulated_exactly(self, simulation: Simulation, recording: Recording) -> Array | None:
+        """Output, shape (N,), of the plant without effects where no integrator is needed; None where one is."""
+        return None
+
+    def output_and_control(self, chain: Chain, signal: Array, time: Array) -> tuple[Array, Array | None]:
+        """Samples of the sensor and, in a closed loop, what the controller puts out; shapes (N,)."""
+        return run(chain, signal, time), None
+
+    # -- what a recording shows of it --------------------------------------------------------------------------------
+
+    def compared(self, experiments: list[Experiment]) -> list[Experiment]:
+        """Experiments whose outputs are what is compared."""
+        return experiments
+
+    def start_of(self, rows: int) -> Self:
+        """The same for recordings that are cut off after so many rows."""
+        return self
+
+    def at_plant(self, positions: Array, model: Model) -> Array:
+        """Recorded positions as the plant's forces count them."""
+        return positions
+
+    def recorded_positions(self, problem: Problem) -> Sequence[Array]:
+        """Recorded positions of each recording, shapes (N,)."""
+        return [e.output for e in problem.experiments]
+
+    def position_seen(self, problem: Problem, model: Model, index: int, position: Array) -> Array:
+        """What stands for the position in the image, shape (N,): what the sensor makes of the motion ``position``."""
+        return problem.simulate_one(model, index)
+
+    def unseen(self, effect: type[Effect]) -> str | None:
+        """Why recordings of this kind cannot show an effect; None if they can."""
+        return None
+
+    def situations(self, problem: Problem, model: Model, index: int) -> tuple[Situation, Situation]:
+        """What first guesses need of one recording, as the sensor sees the positions and as the plant counts them."""
+        experiment = problem.experiments[index]
+        recorded, simulated = experiment.output, problem.simulate_one(model, index)
+        residual = np.where(experiment.used, recorded - simulated, 0.0)
+        acquisition = experiment.acquisition
+        for effect in model.effects:
+            acquisition = effect.declare(acquisition)
+
+        def seen(recorded: Array, simulated: Array) -> Situation:
+            return Situation(
+                problem.times[index],
+                experiment.signal,
+                recorded,
+                simulated,
+                np.gradient(simulated, acquisition.period),
+                residual,
+                problem.structure.plant(model.coefficients),
+                acquisition,
+                experiment.used,
+            )
+
+        at_sensor = seen(recorded, simulated)
+        if not self.constants():
+            return at_sensor, at_sensor
+        return at_sensor, seen(self.at_plant(recorded, model), self.at_plant(simulated, model))
+
+    def force_responses(
+        self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
+    ) -> list[Array]:
+        """What forces at the plant's input, each of shape (N,) and held as ``hold`` says, change of what is compared.
+
+        By differences with a small force, so that the plant answers as it is.
+        """
+        chain = problem.chain(model, index)
+        signal, time = problem.experiments[index].signal, problem.times[index]
+        chain = replace(chain, steps=steps_of(chain, signal, time, finest=False))
+        small = SMALL_FORCE * problem.situation(model, index).largest("signal")
+        undisturbed = run(chain, signal, time)
+
+        def respond(force: Array) -> Array:
+            size = small / (float(np.max(np.abs(force), initial=0.0)) or 1.0)
+            disturbed = run(replace(chain, known_force=(size * force, hold)), signal, time)
+            return np.nan_to_num((disturbed - undisturbed) / size)
+
+        with ThreadPoolExecutor(WORKERS) as pool:
+            return list(pool.map(respond, forces))
+
+    def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
+        """Input that would have caused a residual of the first recording, shape (N,): a Wiener filter.
+
+        It is regularised where the plant lets the camera see little of it.
+        """
+        acquisition = problem.acquisition
+        count, period = len(residual), acquisition.period
+        size = 2 * count
+        angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
+        exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
+        lag = acquisition.latency + 0.5 * exposure
+        response = problem.structure.plant(model.coefficients).frequency_response(np.maximum(angular, 1e-6 / period))
+        response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
+        power = np.abs(response) ** 2
+        power = np.where(np.isfinite(power), power, 0.0)
+        regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
+        spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
+        return np.asarray(np.fft.irfft(spectrum, size)[:count])
+
+    def position_errors(
+        self, problem: Problem, models: tuple[Model, Model], rows: Sequence[NDArray[np.bool_]]
+    ) -> tuple[float, float] | None:
+        """Normalised errors of the position with two models on some rows; None where the residual is the position's."""
+        return None
+
+    # -- how it is fitted --------------------------------------------------------------------------------------------
+
+    def refit(self, problem: Problem, start: Model) -> Fitted:
+        """The nominal structure with its coefficients, its effects and the initial states re-estimated."""
+        return fit_growing(problem, start)
+
+    def with_initial_states(self, problem: Problem, model: Model) -> Model:
+        """The model with the initial states that a fit starts from."""
+        return recorded_start(problem, model)
+
+    def starts_from_regression(self, problem: Problem, model: Model) -> list[Model]:
+        """Models that the recorded motion itself suggests, without any simulation."""
+        return []
+
+    def identified(
+        self,
+        problem: Problem,
+        believed: Simulation,
+        recordings: list[Recording],
+        held_out: list[NDArray[np.bool_]],
+        nominal: TransferFunction | None,
+        method: str,
+        progress: Callable[[str], None] | None,
+    ) -> Identification:
+        """The plant identified.
+
+        Parameters
+        ----------
+        problem : Problem
+        believed : Simulation
+            Without effects.
+        recordings : list of Recording
+            Of one rig.
+        held_out : list of ndarray of bool
+            Validation rows.
+        nominal : TransferFunction, optional
+            Plant to start from.
+        method : str
+            As asked for; see the attribute of the same name.
+        progress : callable, optional
+        """
+        return identify_by_simulation(problem, believed, recordings, held_out)
+
+    # -- how it is written -------------------------------------------------------------------------------------------
+
+    def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:
+        """The simulation with the plant of a fit, and its accuracy where the data determine it."""
+        lead, model = believed.plant.denominator[0], fitted.model
+        plant = structure.plant(model.coefficients)
+        count = int(np.count_nonzero(structure.free))
+        covariance = np.square(lead) * fitted.covariance[:count, :count]
+        finite = bool(np.all(np.isfinite(covariance)))
+        return replace(
+            believed,
+            plant=TransferFunction(
+                tuple(lead * b for b in plant.numerator), tuple(lead * a for a in plant.denominator)
+            ),
+            standard_deviations=_in_shape(structure, np.sqrt(np.abs(np.diag(covariance)))) if finite else None,
+            covariance=structure.full_covariance(covariance).tolist() if finite else None,
+        )
+
+
+def _in_shape(structure: Structure, deviations: Array) -> dict[str, list[float]]:
+    every = np.zeros(len(structure.free))
+    every[structure.free] = deviations
+    split = structure.degree + 1
+    return {"numerator": every[:split].tolist(), "denominator": [0.0, *every[split:].tolist()]}

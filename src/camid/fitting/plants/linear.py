@@ -1,0 +1,118 @@
+"""A linear plant behind a recorded input, or without one: the exact path of identification holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction
+from camid.fitting.exact_output import exact_output
+from camid.fitting.fit import Fitted, evaluate, fit
+from camid.fitting.growing_horizon import fit_growing
+from camid.fitting.identified_exactly import identify_exactly
+from camid.fitting.initial_motion import companion_state, recorded_start
+from camid.fitting.model import Model
+from camid.fitting.plants.kind import PlantKind
+from camid.fitting.problem import Problem
+from camid.identification.estimate import estimate
+from camid.identification.predictor import Predictor
+from camid.recording.recording import Recording
+from camid.simulation.model import Simulation
+
+if TYPE_CHECKING:
+    from camid.identification.identification import Identification
+
+Array = NDArray[np.float64]
+
+# Largest number of evaluations of a fit with declared effects.
+STEPS = 60
+
+
+@dataclass(frozen=True)
+class LinearPlant(PlantKind):
+    """A transfer function that a recorded input drives."""
+
+    method: ClassVar[str | None] = None
+
+    def simulated_exactly(self, simulation: Simulation, recording: Recording) -> Array | None:
+        """The exact path, without integrator."""
+        return exact_output(simulation, recording)
+
+    def force_responses(
+        self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
+    ) -> list[Array]:
+        """What the sensor makes of them, exactly."""
+        plant = problem.structure.plant(model.coefficients)
+        acquisition = replace(problem.chain(model, index).declared(), hold=hold)
+        return [sample(plant, force, acquisition) for force in forces]
+
+    def refit(self, problem: Problem, start: Model) -> Fitted:
+        """The exact path of identification; where effects are declared, output error with them."""
+        if start.effects:
+            return self._refit_with_effects(problem, start)
+        structure = problem.structure
+        if not np.any(structure.free):
+            return evaluate(problem, start)
+        result = estimate(structure, problem.experiments, nominal=structure.plant(start.coefficients))
+        coefficients = np.array([*result.plant.numerator, *result.plant.denominator[1:]])
+        if len(coefficients) != len(structure.free):  # a leading coefficient of the numerator that came out as zero
+            coefficients = start.coefficients
+        return evaluate(problem, problem.with_initial_states(Model(coefficients)))
+
+    def _refit_with_effects(self, problem: Problem, start: Model) -> Fitted:
+        return fit(problem, start, steps=STEPS)
+
+    def with_initial_states(self, problem: Problem, model: Model) -> Model:
+        """The model with the initial states that fit its linear part best."""
+        structure = problem.structure
+        denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
+        predictor = Predictor.around(structure, problem.experiments, denominator)
+        polynomials = predictor.split(predictor.with_fitted_initial_states(model.coefficients))[2]
+        initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
+        found = replace(model, initial=initial)
+        if not model.effects:
+            return found
+        # Effects may have bent the motion so far from the linear one that its best state is none; the recording shows
+        # it.
+        return min((found, recorded_start(problem, model)), key=lambda start: _misfit(problem, start))
+
+    def identified(
+        self,
+        problem: Problem,
+        believed: Simulation,
+        recordings: list[Recording],
+        held_out: list[NDArray[np.bool_]],
+        nominal: TransferFunction | None,
+        method: str,
+        progress: Callable[[str], None] | None,
+    ) -> Identification:
+        """By the method asked for, with the tests of the residual."""
+        structure, experiments = problem.structure, problem.experiments
+        return identify_exactly(believed, structure, recordings, experiments, held_out, nominal, method, progress)
+
+
+@dataclass(frozen=True)
+class FreeDecay(LinearPlant):
+    """A transfer function that nothing drives: it swings on from its initial state."""
+
+    @property
+    def phases_add_up(self) -> bool:
+        """No input sets a phase right again."""
+        return True
+
+    def _refit_with_effects(self, problem: Problem, start: Model) -> Fitted:
+        return fit_growing(problem, start)
+
+
+def _misfit(problem: Problem, model: Model) -> float:
+    """Sum of squared residuals; infinite where the simulation fails."""
+    try:
+        residual = problem.output - problem.fitted(problem.simulate(model))
+    except (ValueError, ArithmeticError):
+        return np.inf
+    return float(np.nan_to_num(residual @ residual, nan=np.inf, posinf=np.inf))

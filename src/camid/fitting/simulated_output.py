@@ -1,0 +1,81 @@
+"""What a simulation makes of the input of a recording."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.effects.base import Effect
+from camid.effects.declared import effects_of
+from camid.engine.run import Chain
+from camid.errors import InputError
+from camid.fitting.exact_output import from_first_known, refuse_few_rows
+from camid.fitting.fit import fit
+from camid.fitting.from_simulation import kind_of, model_of, problem_of
+from camid.fitting.model import Model
+from camid.fitting.plants.kind import PlantKind
+from camid.identification.experiment import Experiment
+from camid.identification.from_recordings import acquisition_of, experiment_of
+from camid.identification.structure import Structure
+from camid.recording.recording import Recording
+from camid.simulation.model import Simulation
+
+Array = NDArray[np.float64]
+
+# Largest number of evaluations in a fit of the initial state.
+STEPS = 40
+
+
+def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Array, Array | None]:
+    """Samples of the sensor and, in a closed loop, what the controller puts out; shapes (N,).
+
+    The output is the expected one: effects that change the noise alone leave it as it is.
+
+    Raises
+    ------
+    InputError
+        If the simulation cannot be run, or its initial state not be fitted.
+    """
+    kind = kind_of(simulation, [recording])
+    exact = None if simulation.effects else kind.simulated_exactly(simulation, recording)
+    return _by_engine(kind, simulation, recording) if exact is None else (exact, None)
+
+
+def _by_engine(kind: PlantKind, simulation: Simulation, recording: Recording) -> tuple[Array, Array | None]:
+    try:
+        effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
+        if simulation.estimates_initial_state:
+            chain, experiment = _with_fitted_state(simulation, recording, effects)
+            output, control = kind.output_and_control(chain, experiment.signal, recording.time)
+            return (from_first_known(output, experiment) if control is None else output), control
+        chain, signal = _at_rest(kind, simulation, recording, effects)
+        return kind.output_and_control(chain, signal, recording.time)
+    except InputError:
+        raise
+    except (ValueError, ArithmeticError) as error:
+        where = simulation.effects[0].where if simulation.effects else simulation.source
+        raise InputError(str(error), where=where, hint="see docs/effects.md") from None
+
+
+def _at_rest(
+    kind: PlantKind, simulation: Simulation, recording: Recording, effects: tuple[Effect, ...]
+) -> tuple[Chain, Array]:
+    """The chain at rest before the first sample, and its input."""
+    free = simulation.input_column is None
+    signal = np.zeros(len(recording)) if free else recording.columns[str(simulation.input_column)]
+    forces = kind.forces(Model(np.zeros(0), constants=kind.constants()))
+    chain = Chain(simulation.plant, acquisition_of(recording, simulation), (*forces, *effects), loop=kind.loop(0))
+    return chain, signal
+
+
+def _with_fitted_state(
+    simulation: Simulation, recording: Recording, effects: tuple[Effect, ...]
+) -> tuple[Chain, Experiment]:
+    """The chain with the initial state that fits the recorded output best, and what that was fitted to."""
+    experiment = experiment_of(recording, simulation)
+    structure = Structure.fixed(simulation.plant.monic)
+    refuse_few_rows(experiment, structure, recording)
+    problem = problem_of(simulation, structure, [recording], [experiment]).all_fixed()
+    start = problem.with_initial_states(model_of(problem, effects))
+    fitted = fit(problem, start, steps=STEPS, fixed=len(effects))
+    return problem.chain(fitted.model, 0), experiment
