@@ -94,7 +94,8 @@ PARTS: tuple[Callable[[], None], ...] = (identification, engine, starts, conceal
 
 
 def _signal(count: int) -> NDArray[np.float64]:
-    return np.repeat(np.random.default_rng(1).choice([-1.0, -0.5, 0.3, 1.0], count // 3 + 1), 3)[:count]
+    levels = np.random.default_rng(1).choice(np.array([-1.0, -0.5, 0.3, 1.0]), count // 3 + 1)
+    return np.asarray(np.repeat(levels, 3)[:count], dtype=np.float64)
 
 
 def _experiment():  # type: ignore[no-untyped-def]
