@@ -1,14 +1,10 @@
-from snakemake.utils import min_version, validate
+from snakemake.utils import min_version
 
 min_version("9.10")
 
 
 configfile: "config/config.yaml"
 configfile: "config/concealed.yaml"
-
-
-validate(config, "workflow/schemas/config.schema.yaml")
-validate(config["concealed"], "workflow/schemas/concealed.schema.yaml")
 
 
 report: "workflow/report/workflow.rst"

@@ -1,22 +1,11 @@
 # What lies past the paper: one question a target (ablation_exposure, …), all of them `ablations`.
 
-import jsonschema
-import yaml
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import update_config
 
 # A folder of src/camid/ablations is an ablation: what it computes (runs.py) and draws (drawing.py), its settings and their
 # schema, its tolerances, and in ablation.yaml its title and the sections of config/config.yaml that it uses.
 ABLATION_FOLDER = "src/camid/ablations"
-
-
-def read_yaml(path):
-    """Content of a YAML file, by the compiled parser: there are three files for each ablation."""
-    return yaml.load(
-        path.read_bytes(), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    )
-
-
 ABLATIONS = {
     path.parent.name: read_yaml(path)
     for path in sorted(ROOT.glob(f"{ABLATION_FOLDER}/*/ablation.yaml"))
@@ -29,13 +18,9 @@ def ablation_settings(name):
     folder = ROOT / ABLATION_FOLDER / name
     settings = read_yaml(folder / "settings.yaml")
     update_config(settings, config.get("ablations", {}).get(name, {}))
-    try:
-        jsonschema.validate(settings, read_yaml(folder / "settings.schema.yaml"))
-    except jsonschema.ValidationError as error:
-        place = ".".join(map(str, error.absolute_path))
-        raise WorkflowError(
-            f"settings of the ablation {name}: {f'{place}: ' if place else ''}{error.message}"
-        )
+    check_against_schema(
+        settings, folder / "settings.schema.yaml", f"settings of the ablation {name}"
+    )
     return settings
 
 
@@ -49,8 +34,8 @@ if unknown_ablations:
 
 
 for name, ablation in ABLATIONS.items():
-    if "shards" in SETTINGS[name]:
-        continue  # its runs are shared out among jobs of their own (monte_carlo.smk)
+    if ablation.get("own_rules", False):
+        continue
 
     rule:
         name:

@@ -8,7 +8,36 @@ from pathlib import Path
 ROOT = Path(workflow.basedir)
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "workflow")]
 
+import jsonschema
+import yaml
 from code_digest import CodeDigest
+from snakemake.exceptions import WorkflowError
+
+
+def read_yaml(path):
+    """Content of a YAML file, by the compiled parser: there are three files for each ablation."""
+    return yaml.load(
+        Path(path).read_bytes(), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    )
+
+
+# Snakemake's own validate() imports pandas, which takes longer than all the rest of this file.
+def check_against_schema(content, schema, what):
+    """Stop with the place and the key that do not fit."""
+    error = jsonschema.exceptions.best_match(
+        jsonschema.Draft202012Validator(read_yaml(schema)).iter_errors(content)
+    )
+    if error is not None:
+        place = ".".join(map(str, error.absolute_path))
+        raise WorkflowError(f"{what}: {f'{place}: ' if place else ''}{error.message}")
+
+
+check_against_schema(config, ROOT / "workflow/schemas/config.schema.yaml", "config")
+check_against_schema(
+    config["concealed"],
+    ROOT / "workflow/schemas/concealed.schema.yaml",
+    "config: concealed",
+)
 
 # The command line of the environment that runs the workflow, whatever the PATH.
 CAMID = f"{shlex.quote(sys.executable)} -m camid"
