@@ -16,6 +16,7 @@ from camid.diagnosis.report import pictures, summary
 from camid.diagnosis.result import VERDICTS, Location, ParameterEstimate
 from camid.effects import known_effects
 from camid.errors import InputError
+from camid.quantities import SPACE
 from tests.diagnosis import synthetic
 
 SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]
@@ -41,7 +42,7 @@ class Page(HTMLParser):
         self.feed(text)
         self.close()
         # The style sheet is text to the parser, but not to the reader.
-        self.text = " ".join(" ".join(self.parts).replace(summary.SPACE, " ").split())
+        self.text = " ".join(" ".join(self.parts).replace(SPACE, " ").split())
 
     def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
@@ -204,39 +205,6 @@ def test_equations():
     assert report.equation(r"\nosuchcommand{x}") is None
     finding = type(synthetic.finding())(**{**vars(synthetic.finding()), "equation": r"\nosuchcommand{x}"})
     assert r"\nosuchcommand{x}" in Page(report.render(synthetic.diagnosis("explained", findings=[finding]))).text
-
-
-@pytest.mark.parametrize(
-    ("value", "deviation", "text"),
-    [
-        (0.15, 0.0021, "0.1500 ± 0.0021"),
-        (12345.6, 78.0, "12346 ± 78"),
-        (12345.6, 780.0, "12350 ± 780"),
-        (-1.5e-7, 2e-9, "(−1.500 ± 0.020)·10⁻⁷"),
-        (0.01, 0.3, "0.01 ± 0.30"),
-        (0.0, 0.0996, "0.00 ± 0.10"),
-        (3.0, None, "3.000"),
-        (3.0, float("inf"), "3.000"),
-        (2.5e8, 1e6, "(2.500 ± 0.010)·10⁸"),
-        (float("nan"), 1.0, "not determined"),
-    ],
-)
-def test_values_have_the_digits_of_their_deviations(value, deviation, text):
-    assert summary.with_deviation(value, deviation) == text
-
-
-def test_numbers_and_units():
-    assert summary.number(0.00012345) == "0.000123"
-    assert summary.number(9.996) == "10.0"
-    assert summary.number(1234567.0) == "1.23·10⁶"
-    assert summary.number(0.0) == "0.00"
-    assert summary.plain(20.0, unit="ms") == f"20{summary.SPACE}ms"
-    assert summary.plain(1e-7) == "1·10⁻⁷"
-    assert summary.plain(100.0) == "100"
-    assert summary.unit_of("u s^2/y^2", "force", "x pos") == "force s²/[x pos]²"
-    assert summary.unit_of("rad/s", "u", "y") == "rad/s"
-    assert summary.probability(3e-9) == "< 0.0001"
-    assert summary.interval(0.15, 0.0021) == "0.1459 to 0.1541"
 
 
 def test_it_is_quick_and_writes_whole(tmp_path):

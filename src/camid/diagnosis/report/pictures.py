@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.report.summary import percentage, plain, printable
 from camid.diagnosis.result import Diagnosis, Fit, Signals
+from camid.quantities import percentage, plain, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
