@@ -29,7 +29,7 @@ def engine() -> None:
     from camid.engine.run import Chain, run
 
     effects = (known_effects()["coulomb-friction"](force=0.1), known_effects()["exposure"](exposure=0.5 * PERIOD))
-    run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), effects[:1]), _signal(30), PERIOD * np.arange(30))
+    run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), effects[:1]), _signal(30), _times(30))
 
 
 def effects() -> None:
@@ -83,7 +83,7 @@ def concealed() -> None:
 
     parameters = np.zeros(layout.PARAMETERS)
     parameters[[layout.MASS, layout.DAMPING, layout.STIFFNESS, layout.TOP_SPEED]] = 1.0
-    segments = held(PERIOD * np.arange(30), _signal(30))
+    segments = held(_times(30), _signal(30))
     for path in (play(0.1, 0.0), slew(1.0)):
         path(segments, PERIOD)
     integrate(parameters, segments, PERIOD, 0, 3)
@@ -91,6 +91,10 @@ def concealed() -> None:
 
 # What takes longest comes first, so that no processor waits at the end.
 PARTS: tuple[Callable[[], None], ...] = (identification, engine, starts, concealed, effects, images)
+
+
+def _times(count: int) -> NDArray[np.float64]:
+    return np.asarray(PERIOD * np.arange(count), dtype=np.float64)
 
 
 def _signal(count: int) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from camid.diagnosis.report import page as report
 from camid.diagnosis.report import pictures, summary
 from camid.effects import known_effects
 from camid.errors import InputError
+from camid.quantities import SPACE
 from tests.support import written_diagnoses
 
 SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]
@@ -41,7 +42,7 @@ class Page(HTMLParser):
         self.feed(text)
         self.close()
         # The style sheet is text to the parser, but not to the reader.
-        self.text = " ".join(" ".join(self.parts).replace(summary.SPACE, " ").split())
+        self.text = " ".join(" ".join(self.parts).replace(SPACE, " ").split())
 
     def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
@@ -210,39 +211,6 @@ def test_equations():
     assert (
         r"\nosuchcommand{x}" in Page(report.render(written_diagnoses.diagnosis("explained", findings=[finding]))).text
     )
-
-
-@pytest.mark.parametrize(
-    ("value", "deviation", "text"),
-    [
-        (0.15, 0.0021, "0.1500 ± 0.0021"),
-        (12345.6, 78.0, "12346 ± 78"),
-        (12345.6, 780.0, "12350 ± 780"),
-        (-1.5e-7, 2e-9, "(−1.500 ± 0.020)·10⁻⁷"),
-        (0.01, 0.3, "0.01 ± 0.30"),
-        (0.0, 0.0996, "0.00 ± 0.10"),
-        (3.0, None, "3.000"),
-        (3.0, float("inf"), "3.000"),
-        (2.5e8, 1e6, "(2.500 ± 0.010)·10⁸"),
-        (float("nan"), 1.0, "not determined"),
-    ],
-)
-def test_values_have_the_digits_of_their_deviations(value, deviation, text):
-    assert summary.with_deviation(value, deviation) == text
-
-
-def test_numbers_and_units():
-    assert summary.number(0.00012345) == "0.000123"
-    assert summary.number(9.996) == "10.0"
-    assert summary.number(1234567.0) == "1.23·10⁶"
-    assert summary.number(0.0) == "0.00"
-    assert summary.plain(20.0, unit="ms") == f"20{summary.SPACE}ms"
-    assert summary.plain(1e-7) == "1·10⁻⁷"
-    assert summary.plain(100.0) == "100"
-    assert summary.unit_of("u s^2/y^2", "force", "x pos") == "force s²/[x pos]²"
-    assert summary.unit_of("rad/s", "u", "y") == "rad/s"
-    assert summary.probability(3e-9) == "< 0.0001"
-    assert summary.interval(0.15, 0.0021) == "0.1459 to 0.1541"
 
 
 def test_it_is_quick_and_writes_whole(tmp_path):

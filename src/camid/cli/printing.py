@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from camid.quantities import percentage, plain, probability, with_deviation
+
 if TYPE_CHECKING:
     from camid.chain.pendulum import Pendulum
     from camid.identification.identification import Identification
@@ -21,28 +23,29 @@ def print_identification(result: Identification, written: list[Path]) -> None:
     model = result.simulation
     console = Console(highlight=False)
     table = Table(title="Identified plant", title_justify="left")
-    for heading in ("quantity", "value", "standard deviation", "unit"):
-        table.add_column(heading, justify="left" if heading in {"quantity", "unit"} else "right")
+    table.add_column("quantity")
+    table.add_column("value ± standard deviation", justify="right")
+    table.add_column("unit")
     for row in _pendulum_rows(model.pendulum) if model.pendulum is not None else _coefficient_rows(model):
         table.add_row(*row)
     if model.pendulum is None:
         table.add_section()
         for found in result.characteristics():
-            deviation = f"{found['standard_deviation']:.2g}"
-            table.add_row(str(found["name"]), f"{found['value']:.8g}", deviation, str(found["unit"]))
+            estimate = with_deviation(float(found["value"]), float(found["standard_deviation"]))
+            table.add_row(str(found["name"]), estimate, str(found["unit"]))
     console.print(table)
     held = "free decay" if model.input_column is None else f"input {model.hold}"
-    sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {1e3 * (model.exposure or 0):.6g} ms"
+    sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {_milliseconds(model.exposure)}"
     console.print(
-        f"fitted to {result.rows_fitted} samples, period {1e3 * result.period:.6g} ms; {held}; {sensor}, "
-        f"latency {1e3 * model.latency:.6g} ms; initial state: {model.initial_state}",
+        f"fitted to {result.rows_fitted} samples, period {_milliseconds(result.period)}; {held}; {sensor}, "
+        f"latency {_milliseconds(model.latency)}; initial state: {model.initial_state}",
         soft_wrap=True,
     )
     validation = (
-        "" if result.nrmse_validation is None else f", {100 * result.nrmse_validation:.4g} % on validation rows"
+        "" if result.nrmse_validation is None else f", {percentage(result.nrmse_validation)} on validation rows"
     )
     console.print(
-        f"residual: {100 * result.nrmse:.4g} % of the output's standard deviation{validation} "
+        f"residual: {percentage(result.nrmse)} of the output's standard deviation{validation} "
         f"({'converged' if result.converged else 'not converged'})",
         soft_wrap=True,
     )
@@ -52,11 +55,11 @@ def print_identification(result: Identification, written: list[Path]) -> None:
         console.print(f"written to {path}", soft_wrap=True)
 
 
-def _deviation(value: float | None) -> str:
-    return "undetermined" if value is None else f"{value:.2g}" if value else "fixed"
+def _milliseconds(seconds: float | None) -> str:
+    return plain(1e3 * (seconds or 0.0), 6, "ms")
 
 
-def _coefficient_rows(model: Simulation) -> Iterator[tuple[str, str, str, str]]:
+def _coefficient_rows(model: Simulation) -> Iterator[tuple[str, str, str]]:
     """Coefficients of a transfer function with their standard deviations."""
     deviations = model.standard_deviations
     for name, letter, coefficients in (
@@ -66,16 +69,16 @@ def _coefficient_rows(model: Simulation) -> Iterator[tuple[str, str, str, str]]:
         for i, value in enumerate(coefficients):
             power = len(coefficients) - 1 - i
             symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
-            deviation = _deviation(None if deviations is None else deviations[name][i])
-            yield f"{letter}{power}{symbol}", f"{value:.8g}", deviation, ""
+            estimate = with_deviation(value, None if deviations is None else deviations[name][i])
+            yield f"{letter}{power}{symbol}", estimate, ""
 
 
-def _pendulum_rows(pendulum: Pendulum) -> Iterator[tuple[str, str, str, str]]:
+def _pendulum_rows(pendulum: Pendulum) -> Iterator[tuple[str, str, str]]:
     """Parameters of a pendulum with their standard deviations."""
     units = {"natural_frequency": "rad/s", "damping": "", "gain": "y/u", "rest": "rad"}
     for name, unit in units.items():
         deviation = None if pendulum.standard_deviations is None else pendulum.standard_deviations.get(name)
-        yield name.replace("_", " "), f"{getattr(pendulum, name):.8g}", _deviation(deviation), unit
+        yield name.replace("_", " "), with_deviation(getattr(pendulum, name), deviation), unit
 
 
 def print_orders(result: OrderSelection) -> None:
@@ -96,10 +99,10 @@ def print_orders(result: OrderSelection) -> None:
             *(["a zero cancels a pole"] if row["cancels"] else []),
         ]
         numbers = (
-            f"{100.0 * row['nrmse']:.4g} %",
+            percentage(row["nrmse"]),
             f"{row['delta_bic']:.1f}",
-            f"{row['weight']:.2g}",
-            f"{row['independence_p']:.2g}",
+            probability(row["weight"]),
+            probability(row["independence_p"]),
         )
         shown = ["–" if n.startswith("nan") else n for n in numbers]
         table.add_row(str(row["poles"]), str(row["zeros"]), *shown, ", ".join(remarks))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from camid.cli.shared import check_output, progress_display, warn
+from camid.quantities import number, percentage
 
 if TYPE_CHECKING:
     from pandas import Series
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
 def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
-    """Run a simulation on the input of a RECORDING: one row a recorded row."""
+    """Run a simulation on the input of a RECORDING: one row per recorded row."""
     from camid.commands.simulate import simulate as run
     from camid.identification.identification import without_infinities
     from camid.simulation.file import load_simulation
@@ -45,10 +46,11 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
         return
     click.echo(f"{summary['rows']} rows written to {output}")
     if summary["nrmse"] is not None:
-        click.echo(f"difference: {summary['rmse']:.4g} rms, {100 * summary['nrmse']:.4g} % of the output's spread")
+        size, share = number(summary["rmse"]), percentage(summary["nrmse"])
+        click.echo(f"difference: {size} RMS, {share} of the output's standard deviation")
     if summary.get("nrmse_input") is not None:
-        share = 100 * summary["nrmse_input"]
-        click.echo(f"difference of the control: {summary['rmse_input']:.4g} rms, {share:.4g} % of its spread")
+        size, share = number(summary["rmse_input"]), percentage(summary["nrmse_input"])
+        click.echo(f"difference of the control: {size} RMS, {share} of its standard deviation")
     for sentence in table.attrs.get("warnings", []):
         warn(sentence)
 

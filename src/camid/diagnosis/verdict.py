@@ -16,6 +16,7 @@ from camid.effects.base import Effect, Recognition
 from camid.effects.separating_experiment import advice
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
+from camid.quantities import SPACE, number, percentage, plain, with_deviation
 
 Array = NDArray[np.float64]
 
@@ -128,33 +129,37 @@ def explanation(
     verdict: str, found: Sequence[Finding], fit: NormalisedErrors, location: Location, remainder: float | None = None
 ) -> str:
     """Two or three plain sentences with the numbers in them."""
-    before, after, floor = (100.0 * v for v in (fit.refitted, fit.improved, fit.noise_floor))
+    before, after, floor = (_share(v) for v in (fit.refitted, fit.improved, fit.noise_floor))
     if remainder is not None:
         return (
             f"Nothing is left out beyond what an earlier diagnosis left unexplained: the simulation declares a "
-            f"remainder of {remainder:.3g} (root mean square), and with its coefficients re-estimated it leaves no "
-            f"more than that: {before:.3g} % of the output's standard deviation on rows that were not fitted. Remove "
+            f"remainder of {number(remainder)} (root mean square), and with its coefficients re-estimated it leaves no "
+            f"more than that: {before} of the output's standard deviation on rows that were not fitted. Remove "
             f"the key remainder to have that looked into again."
         )
     if verdict == "adequate":
         return (
             f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
-            f"leaves {before:.3g} % of the output's standard deviation on rows that were not fitted, and the noise "
-            f"alone {floor:.3g} %. What the recording could not have shown is listed."
-            + (" But it explains hardly anything of the output, which may be noise." if before > NOTHING_ELSE else "")
+            f"leaves {before} of the output's standard deviation on rows that were not fitted, and the noise "
+            f"alone {floor}. What the recording could not have shown is listed."
+            + (
+                " But it explains hardly anything of the output, which may be noise."
+                if 100.0 * fit.refitted > NOTHING_ELSE
+                else ""
+            )
         )
     where = f" The mismatch sits at the {location.place}." if location.place else ""
     if verdict == "unexplained":
         return (
             f"Something is left out, and no effect of the catalogue explains it: re-estimating the coefficients leaves "
-            f"{before:.3g} % of the output's standard deviation on rows that were not fitted (the noise in the fitted "
-            f"ones is estimated as {floor:.3g} %), and what is left is structured.{where}"
+            f"{before} of the output's standard deviation on rows that were not fitted (the noise in the fitted "
+            f"ones is estimated as {floor}), and what is left is structured.{where}"
         )
     names = " and ".join(_described(f) for f in found)
     sentence = (
-        f"The simulation leaves out: {names}. On rows that were not fitted the error falls from {before:.3g} % "
-        f"(coefficients re-estimated) to {after:.3g} % of the output's standard deviation; noise alone is {floor:.3g} "
-        f"%.{where}"
+        f"The simulation leaves out: {names}. On rows that were not fitted the error falls from {before} "
+        f"(coefficients re-estimated) to {after} of the output's standard deviation; noise alone is {floor}."
+        f"{where}"
     )
     if verdict == "partly-explained":
         sentence += " What is left is still structured, so something else is missing, too, or the law is another."
@@ -165,14 +170,19 @@ def explanation(
     return sentence
 
 
+def _share(value: float) -> str:
+    return percentage(value).replace(SPACE, " ")
+
+
 def _described(finding: Finding) -> str:
     """Title with the leading parameter."""
     for name, parameter in finding.parameters.items():
+        words = name.replace("_", " ")
         if isinstance(parameter.value, float):
-            spread = "" if parameter.standard_deviation is None else f" ± {parameter.standard_deviation:.2g}"
-            return f"{finding.title} ({name.replace('_', ' ')} {parameter.value:.4g}{spread} {parameter.unit})".replace(
-                " )", ")"
-            )
+            known = parameter.standard_deviation is not None
+            estimate = with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
+            shown = estimate if known else f"about {plain(parameter.value, unit=parameter.unit)}"
+            return f"{finding.title} ({words} {shown.replace(SPACE, ' ')})"
         if isinstance(parameter.value, str):
             return f"{finding.title} ({parameter.value})"
     return finding.title

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from camid import quantities
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
@@ -86,9 +87,9 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     sensor = "instant"
     if simulation.sensor == "camera":
         exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
-        sensor = f"camera, exposure {summary.plain(1e3 * exposure, unit='ms')}"
+        sensor = f"camera, exposure {quantities.plain(1e3 * exposure, unit='ms')}"
     if simulation.latency:
-        sensor += f", latency {summary.plain(1e3 * simulation.latency, unit='ms')}"
+        sensor += f", latency {quantities.plain(1e3 * simulation.latency, unit='ms')}"
 
     def box(place: str, detail: str, kind: str = "box") -> Box:
         return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
@@ -96,7 +97,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     order = simulation.plant.order
     held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
     return [
-        Box(summary.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
+        Box(quantities.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
         Box("hold", held, "box", None, flags.get("hold", ""), "hold"),
         box("actuator", "command to force"),
         box("disturbance", "force from outside", "source"),
@@ -105,7 +106,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         box("sensor", sensor),
         box("noise", "of the measurement", "source"),
         Box("+", "", "sum", area="added"),
-        Box(summary.printable(simulation.output_column), "recorded", "signal", area="recorded"),
+        Box(quantities.printable(simulation.output_column), "recorded", "signal", area="recorded"),
     ]
 
 
@@ -119,16 +120,16 @@ def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, st
     names = diagnosis.improved.input_column, diagnosis.improved.output_column
     rows = []
     for name, parameter in finding.parameters.items():
-        unit = summary.unit_of(parameter.unit, *names)
+        unit = quantities.unit_of(parameter.unit, *names)
         if isinstance(parameter.value, str):
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
         elif isinstance(parameter.value, list | tuple):
-            value, interval = summary.with_deviation(parameter.value, parameter.standard_deviation), "–"
+            value, interval = quantities.with_deviation(parameter.value, parameter.standard_deviation), "–"
         else:
-            value = summary.with_deviation(parameter.value, parameter.standard_deviation)
-            interval = summary.interval(parameter.value, parameter.standard_deviation)
+            value = quantities.with_deviation(parameter.value, parameter.standard_deviation)
+            interval = quantities.interval(parameter.value, parameter.standard_deviation)
             if unit == "rad/s":
-                unit += f" ({summary.plain(parameter.value / (2.0 * np.pi), unit='Hz')})"
+                unit += f" ({quantities.plain(parameter.value / (2.0 * np.pi), unit='Hz')})"
         rows.append({"name": name.replace("_", " "), "value": value, "interval": interval, "unit": unit})
     return rows
 
@@ -140,12 +141,12 @@ def _coefficient_row(coefficient: Coefficient) -> dict[str, str]:
     spread = float(np.hypot(c.refitted_deviation, c.improved_deviation))
     return {
         "name": c.name,
-        "nominal": summary.plain(c.nominal, 6),
-        "refitted": summary.with_deviation(c.refitted, c.refitted_deviation),
-        "improved": summary.with_deviation(c.improved, c.improved_deviation),
+        "nominal": quantities.plain(c.nominal, 6),
+        "refitted": quantities.with_deviation(c.refitted, c.refitted_deviation),
+        "improved": quantities.with_deviation(c.improved, c.improved_deviation),
         "nominal_off": _change(c.nominal - c.improved, c.improved),
         "bend": _change(bend, c.improved),
-        "bend_deviations": summary.number(abs(bend) / spread, 2) if spread > 0.0 else "–",
+        "bend_deviations": quantities.number(abs(bend) / spread, 2) if spread > 0.0 else "–",
     }
 
 
@@ -154,9 +155,9 @@ def _change(difference: float, reference: float) -> str:
         return "–"
     sign = "+" if difference * reference > 0.0 else ""
     return (
-        f"{sign}{summary.number(100.0 * difference / abs(reference), 2)}{summary.SPACE}%"
+        f"{sign}{quantities.number(100.0 * difference / abs(reference), 2)}{quantities.SPACE}%"
         if difference
-        else f"0{summary.SPACE}%"
+        else f"0{quantities.SPACE}%"
     )
 
 
@@ -202,21 +203,21 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "state": state and summary.state_text(state, *names),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
-        "seen": [(u, summary.unit_of(u.unit, *names)) for u in seen],
+        "seen": [(u, quantities.unit_of(u.unit, *names)) for u in seen],
         "unseen": unseen,
-        "input_name": summary.printable(names[0]) if names[0] else None,
-        "output_name": summary.printable(names[1]),
-        "compared_name": summary.printable(diagnosis.compared),
-        "recordings": [summary.printable(name) for name in diagnosis.recordings],
+        "input_name": quantities.printable(names[0]) if names[0] else None,
+        "output_name": quantities.printable(names[1]),
+        "compared_name": quantities.printable(diagnosis.compared),
+        "recordings": [quantities.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
         "version": camid.__version__,
         "structure_below": STRUCTURE_BELOW,
         "likely": summary.LIKELY,
-        "number": summary.number,
-        "plain": summary.plain,
-        "span": summary.span,
-        "percentage": summary.percentage,
-        "probability": summary.probability,
+        "number": quantities.number,
+        "plain": quantities.plain,
+        "span": quantities.span,
+        "percentage": quantities.percentage,
+        "probability": quantities.probability,
         "title_of": summary.title_of,
     }
 

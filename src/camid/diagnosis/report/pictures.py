@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, NormalisedErrors, Signals
-from camid.diagnosis.report.summary import percentage, plain, printable
+from camid.quantities import percentage, plain, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
+from camid.quantities import number, percentage, printable, probability, span, unit_of, with_deviation
 
 # Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
 VERDICT_WORDS = {
@@ -19,17 +18,7 @@ VERDICT_WORDS = {
     "unexplained": ("?", "Unexplained", "something is left out, and this recording does not say what"),
 }
 UNLISTED = "unlisted"
-NORMAL_95 = 1.959964  # half the width of a 95 % interval in standard deviations
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
-SCIENTIFIC_ABOVE, SCIENTIFIC_BELOW = 5, -4
-SMALLEST_PROBABILITY = 1e-4
-SPACE = "\u00a0"  # between a number and its unit: no line breaks there
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def printable(name: str) -> str:
-    """A name from a file, without line breaks and control characters."""
-    return "".join(c if c.isprintable() else "?" for c in name)
 
 
 def title_of(identifier: str) -> str:
@@ -43,89 +32,12 @@ def title_of(identifier: str) -> str:
     return words[:1].upper() + words[1:] if known is None else known.title
 
 
-def _fixed(value: float, decimals: int) -> str:
-    return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", "−")
-
-
-def _exponent(value: float) -> int:
-    return math.floor(math.log10(abs(value))) if value else 0
-
-
-def number(value: float, digits: int = 3) -> str:
-    """A number with this many significant digits; powers of ten where it is very small or large."""
-    if not math.isfinite(value):
-        return "not determined" if math.isnan(value) else ("∞" if value > 0 else "−∞")
-    value = float(f"{value:.{digits - 1}e}")
-    exponent = _exponent(value)
-    if SCIENTIFIC_BELOW <= exponent <= SCIENTIFIC_ABOVE:
-        return _fixed(value, digits - 1 - exponent)
-    return f"{_fixed(value / 10.0**exponent, digits - 1)}·10{str(exponent).translate(SUPERSCRIPTS)}"
-
-
-def plain(value: float, digits: int = 4, unit: str = "") -> str:
-    """A number that somebody declared, and its unit: without the zeros at its end."""
-    text = number(value, digits)
-    head, power, tail = text.partition("·")
-    head = head.rstrip("0").rstrip(".") if "." in head else head
-    return head + power + tail + (SPACE + unit if unit else "")
-
-
-def with_deviation(value: Any, deviation: Any) -> str:
-    """``value ± deviation``, cut where the deviation has two significant digits; one behind the other for lists."""
-    if isinstance(value, list | tuple):
-        spreads = deviation if isinstance(deviation, list | tuple) else [deviation] * len(value)
-        return "; ".join(with_deviation(v, d) for v, d in zip(value, spreads, strict=True))
-    if deviation is None or not math.isfinite(deviation) or deviation <= 0.0 or not math.isfinite(value):
-        return number(value, 4)
-    deviation = float(f"{deviation:.1e}")
-    largest, last = _exponent(max(abs(value), deviation)), _exponent(deviation) - 1
-    if SCIENTIFIC_BELOW <= largest <= SCIENTIFIC_ABOVE:
-        return f"{_fixed(value, -last)} ± {_fixed(deviation, -last)}"
-    scale, decimals = 10.0**largest, largest - last
-    power = str(largest).translate(SUPERSCRIPTS)
-    return f"({_fixed(value / scale, decimals)} ± {_fixed(deviation / scale, decimals)})·10{power}"
-
-
-def interval(value: float, deviation: float | None) -> str:
-    """95 % interval of a normal estimate."""
-    if deviation is None or not math.isfinite(deviation) or deviation <= 0.0:
-        return "–"
-    digits = min(9, max(3, _exponent(max(abs(value), deviation)) - _exponent(deviation) + 2))
-    return " to ".join(number(value + sign * NORMAL_95 * deviation, digits) for sign in (-1, 1))
-
-
-def percentage(share: float | None, digits: int = 3) -> str:
-    """A share of one in per cent."""
-    return "–" if share is None or math.isnan(share) else f"{number(100.0 * share, digits)}{SPACE}%"
-
-
-def probability(value: float | None) -> str:
-    """A p-value."""
-    if value is None or math.isnan(value):
-        return "–"
-    return f"< {number(SMALLEST_PROBABILITY, 1)}" if value < SMALLEST_PROBABILITY else number(value, 2)
-
-
-def unit_of(unit: str | None, input_name: str | None, output_name: str) -> str:
-    """A unit in u, y and s with the names of the columns in place of u and y."""
-    if not unit or unit in {"1", "-"}:
-        return ""
-    names = {"u": input_name or "u", "y": output_name}
-
-    def name(match: re.Match[str]) -> str:
-        column = printable(names[match.group()])
-        return column if re.fullmatch(r"\w+", column) else f"[{column}]"
-
-    named = re.sub(r"(?<![\w%])[uy](?![\w%])", name, unit.replace("**", "^").replace("*", "·"))
-    return re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(SUPERSCRIPTS), named)
-
-
 def estimate_text(parameter: ParameterEstimate, input_name: str | None, output_name: str) -> str:
     """Value, standard deviation and unit in one line."""
     if isinstance(parameter.value, str):
         return parameter.value
-    text = with_deviation(parameter.value, parameter.standard_deviation)
-    return f"{text} {unit_of(parameter.unit, input_name, output_name)}".rstrip()
+    unit = unit_of(parameter.unit, input_name, output_name)
+    return with_deviation(parameter.value, parameter.standard_deviation, unit)
 
 
 def is_noise_only(evidence: dict[str, Any]) -> bool:
@@ -203,11 +115,6 @@ def state_text(state: tuple[str, float, float], input_name: str | None, output_n
     column = printable(input_name or "u") if variable == "input" else printable(output_name)
     unit = f"{column}/s" if variable == "velocity" else column
     return f"{variable} from {span((low, high), unit)}"
-
-
-def span(limits: tuple[float, float], unit: str) -> str:
-    """Two limits and their unit."""
-    return f"{plain(limits[0])} to {plain(limits[1], unit=unit)}"
 
 
 def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:

@@ -1,0 +1,124 @@
+"""Numbers as people read them: value ± standard deviation, significant digits, percentages, probabilities and units.
+
+The digits of an estimate follow its standard deviation, which has two significant digits. Where that asks for a power
+of ten, value and deviation share it: (0.1 ± 2.4)·10⁵.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+NORMAL_95 = 1.959964  # half the width of a 95 % interval in standard deviations
+SCIENTIFIC_ABOVE, SCIENTIFIC_BELOW = 5, -4
+SMALLEST_PROBABILITY = 1e-4
+# A deviation below this share of the value is rounding error; the digits that it asks for would be noise.
+SMALLEST_RELATIVE_DEVIATION = 1e-12
+SPACE = "\u00a0"  # between a number and its unit: no line breaks there
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _fixed(value: float, decimals: int) -> str:
+    return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", "−")
+
+
+def _exponent(value: float) -> int:
+    return int(f"{value:e}".partition("e")[2]) if value else 0
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number with this many significant digits; powers of ten where it is very small or large."""
+    if not math.isfinite(value):
+        return "not determined" if math.isnan(value) else ("∞" if value > 0 else "−∞")
+    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+    exponent = int(power)
+    if SCIENTIFIC_BELOW <= exponent <= SCIENTIFIC_ABOVE:
+        return _fixed(float(f"{mantissa}e{power}"), digits - 1 - exponent)
+    return f"{mantissa}·10{str(exponent).translate(SUPERSCRIPTS)}".replace("-", "−")
+
+
+def plain(value: float, digits: int = 4, unit: str = "") -> str:
+    """A number that somebody declared, and its unit: without the zeros at its end."""
+    text = number(value, digits)
+    head, power, tail = text.partition("·")
+    head = head.rstrip("0").rstrip(".") if "." in head else head
+    return head + power + tail + (SPACE + unit if unit else "")
+
+
+def with_deviation(value: Any, deviation: Any, unit: str = "") -> str:
+    """``value ± standard deviation unit``; items of lists are separated by semicolons.
+
+    Parameters
+    ----------
+    value : float or sequence of float
+    deviation : float, sequence of float or None
+        0: the value is fixed and not estimated. None, NaN or infinite: the data do not determine it.
+    unit : str
+    """
+    after = SPACE + unit if unit else ""
+    if isinstance(value, list | tuple):
+        spreads = deviation if isinstance(deviation, list | tuple) else [deviation] * len(value)
+        return "; ".join(with_deviation(v, d) for v, d in zip(value, spreads, strict=True)) + after
+    if not math.isfinite(value):
+        return number(value)
+    if deviation is None or not math.isfinite(deviation) or deviation < 0.0:
+        return f"{plain(value, 4)}{after} (undetermined)"
+    if deviation == 0.0:
+        return f"{plain(value, 6)}{after} (fixed)"
+    if deviation < SMALLEST_RELATIVE_DEVIATION * abs(value):
+        return f"{plain(value, 12)} ± {number(deviation, 2)}{after}"
+    return _estimate(value, deviation) + after
+
+
+def _estimate(value: float, deviation: float) -> str:
+    from uncertainties import ufloat  # type: ignore[import-untyped]
+
+    # .2u: two significant digits of the deviation; P: superscripts and × instead of e.
+    text = f"{ufloat(value, deviation):.2uP}"
+    text = re.sub(r"-(?=0(?:\.0*)?±)", "", text)  # minus zero
+    return text.replace("±", " ± ").replace("×", "·").replace("-", "−")
+
+
+def interval(value: float, deviation: float | None) -> str:
+    """95 % interval of a normal estimate; a dash where the deviation is not known."""
+    if deviation is None or not math.isfinite(deviation) or deviation <= 0.0:
+        return "–"
+    digits = min(9, max(3, _exponent(max(abs(value), deviation)) - _exponent(deviation) + 2))
+    return " to ".join(number(value + sign * NORMAL_95 * deviation, digits) for sign in (-1, 1))
+
+
+def span(limits: tuple[float, float], unit: str) -> str:
+    """Two limits and their unit."""
+    return f"{plain(limits[0])} to {plain(limits[1], unit=unit)}"
+
+
+def percentage(share: float | None, digits: int = 3) -> str:
+    """A share of one in per cent."""
+    return "–" if share is None or math.isnan(share) else f"{number(100.0 * share, digits)}{SPACE}%"
+
+
+def probability(value: float | None) -> str:
+    """A p-value."""
+    if value is None or math.isnan(value):
+        return "–"
+    return f"< {number(SMALLEST_PROBABILITY, 1)}" if value < SMALLEST_PROBABILITY else number(value, 2)
+
+
+def printable(name: str) -> str:
+    """A name from a file, without line breaks and control characters."""
+    return "".join(c if c.isprintable() else "?" for c in name)
+
+
+def unit_of(unit: str | None, input_name: str | None, output_name: str) -> str:
+    """A unit in u, y and s with the names of the columns in place of u and y."""
+    if not unit or unit in {"1", "-"}:
+        return ""
+    names = {"u": input_name or "u", "y": output_name}
+
+    def name(match: re.Match[str]) -> str:
+        column = printable(names[match.group()])
+        return column if re.fullmatch(r"\w+", column) else f"[{column}]"
+
+    named = re.sub(r"(?<![\w%])[uy](?![\w%])", name, unit.replace("**", "^").replace("*", "·"))
+    return re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(SUPERSCRIPTS), named)
