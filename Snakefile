@@ -1,14 +1,10 @@
-from snakemake.utils import min_version, validate
+from snakemake.utils import min_version
 
 min_version("9.10")
 
 
 configfile: "config/config.yaml"
 configfile: "config/concealed.yaml"
-
-
-validate(config, "workflow/schemas/config.schema.yaml")
-validate(config["concealed"], "workflow/schemas/concealed.schema.yaml")
 
 
 report: "workflow/report/workflow.rst"
@@ -29,13 +25,7 @@ include: "workflow/rules/check.smk"
 rule all:
     default_target: True
     input:
-        expand(
-            "paper_figs/{figure}.{format}",
-            figure=FIGURES,
-            format=["png", "pdf", "csv"],
-        ),
-        "paper_figs/claims.csv",
-        "paper_figs/claims.md",
+        rules.paper.input,
         rules.ablations.output,
         rules.concealed_sample.output,
     localrule: True

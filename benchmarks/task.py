@@ -15,8 +15,7 @@ from camid.chain.exact import sample
 from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.chain.plant import TransferFunction
 from camid.paper.cases import parameter_vector
-from camid.paper.datasets import believed_plant, with_closing_frame
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level, with_closing_frame
 from camid.simulation.checked_yaml import read_yaml
 
 Array = NDArray[np.float64]

@@ -7,12 +7,12 @@ from camid.paper.cases import declared_experiment
 from camid.paper.dataset_files import read_configuration, write_dataset
 from camid.paper.datasets import (
     neglected_mode_outputs,
+    noise_level,
     noise_samples,
     sampling_period_outputs,
     sweep_periods,
     with_closing_frame,
 )
-from camid.paper.fig7_sampling_period.runs import noise_level
 
 PLANT = {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1}
 SWEEP = {"start": 0.02, "stop": 0.1, "step": 0.04, "noise_samples": 2}
@@ -24,7 +24,7 @@ def test_periods_are_as_written():
 
 def test_outputs_follow_the_difference_equation_of_the_paper(excitation):
     """(16) driven sample by sample gives the dataset."""
-    outputs = sampling_period_outputs(excitation, PLANT, SWEEP)
+    outputs = sampling_period_outputs(pd.DataFrame({"u": excitation}), PLANT, SWEEP)
     group = outputs[outputs["period"] == 0.06]
     model = closed_form(1.0, 10.0, 0.1, 0.06)
     held = with_closing_frame(excitation)
@@ -38,7 +38,7 @@ def test_outputs_follow_the_difference_equation_of_the_paper(excitation):
 
 
 def test_noise_streams_are_the_first_of_the_sequence_and_differ():
-    noise = noise_samples(512, SWEEP, seed=7)
+    noise = noise_samples(pd.DataFrame({"u": np.zeros(511)}), SWEEP, seed=7)
     first = noise[(noise["period"] == 0.02) & (noise["sample"] == 0)]["noise"].to_numpy()
     expected = np.random.default_rng(np.random.SeedSequence(7, spawn_key=(0, 0))).standard_normal(512)
     assert np.array_equal(first, expected)
@@ -49,7 +49,7 @@ def test_noise_streams_are_the_first_of_the_sequence_and_differ():
 
 def test_neglected_mode_outputs_have_camera_and_instant_sensor(excitation):
     sweep = {"period": 0.02, "damping": 0.1, "start": 1.0, "stop": 4.0, "points": 3}
-    outputs = neglected_mode_outputs(excitation, PLANT, sweep)
+    outputs = neglected_mode_outputs(pd.DataFrame({"u": excitation}), PLANT, sweep)
     assert sorted(outputs["omega_1"].unique()) == pytest.approx([50.0, 100.0, 200.0])
     assert outputs["camera"].std() < outputs["instant"].std()
 

@@ -3,6 +3,8 @@ import pytest
 from ruamel.yaml import YAML
 
 from camid.paper import marker_images as images
+from camid.paper.fig1_marker_image.runs import fast_marker_image
+from camid.paper.fig3_marker_trajectory.runs import signal_to_noise_decibels, slow_marker_trajectory
 from tests.paper.test_claims import ROOT
 
 
@@ -29,14 +31,14 @@ def test_arc_length_mean_weighs_by_speed():
 
 
 def test_fast_image_and_its_measurement(imaging):
-    content = images.fast_marker_image(imaging)
+    content = fast_marker_image(imaging)
     assert content["image"].shape == (300, 420, 3)
     assert np.linalg.norm(content["centroid"] - content["time_mean"]) < 3.0
     assert content["selected"].sum() > 1000
 
 
 def test_slow_trajectory_has_a_high_signal_to_noise_ratio(imaging):
-    table = images.slow_marker_trajectory(imaging)
+    table = slow_marker_trajectory(imaging)
     assert len(table) == 10
-    assert images.signal_to_noise_decibels(table) > 35.0
-    assert images.signal_to_noise_decibels(table, "grey_level") > 80.0
+    assert signal_to_noise_decibels(table) > 35.0
+    assert signal_to_noise_decibels(table, "grey_level") > 80.0

@@ -1,14 +1,13 @@
 # What lies past the paper: one question a target (ablation_exposure, …), all of them `ablations`.
 
-from snakemake.common.configfile import load_configfile
 from snakemake.exceptions import WorkflowError
-from snakemake.utils import update_config, validate
+from snakemake.utils import update_config
 
 # A folder of src/camid/ablations is an ablation: what it computes (runs.py) and draws (drawing.py), its settings and their
 # schema, its tolerances, and in ablation.yaml its title and the sections of config/config.yaml that it uses.
 ABLATION_FOLDER = "src/camid/ablations"
 ABLATIONS = {
-    path.parent.name: load_configfile(path)
+    path.parent.name: read_yaml(path)
     for path in sorted(ROOT.glob(f"{ABLATION_FOLDER}/*/ablation.yaml"))
 }
 
@@ -16,9 +15,12 @@ ABLATIONS = {
 # A configuration file may change single settings, under `ablations` and the name of the ablation.
 def ablation_settings(name):
     """The settings of an ablation, checked."""
-    settings = load_configfile(ROOT / ABLATION_FOLDER / name / "settings.yaml")
+    folder = ROOT / ABLATION_FOLDER / name
+    settings = read_yaml(folder / "settings.yaml")
     update_config(settings, config.get("ablations", {}).get(name, {}))
-    validate(settings, ROOT / ABLATION_FOLDER / name / "settings.schema.yaml")
+    check_against_schema(
+        settings, folder / "settings.schema.yaml", f"settings of the ablation {name}"
+    )
     return settings
 
 
@@ -38,24 +40,28 @@ for name, ablation in ABLATIONS.items():
     rule:
         name:
             f"{name}_runs"
-        input:
-            sources=sources(
-                "workflow/scripts/ablation_runs.py",
-                f"{ABLATION_FOLDER}/{name}/runs.py",
-            ),
         output:
             f"results/ablations/{name}.parquet",
         log:
             f"results/logs/{name}_runs.log",
         cache: True
         params:
-            ablation=name,
+            **calls("compute.py", f"ablations.{name}.runs.compute"),
             settings=SETTINGS[name],
             shared={section: config[section] for section in ablation["uses"]},
         message:
             f"Computing: {ablation['title']}."
         script:
-            "../scripts/ablation_runs.py"
+            "../scripts/compute.py"
+
+
+def ablation_code(name):
+    """Digest of the code that draws an ablation and draws its conclusion."""
+    return script_code(
+        "draw_ablation.py",
+        f"camid.ablations.{name}.runs",
+        f"camid.ablations.{name}.drawing",
+    )
 
 
 for name, ablation in ABLATIONS.items():
@@ -66,16 +72,11 @@ for name, ablation in ABLATIONS.items():
         input:
             runs=f"results/ablations/{name}.parquet",
             working_copy=BIRTH_MARK,
-            sources=sources(
-                "workflow/scripts/ablation_figure.py",
-                f"{ABLATION_FOLDER}/{name}/runs.py",
-                f"{ABLATION_FOLDER}/{name}/drawing.py",
-            ),
         output:
             png=report(
                 f"paper_figs/ablation_{name}.png",
                 caption="../report/ablation.rst",
-                category="Ablations",
+                category=ablation.get("category", "Ablations"),
                 labels={"figure": name.replace("_", " "), "of": "past the paper"},
             ),
             pdf=f"paper_figs/ablation_{name}.pdf",
@@ -87,10 +88,11 @@ for name, ablation in ABLATIONS.items():
         params:
             ablation=name,
             title=ablation["title"],
+            code=ablation_code(name),
         message:
             f"Drawing: {ablation['title']}."
         script:
-            "../scripts/ablation_figure.py"
+            "../scripts/draw_ablation.py"
 
 
 rule ablations:
@@ -102,7 +104,6 @@ rule ablations:
         ),
         conclusions=expand("results/ablations/{name}.txt", name=ABLATIONS),
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/ablations.py"),
     output:
         csv="paper_figs/ablations.csv",
         markdown="paper_figs/ablations.md",
@@ -110,6 +111,7 @@ rule ablations:
         "results/logs/ablations.log",
     params:
         names=list(ABLATIONS),
+        code=script_code("ablations.py"),
     message:
         "Collecting the conclusions of all ablations."
     script:

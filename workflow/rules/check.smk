@@ -1,7 +1,7 @@
 # What the figures say in numbers, the paper's claims, and the comparison with the stored tolerances.
 
 
-rule quantities:
+rule claims:
     input:
         excitation=rules.excitation.output[0],
         marker_trajectory=rules.marker_trajectory.output[0],
@@ -12,24 +12,7 @@ rule quantities:
         neglected_mode=rules.neglected_mode.output[0],
         fig1=rules.fig1.output.csv,
         fig2=rules.fig2.output.csv,
-        sources=sources("workflow/scripts/quantities.py"),
-    output:
-        "results/quantities.csv",
-    log:
-        "results/logs/quantities.log",
-    params:
-        plant=lookup(within=config, dpath="plant"),
-    message:
-        "Collecting the numbers that claims quote and tolerances guard."
-    script:
-        "../scripts/quantities.py"
-
-
-rule claims:
-    input:
-        quantities=rules.quantities.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/claims.py"),
     output:
         csv=report(
             "paper_figs/claims.csv",
@@ -38,16 +21,19 @@ rule claims:
             labels={"figure": "claims", "of": "the paper"},
         ),
         markdown="paper_figs/claims.md",
+        quantities="results/quantities.csv",
     log:
         "results/logs/claims.log",
+    params:
+        plant=config["plant"],
+        code=script_code("claims.py"),
     message:
         "Judging the paper's claims."
     script:
         "../scripts/claims.py"
 
 
-# The paper alone, in a minute: what a change of the datasets or of the estimator would break first.
-rule check_paper:
+rule paper:
     input:
         expand(
             "paper_figs/{figure}.{format}",
@@ -55,15 +41,24 @@ rule check_paper:
             format=["png", "pdf", "csv"],
         ),
         rules.claims.output,
-        quantities=[rules.quantities.output[0]],
+    localrule: True
+    message:
+        "The figures of the paper and its claims are up to date."
+
+
+# The paper alone, in a minute: what a change of the datasets or of the estimator would break first.
+rule check_paper:
+    input:
+        rules.paper.input,
+        quantities=[rules.claims.output.quantities],
         tolerances=["config/tolerances.yaml"],
         schema="workflow/schemas/tolerances.schema.yaml",
-        sources=sources("workflow/scripts/check.py"),
     output:
         "results/check_paper.csv",
     log:
         "results/logs/check_paper.log",
     params:
+        code=script_code("check.py"),
         not_checked={
             "concealed_sample": "not of the paper",
             **{
@@ -79,16 +74,11 @@ rule check_paper:
 
 rule check:
     input:
-        expand(
-            "paper_figs/{figure}.{format}",
-            figure=FIGURES,
-            format=["png", "pdf", "csv"],
-        ),
-        rules.claims.output,
+        rules.paper.input,
         rules.ablations.output,
         rules.concealed_sample.output,
         quantities=[
-            rules.quantities.output[0],
+            rules.claims.output.quantities,
             *expand("results/ablations/{name}.csv", name=ABLATIONS),
             rules.concealed_sample.output.quantities,
             *expand("paper_figs/recording_{name}.csv", name=CHECKED_RECORDINGS),
@@ -98,12 +88,12 @@ rule check:
             *expand(f"{ABLATION_FOLDER}/{{name}}/tolerances.yaml", name=ABLATIONS),
         ],
         schema="workflow/schemas/tolerances.schema.yaml",
-        sources=sources("workflow/scripts/check.py"),
     output:
         "results/check.csv",
     log:
         "results/logs/check.log",
     params:
+        code=script_code("check.py"),
         # The recordings are not part of the project; what cannot be guarded here is said.
         not_checked=NOT_CHECKED,
     message:

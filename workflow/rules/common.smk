@@ -1,12 +1,44 @@
-# What every stage needs: which sources a rule depends on, and whether this working copy has computed anything yet.
+# What every stage needs: which code a rule depends on, and whether this working copy has computed anything yet.
 
-import ast
 import shlex
 import sys
 import time
 from pathlib import Path
 
 ROOT = Path(workflow.basedir)
+sys.path[:0] = [str(ROOT / "src"), str(ROOT / "workflow")]
+
+import jsonschema
+import yaml
+from code_digest import CodeDigest
+from snakemake.exceptions import WorkflowError
+
+
+def read_yaml(path):
+    """Content of a YAML file, by the compiled parser: there are three files for each ablation."""
+    return yaml.load(
+        Path(path).read_bytes(), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    )
+
+
+# Snakemake's own validate() imports pandas, which takes longer than all the rest of this file.
+def check_against_schema(content, schema, what):
+    """Stop with the place and the key that do not fit."""
+    error = jsonschema.exceptions.best_match(
+        jsonschema.Draft202012Validator(read_yaml(schema)).iter_errors(content)
+    )
+    if error is not None:
+        place = ".".join(map(str, error.absolute_path))
+        raise WorkflowError(f"{what}: {f'{place}: ' if place else ''}{error.message}")
+
+
+check_against_schema(config, ROOT / "workflow/schemas/config.schema.yaml", "config")
+check_against_schema(
+    config["concealed"],
+    ROOT / "workflow/schemas/concealed.schema.yaml",
+    "config: concealed",
+)
+
 # The command line of the environment that runs the workflow, whatever the PATH.
 CAMID = f"{shlex.quote(sys.executable)} -m camid"
 FIGURES = [f"fig{number}" for number in range(1, 9)]
@@ -20,55 +52,23 @@ if not Path(BIRTH_MARK).exists():
     Path(BIRTH_MARK).parent.mkdir(exist_ok=True)
     Path(BIRTH_MARK).write_text(f"{time.time_ns()}\n")
 
-
-def running_nodes(tree):
-    """All nodes of a syntax tree but those that only a type checker reads."""
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING":
-            waiting.extend(node.orelse)
-            continue
-        yield node
-        waiting.extend(ast.iter_child_nodes(node))
+# Every rule has a parameter `code`, the digest of all the code that it runs: a change reruns it, a docstring does not.
+CODE = CodeDigest(ROOT / "src", Path(".snakemake/code_digests.json"))
 
 
-def imported_modules(source):
-    """Files of camid that a Python file imports, at any depth of its code."""
-    package = ROOT / "src"
-    names = set()
-    for node in running_nodes(ast.parse(source.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
-            names.add(node.module)
-            names.update(f"{node.module}.{alias.name}" for alias in node.names)
-    files = set()
-    for name in names:
-        if name.split(".")[0] == "camid":
-            parts = name.split(".")
-            candidates = [
-                package.joinpath(*parts).with_suffix(".py"),
-                package.joinpath(*parts, "__init__.py"),
-            ]
-            candidates += [
-                package.joinpath(*parts[:end], "__init__.py")
-                for end in range(1, len(parts))
-            ]
-            files.update(file for file in candidates if file.is_file())
-    return files
+def script_code(script, *modules):
+    """Digest of a script, of what it imports and of modules that it loads by name."""
+    return CODE(ROOT / "workflow/scripts" / script, *modules)
 
 
-def sources(*starts):
-    """All files of camid that the given files reach through imports, so that a change in any of them reruns the rule.
+def calls(script, function):
+    """Parameters of a rule whose script calls a function of camid with the rule's inputs and parameters by name."""
+    return {
+        "function": f"camid.{function}",
+        "code": script_code(script, f"camid.{function}".rpartition(".")[0]),
+    }
 
-    Snakemake watches a rule's own script but not what the script imports. The files are inputs, so the cache between
-    workflows keys on their contents, too.
-    """
-    reached, waiting = set(), [ROOT / start for start in starts]
-    while waiting:
-        file = waiting.pop()
-        if file not in reached:
-            reached.add(file)
-            waiting.extend(imported_modules(file))
-    return sorted(str(file.relative_to(ROOT)) for file in reached)
+
+def selected(section, *keys):
+    """Some keys of a section of the configuration: a change of the others does not rerun the rule."""
+    return {key: config[section][key] for key in keys}

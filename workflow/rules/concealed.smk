@@ -7,12 +7,16 @@ if "concealed_seed" in config:
 # The seed is part of every path, so that nothing of another seed is ever taken for this one's.
 CONCEALED_FOLDER = "results/concealed/{set}/{seed}"
 CONCEALED_SHARD = "{shard}_of_{shards}"
+# Figure → the table that it shows, and its title.
 CONCEALED_FIGURES = {
-    "confusion_matrix": "What was concealed and what was named",
-    "strength": "Detection, naming and placing against strength",
-    "recovered_share": "Share of the error recovered on held-out recordings",
-    "weights": "Stated weights against the frequency of being right",
-    "run_time": "Run time of a diagnosis",
+    "confusion_matrix": ("scores", "What was concealed and what was named"),
+    "strength": ("scores", "Detection, naming and placing against strength"),
+    "recovered_share": (
+        "scores",
+        "Share of the error recovered on held-out recordings",
+    ),
+    "weights": ("weights", "Stated weights against the frequency of being right"),
+    "run_time": ("run_times", "Run time of a diagnosis"),
 }
 
 
@@ -43,8 +47,6 @@ wildcard_constraints:
 
 
 rule concealed_salt:
-    input:
-        sources=sources("workflow/scripts/concealed_salt.py"),
     output:
         f"{CONCEALED_FOLDER}/salt",
     log:
@@ -58,7 +60,6 @@ rule concealed_salt:
 rule concealed_recordings:
     input:
         salt=rules.concealed_salt.output[0],
-        sources=sources("workflow/scripts/concealed_recordings.py"),
     output:
         recordings=directory(f"{CONCEALED_FOLDER}/recordings/{CONCEALED_SHARD}"),
         held_out=directory(f"{CONCEALED_FOLDER}/held_out/{CONCEALED_SHARD}"),
@@ -67,6 +68,7 @@ rule concealed_recordings:
     log:
         "results/logs/concealed_recordings_{set}_{seed}_{shard}_of_{shards}.log",
     params:
+        code=script_code("concealed_recordings.py"),
         number=lambda wildcards: CONCEALED[wildcards.set]["recordings"],
     message:
         "Making and sealing concealed recordings, shard {wildcards.shard} of {wildcards.shards} ({wildcards.set})."
@@ -79,14 +81,13 @@ rule concealed_diagnoses:
     input:
         recordings=rules.concealed_recordings.output.recordings,
         seals=rules.concealed_recordings.output.seals,
-        sources=sources(
-            "workflow/scripts/concealed_diagnoses.py", "src/camid/cli/__init__.py"
-        ),
     output:
         diagnoses=directory(f"{CONCEALED_FOLDER}/diagnoses/{CONCEALED_SHARD}"),
         run_times=f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
     log:
         "results/logs/concealed_diagnoses_{set}_{seed}_{shard}_of_{shards}.log",
+    params:
+        code=script_code("concealed_diagnoses.py", "camid.cli.diagnose"),
     message:
         "Diagnosing blindly, shard {wildcards.shard} of {wildcards.shards} ({wildcards.set})."
     script:
@@ -106,13 +107,14 @@ rule concealed_reveal:
         truths=rules.concealed_recordings.output.truths,
         seals=rules.concealed_recordings.output.seals,
         diagnoses=rules.concealed_diagnoses.output.diagnoses,
-        sources=sources("workflow/scripts/concealed_reveal.py"),
     output:
         scores=f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/scores.parquet",
         parameters=f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/parameters.parquet",
         weights=f"{CONCEALED_FOLDER}/revealed/{CONCEALED_SHARD}/weights.parquet",
     log:
         "results/logs/concealed_reveal_{set}_{seed}_{shard}_of_{shards}.log",
+    params:
+        code=script_code("concealed_reveal.py"),
     message:
         "Opening the seals and scoring, shard {wildcards.shard} of {wildcards.shards} ({wildcards.set})."
     script:
@@ -137,7 +139,6 @@ rule concealed_scores:
             f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
             **CONCEALED_SHARDS[wildcards.set],
         ),
-        sources=sources("workflow/scripts/concealed_scores.py"),
     output:
         scores=f"{CONCEALED_FOLDER}/scores.parquet",
         parameters=f"{CONCEALED_FOLDER}/parameters.parquet",
@@ -146,6 +147,7 @@ rule concealed_scores:
     log:
         "results/logs/concealed_scores_{set}_{seed}.log",
     params:
+        code=script_code("concealed_scores.py"),
         number=lambda wildcards: CONCEALED[wildcards.set]["recordings"],
     message:
         "Collecting the scores of all shards ({wildcards.set})."
@@ -153,18 +155,14 @@ rule concealed_scores:
         "../scripts/concealed_scores.py"
 
 
-for name, title in CONCEALED_FIGURES.items():
+for name, (table, title) in CONCEALED_FIGURES.items():
 
     rule:
         name:
             f"concealed_{name}"
         input:
-            **CONCEALED_SCORES["full"],
+            **{table: CONCEALED_SCORES["full"][table]},
             working_copy=BIRTH_MARK,
-            sources=sources(
-                "workflow/scripts/concealed_figure.py",
-                f"src/camid/proof/figures/{name}.py",
-            ),
         output:
             png=f"paper_figs/concealed_{name}.png",
             pdf=f"paper_figs/concealed_{name}.pdf",
@@ -172,11 +170,11 @@ for name, title in CONCEALED_FIGURES.items():
         log:
             f"results/logs/concealed_{name}.log",
         params:
-            figure=name,
+            **calls("draw.py", f"proof.figures.{name}.draw"),
         message:
             f"Drawing: {title}."
         script:
-            "../scripts/concealed_figure.py"
+            "../scripts/draw.py"
 
 
 rule concealed:
@@ -193,7 +191,6 @@ rule concealed:
         ),
         salt=expand(f"{CONCEALED_FOLDER}/salt", **CONCEALED_SHARDS["full"])[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/concealed.py"),
     output:
         seals="paper_figs/concealed_seals.csv",
         markdown="paper_figs/concealed.md",
@@ -202,6 +199,7 @@ rule concealed:
     log:
         "results/logs/concealed.log",
     params:
+        code=script_code("concealed.py"),
         seed=CONCEALED["full"]["seed"],
         configured="concealed_seed" not in config,
         number=CONCEALED["full"]["recordings"],
@@ -215,10 +213,6 @@ rule concealed_sample:
     input:
         **CONCEALED_SCORES["sample"],
         working_copy=BIRTH_MARK,
-        sources=sources(
-            "workflow/scripts/concealed_sample.py",
-            "src/camid/proof/figures/sample.py",
-        ),
     output:
         png=report(
             "paper_figs/concealed_sample.png",
@@ -231,6 +225,8 @@ rule concealed_sample:
         quantities="results/concealed/quantities.csv",
     log:
         "results/logs/concealed_sample.log",
+    params:
+        code=script_code("concealed_sample.py", "camid.proof.figures.sample"),
     message:
         "Drawing: a small sample of the sealed proof."
     script:

@@ -1,11 +1,11 @@
-# The eight figures of the paper: each a named target (fig1 … fig8) and file targets (paper_figs/fig1.png, …).
+# The eight figures of the paper: each a named target (fig1 … fig8) and file targets (paper_figs/fig1.png, …). The folder
+# of a figure in camid.paper draws it.
 
 
 rule fig1:
     input:
         image=rules.marker_image.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig1.py"),
     output:
         png=report(
             "paper_figs/fig1.png",
@@ -17,17 +17,18 @@ rule fig1:
         csv="paper_figs/fig1.csv",
     log:
         "results/logs/fig1.log",
+    params:
+        **calls("draw.py", "paper.fig1_marker_image.drawing.draw"),
     message:
         "Drawing: Exposed image of the fast marker and its trajectory (Fig. 1)."
     script:
-        "../scripts/fig1.py"
+        "../scripts/draw.py"
 
 
 rule fig2:
     input:
         image=rules.marker_image.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig2.py"),
     output:
         png=report(
             "paper_figs/fig2.png",
@@ -40,18 +41,18 @@ rule fig2:
     log:
         "results/logs/fig2.log",
     params:
-        threshold=lookup(within=config, dpath="imaging/threshold"),
+        **calls("draw.py", "paper.fig2_gradient_image.drawing.draw"),
+        threshold=config["imaging"]["threshold"],
     message:
         "Drawing: Gradient image and centre of mass (Fig. 2)."
     script:
-        "../scripts/fig2.py"
+        "../scripts/draw.py"
 
 
 rule fig3:
     input:
         trajectory=rules.marker_trajectory.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig3.py"),
     output:
         png=report(
             "paper_figs/fig3.png",
@@ -64,17 +65,17 @@ rule fig3:
     log:
         "results/logs/fig3.log",
     params:
-        frequency=lookup(within=config, dpath="imaging/slow_frequency"),
+        **calls("draw.py", "paper.fig3_marker_trajectory.drawing.draw"),
+        frequency=config["imaging"]["slow_frequency"],
     message:
         "Drawing: Measured and modelled trajectories (Fig. 3)."
     script:
-        "../scripts/fig3.py"
+        "../scripts/draw.py"
 
 
 rule fig4:
     input:
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig4.py"),
     output:
         png=report(
             "paper_figs/fig4.png",
@@ -86,16 +87,17 @@ rule fig4:
         csv="paper_figs/fig4.csv",
     log:
         "results/logs/fig4.log",
+    params:
+        **calls("draw.py", "paper.fig4_first_version.drawing.draw"),
     message:
         "Drawing: Model #1, first version (Fig. 4)."
     script:
-        "../scripts/fig4.py"
+        "../scripts/draw.py"
 
 
 rule fig5:
     input:
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig5.py"),
     output:
         png=report(
             "paper_figs/fig5.png",
@@ -107,17 +109,18 @@ rule fig5:
         csv="paper_figs/fig5.csv",
     log:
         "results/logs/fig5.log",
+    params:
+        **calls("draw.py", "paper.fig5_second_version.drawing.draw"),
     message:
         "Drawing: Model #1, second version (Fig. 5)."
     script:
-        "../scripts/fig5.py"
+        "../scripts/draw.py"
 
 
 rule fig6:
     input:
         responses=rules.camera_models.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig6.py"),
     output:
         png=report(
             "paper_figs/fig6.png",
@@ -130,18 +133,18 @@ rule fig6:
     log:
         "results/logs/fig6.log",
     params:
-        period=lookup(within=config, dpath="camera_models/period"),
+        **calls("draw.py", "paper.fig6_camera_models.drawing.draw"),
+        period=config["camera_models"]["period"],
     message:
         "Drawing: Bode diagrams of the three models (Fig. 6)."
     script:
-        "../scripts/fig6.py"
+        "../scripts/draw.py"
 
 
 rule fig7:
     input:
         estimates=rules.sampling_period.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig7.py"),
     output:
         png=report(
             "paper_figs/fig7.png",
@@ -154,18 +157,19 @@ rule fig7:
     log:
         "results/logs/fig7.log",
     params:
-        natural_frequency=lookup(within=config, dpath="plant/natural_frequency"),
+        **calls("draw.py", "paper.fig7_sampling_period.drawing.draw"),
+        natural_frequency=config["plant"]["natural_frequency"],
+        cases={"camera": "camera", "held": "zoh", "noise": "camera-noise"},
     message:
         "Drawing: Errors against the sampling period (Fig. 7)."
     script:
-        "../scripts/fig7.py"
+        "../scripts/draw.py"
 
 
 rule fig8:
     input:
         estimates=rules.neglected_mode.output[0],
         working_copy=BIRTH_MARK,
-        sources=sources("workflow/scripts/fig8.py"),
     output:
         png=report(
             "paper_figs/fig8.png",
@@ -178,8 +182,9 @@ rule fig8:
     log:
         "results/logs/fig8.log",
     params:
-        period=lookup(within=config, dpath="neglected_mode_sweep/period"),
+        **calls("draw.py", "paper.fig8_neglected_mode.drawing.draw"),
+        period=config["neglected_mode_sweep"]["period"],
     message:
         "Drawing: Errors due to a neglected mode (Fig. 8)."
     script:
-        "../scripts/fig8.py"
+        "../scripts/draw.py"

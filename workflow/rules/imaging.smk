@@ -2,47 +2,46 @@
 
 
 rule marker_image:
-    input:
-        sources=sources("workflow/scripts/marker_image.py"),
     output:
         "results/datasets/marker_image.npz",
     log:
         "results/logs/marker_image.log",
     cache: True
     params:
-        imaging=lookup(within=config, dpath="imaging"),
+        **calls("compute.py", "paper.fig1_marker_image.runs.fast_marker_image"),
+        imaging=config["imaging"],
     message:
         "Exposing the image of the fast marker."
     script:
-        "../scripts/marker_image.py"
+        "../scripts/compute.py"
 
 
 rule marker_trajectory:
-    input:
-        sources=sources("workflow/scripts/marker_trajectory.py"),
     output:
         "results/datasets/marker_trajectory.parquet",
     log:
         "results/logs/marker_trajectory.log",
     cache: True
     params:
-        imaging=lookup(within=config, dpath="imaging"),
+        **calls(
+            "compute.py", "paper.fig3_marker_trajectory.runs.slow_marker_trajectory"
+        ),
+        imaging=config["imaging"],
     message:
         "Measuring the slow marker in rendered images."
     script:
-        "../scripts/marker_trajectory.py"
+        "../scripts/compute.py"
 
 
 rule assumptions:
-    input:
-        sources=sources("workflow/scripts/assumptions.py"),
     output:
         "results/estimates/assumptions.parquet",
     log:
         "results/logs/assumptions.log",
     params:
-        imaging=lookup(within=config, dpath="imaging"),
+        **calls("compute.py", "paper.assumptions.assumption_failures"),
+        imaging=config["imaging"],
     message:
         "Measuring what happens when the assumptions A1, A2 and A4 fail."
     script:
-        "../scripts/assumptions.py"
+        "../scripts/compute.py"

@@ -9,8 +9,6 @@ SHARDS = {"shard": range(MONTE_CARLO["shards"]), "shards": MONTE_CARLO["shards"]
 
 
 rule monte_carlo_shard:
-    input:
-        sources=sources("workflow/scripts/monte_carlo_shard.py"),
     output:
         SHARD,
     log:
@@ -21,6 +19,7 @@ rule monte_carlo_shard:
         shards=r"\d+",
     cache: True
     params:
+        **calls("compute.py", "ablations.monte_carlo.runs.compute_numbered_shard"),
         # The cache between workflows knows parameters but no wildcards: without these all shards would be one to it.
         seeds=lambda wildcards: int(wildcards.seeds),
         shard=lambda wildcards: int(wildcards.shard),
@@ -30,25 +29,25 @@ rule monte_carlo_shard:
             **{
                 section: config[section] for section in ["plant", "excitation", "seed"]
             },
-            "sampling_period_sweep": {
-                key: config["sampling_period_sweep"][key]
-                for key in ["start", "stop", "step"]
-            },
+            "sampling_period_sweep": selected(
+                "sampling_period_sweep", "start", "stop", "step"
+            ),
         },
     message:
         "Fitting shard {wildcards.shard} of {wildcards.shards} with {wildcards.seeds} noise seeds a period."
     script:
-        "../scripts/monte_carlo_shard.py"
+        "../scripts/compute.py"
 
 
 rule monte_carlo_runs:
     input:
         shards=expand(SHARD, seeds=MONTE_CARLO["seeds"], **SHARDS),
-        sources=sources("workflow/scripts/monte_carlo_runs.py"),
     output:
         "results/ablations/monte_carlo.parquet",
     log:
         "results/logs/monte_carlo_runs.log",
+    params:
+        code=script_code("monte_carlo_runs.py"),
     message:
         "Adding up the shards of the Monte Carlo."
     script:
@@ -58,7 +57,6 @@ rule monte_carlo_runs:
 use rule monte_carlo_runs as monte_carlo_all_runs with:
     input:
         shards=expand(SHARD, seeds=MONTE_CARLO["all_seeds"], **SHARDS),
-        sources=sources("workflow/scripts/monte_carlo_runs.py"),
     output:
         "results/monte_carlo/all.parquet",
     log:
@@ -68,11 +66,6 @@ use rule monte_carlo_runs as monte_carlo_all_runs with:
 rule monte_carlo:
     input:
         runs=rules.monte_carlo_all_runs.output[0],
-        sources=sources(
-            "workflow/scripts/ablation_figure.py",
-            "src/camid/ablations/monte_carlo/runs.py",
-            "src/camid/ablations/monte_carlo/drawing.py",
-        ),
     output:
         png="paper_figs/monte_carlo.png",
         pdf="paper_figs/monte_carlo.pdf",
@@ -84,7 +77,8 @@ rule monte_carlo:
     params:
         ablation="monte_carlo",
         title="Errors over the Cramér–Rao bound, all noise seeds",
+        code=ablation_code("monte_carlo"),
     message:
         "Drawing: errors over the Cramér–Rao bound, all noise seeds."
     script:
-        "../scripts/ablation_figure.py"
+        "../scripts/draw_ablation.py"

@@ -40,14 +40,13 @@ for name, recording in BENCHMARK_RECORDINGS.items():
     rule:
         name:
             f"recording_file_{name}"
-        input:
-            sources=sources("workflow/scripts/recording_file.py"),
         output:
             f"results/recordings/{recording.file}",
         log:
             f"results/logs/recording_file_{name}.log",
         priority: 100 if name == "silverbox" else 0
         params:
+            code=script_code("recording_file.py"),
             name=name,
         message:
             f"Finding the recording {name}."
@@ -58,13 +57,13 @@ for name, recording in BENCHMARK_RECORDINGS.items():
 rule recording_track:
     input:
         video=f"results/recordings/{BENCHMARK_RECORDINGS['pendulum_clip'].file}",
-        sources=sources("src/camid/cli/__init__.py", "src/camid/cli/track.py"),
     output:
         recording=DIAGNOSED["pendulum_clip"],
         preview="results/recordings/pendulum_clip_preview.png",
     log:
         "results/logs/recording_track.log",
     params:
+        code=CODE("camid.cli.track"),
         camid=CAMID,
         options=TRACKED["pendulum_clip"],
     message:
@@ -78,7 +77,6 @@ rule recording_diagnosis:
     input:
         recording=lambda wildcards: DIAGNOSED[wildcards.recording],
         simulation="config/simulations/{recording}.yaml",
-        sources=sources("src/camid/cli/__init__.py", "src/camid/cli/diagnose.py"),
     output:
         diagnosis="results/recordings/{recording}/diagnosis.json",
         improved="results/recordings/{recording}/improved.yaml",
@@ -87,6 +85,7 @@ rule recording_diagnosis:
     log:
         "results/logs/recording_{recording}.log",
     params:
+        code=CODE("camid.cli.diagnose"),
         camid=CAMID,
         folder=lambda wildcards, output: str(Path(output.diagnosis).parent),
     message:
@@ -100,12 +99,12 @@ rule recording_diagnosis_again:
     input:
         recording=lambda wildcards: DIAGNOSED[wildcards.recording],
         improved=rules.recording_diagnosis.output.improved,
-        sources=sources("src/camid/cli/__init__.py", "src/camid/cli/diagnose.py"),
     output:
         diagnosis="results/recordings/{recording}_again/diagnosis.json",
     log:
         "results/logs/recording_{recording}_again.log",
     params:
+        code=CODE("camid.cli.diagnose"),
         camid=CAMID,
         folder=lambda wildcards, output: str(Path(output.diagnosis).parent),
     message:
@@ -118,12 +117,13 @@ rule recording_diagnosis_again:
 rule silverbox_parts:
     input:
         recording=DIAGNOSED["silverbox"],
-        sources=sources("workflow/scripts/silverbox_parts.py"),
     output:
         training="results/recordings/silverbox_training.parquet",
         multisine="results/recordings/silverbox_multisine.parquet",
     log:
         "results/logs/silverbox_parts.log",
+    params:
+        code=script_code("silverbox_parts.py"),
     message:
         "Splitting the Silverbox."
     script:
@@ -135,13 +135,13 @@ rule silverbox:
         training=rules.silverbox_parts.output.training,
         multisine=rules.silverbox_parts.output.multisine,
         simulation="config/simulations/silverbox_{hold}.yaml",
-        sources=sources("src/camid/cli/__init__.py", "src/camid/commands/simulate.py"),
     output:
         model="results/recordings/silverbox_{hold}.yaml",
         simulated="results/recordings/silverbox_{hold}_multisine.csv",
     log:
         "results/logs/silverbox_{hold}.log",
     params:
+        code=CODE("camid.cli.identify", "camid.cli.simulate"),
         camid=CAMID,
     message:
         "Identifying the Silverbox with {wildcards.hold} input and simulating the test multisine."
@@ -168,13 +168,13 @@ for name in BENCHMARK_RECORDINGS:
                 else []
             ),
             working_copy=BIRTH_MARK,
-            sources=sources("workflow/scripts/recording_figure.py"),
         output:
             png=f"paper_figs/recording_{name}.png",
             csv=f"paper_figs/recording_{name}.csv",
         log:
             f"results/logs/recording_{name}_figure.log",
         params:
+            code=script_code("recording_figure.py"),
             name=name,
         message:
             f"Drawing the results on the recording {name}."
@@ -186,13 +186,13 @@ rule recordings:
     input:
         figures=RECORDING_FIGURES,
         page="workflow/report/real_recordings.md.jinja",
-        sources=sources("workflow/scripts/recordings.py"),
     output:
         page="docs/real_recordings.md",
         summary="results/recordings/summary.csv",
     log:
         "results/logs/recordings.log",
     params:
+        code=script_code("recordings.py"),
         names=list(BENCHMARK_RECORDINGS),
     message:
         "Results on the real recordings beside what was published."

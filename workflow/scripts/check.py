@@ -8,7 +8,7 @@ import pandas as pd
 from jsonschema import validate
 from ruamel.yaml import YAML
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.paper.tolerances import compare, print_comparison, without_targets
 
 if TYPE_CHECKING:

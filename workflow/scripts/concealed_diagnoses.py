@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.proof.diagnoses import diagnose_all
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.proof.concealed.generator import make, plan
 from camid.proof.sealed_files import seal_cases, write_case
 

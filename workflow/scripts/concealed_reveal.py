@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.paper.dataset_files import write_dataset
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.proof.score_table import score_cases
 from camid.proof.sealed_files import check_seals
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.plotting import save
 from camid.proof.figures.sample import draw
 from camid.proof.targets import lines, quantities

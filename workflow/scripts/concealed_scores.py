@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.paper.dataset_files import write_dataset
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -7,7 +7,7 @@ import pandas as pd
 
 from camid.ablations.monte_carlo.runs import combine
 from camid.paper.dataset_files import read_configuration, write_dataset
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def main() -> None:
     """Add up the shards of the Monte Carlo."""
     configurations = [read_configuration(file) for file in snakemake.input.shards]
-    seeds = [configuration.pop("seeds") for configuration in configurations]
-    if len(set(map(str, seeds))) < len(seeds):
+    shards = [tuple(found.pop(key) for key in ("seeds", "shard", "shards")) for found in configurations]
+    if len(set(shards)) < len(shards):
         sys.exit("two shards hold the same noise seeds: remove results/monte_carlo and call the workflow again")
     write_dataset(combine([pd.read_parquet(f) for f in snakemake.input.shards]), snakemake.output[0], configurations[0])
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.real_recordings.drawing import draw, save
 from camid.real_recordings.laws import law
 from camid.real_recordings.results import Results, quantities

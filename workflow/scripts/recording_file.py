@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.real_recordings.download import fetch
 
 if TYPE_CHECKING:

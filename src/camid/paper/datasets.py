@@ -1,4 +1,4 @@
-"""Camera-sampled outputs of each sweep and noise samples (sections 3.2 and 3.3 of the paper)."""
+"""Excitation, camera-sampled outputs of each sweep and noise samples (sections 3.2 and 3.3 of the paper)."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
+from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.chain.plant import TransferFunction, second_order
 
 Array = NDArray[np.float64]
@@ -36,7 +37,21 @@ def with_closing_frame(signal: Array) -> Array:
     return np.append(signal, 0.0)
 
 
-def sampling_period_outputs(signal: Array, plant: Mapping[str, float], sweep: Mapping[str, Any]) -> pd.DataFrame:
+def excitation_table(order: int, amplitude: float) -> pd.DataFrame:
+    """The pseudo-random binary sequence of section 3.2.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``k`` and ``u``.
+    """
+    signal = pseudo_random_binary_sequence(order, amplitude=amplitude)
+    return pd.DataFrame({"k": np.arange(len(signal)), "u": signal})
+
+
+def sampling_period_outputs(
+    excitation: pd.DataFrame, plant: Mapping[str, float], sweep: Mapping[str, Any]
+) -> pd.DataFrame:
     """Camera output of G0 for every sampling period, by the exact chain of Fig. 4.
 
     Returns
@@ -44,7 +59,7 @@ def sampling_period_outputs(signal: Array, plant: Mapping[str, float], sweep: Ma
     DataFrame
         Columns ``period`` (s), ``k``, ``u``, ``w``; N + 1 rows a period, the last for the closing frame.
     """
-    signal = with_closing_frame(signal)
+    signal = with_closing_frame(excitation["u"].to_numpy())
     tables = [
         pd.DataFrame(
             {
@@ -59,7 +74,7 @@ def sampling_period_outputs(signal: Array, plant: Mapping[str, float], sweep: Ma
     return pd.concat(tables, ignore_index=True)
 
 
-def noise_samples(length: int, sweep: Mapping[str, Any], seed: int) -> pd.DataFrame:
+def noise_samples(excitation: pd.DataFrame, sweep: Mapping[str, Any], seed: int) -> pd.DataFrame:
     """Standard normal noise, a stream of its own for every period and sample.
 
     The stream of sample s at period number i is ``SeedSequence(seed, spawn_key=(i, s))``: the first of the sequence,
@@ -70,6 +85,7 @@ def noise_samples(length: int, sweep: Mapping[str, Any], seed: int) -> pd.DataFr
     DataFrame
         Columns ``period`` (s), ``sample`` (from 0), ``k``, ``noise`` (unit variance).
     """
+    length = len(excitation) + 1  # with the closing frame
     tables = []
     for i, period in enumerate(sweep_periods(sweep)):
         for s in range(sweep["noise_samples"]):
@@ -87,12 +103,19 @@ def noise_samples(length: int, sweep: Mapping[str, Any], seed: int) -> pd.DataFr
     return pd.concat(tables, ignore_index=True)
 
 
+def noise_level(output: Array, ratio: float, ratio_of: str) -> float:
+    """Standard deviation of the noise for a signal-to-noise ratio of powers or of amplitudes."""
+    return float(np.std(output)) / (np.sqrt(ratio) if ratio_of == "power" else ratio)
+
+
 def neglected_frequencies(sweep: Mapping[str, Any]) -> Array:
     """ω1 of Fig. 8 in rad/s, shape (P,)."""
     return np.geomspace(sweep["start"], sweep["stop"], sweep["points"]) / sweep["period"]
 
 
-def neglected_mode_outputs(signal: Array, plant: Mapping[str, float], sweep: Mapping[str, Any]) -> pd.DataFrame:
+def neglected_mode_outputs(
+    excitation: pd.DataFrame, plant: Mapping[str, float], sweep: Mapping[str, Any]
+) -> pd.DataFrame:
     """Outputs of G0·G1, equations (25) and (26), by camera and by an instant sensor.
 
     Returns
@@ -100,7 +123,7 @@ def neglected_mode_outputs(signal: Array, plant: Mapping[str, float], sweep: Map
     DataFrame
         Columns ``omega_1`` (rad/s), ``k``, ``u``, ``camera``, ``instant``; N + 1 rows a frequency.
     """
-    signal = with_closing_frame(signal)
+    signal = with_closing_frame(excitation["u"].to_numpy())
     tables = []
     for omega in neglected_frequencies(sweep):
         whole = believed_plant(plant) * second_order(1.0, float(omega), sweep["damping"])

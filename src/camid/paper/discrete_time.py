@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.camera_models import closed_form, first_order_hold_equivalent, sampled_model
@@ -16,7 +14,7 @@ from camid.paper.datasets import believed_plant
 
 
 def compare_discrete_time(
-    signal: NDArray[np.float64], plant: Mapping[str, float], periods: Sequence[float]
+    excitation: pd.DataFrame, plant: Mapping[str, float], periods: Sequence[float]
 ) -> pd.DataFrame:
     """The five coefficients of (16) from four sources.
 
@@ -26,7 +24,7 @@ def compare_discrete_time(
         Columns ``period`` (s), ``coefficient``, ``closed_form``, ``exact`` (camera chain), ``hold_equivalent``
         (python-control's first-order hold, without delay), ``identified`` (one delay, orders two above and below).
     """
-    truth = believed_plant(plant)
+    truth, signal = believed_plant(plant), excitation["u"].to_numpy()
     tables = []
     for period in periods:
         written = closed_form(plant["static_gain"], plant["natural_frequency"], plant["damping"], period)

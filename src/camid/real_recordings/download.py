@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from camid.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FOLDER_VARIABLE = "CAMID_RECORDINGS"
 
@@ -131,6 +132,9 @@ def silverbox_parts(path: Path) -> dict[str, pd.DataFrame]:
     dict of DataFrame
         ``training`` and ``multisine``, with columns ``t`` (s), ``V1`` and ``V2`` (V).
     """
+    import numpy as np
+    import pandas as pd
+
     table = pd.read_csv(path, index_col=False)[["V1", "V2"]].dropna()
     table.insert(0, "t", np.arange(len(table)) * SILVERBOX_PERIOD)
     parts = {

@@ -30,8 +30,7 @@ from camid.chain.plant import TransferFunction
 from camid.identification.estimate import estimate
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS
-from camid.paper.datasets import believed_plant, with_closing_frame
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level, with_closing_frame
 
 Array = NDArray[np.float64]
 

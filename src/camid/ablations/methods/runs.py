@@ -39,8 +39,7 @@ from camid.identification.predictor import Predictor
 from camid.identification.srivc import least_squares_state_variable_filter, reflect
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS
-from camid.paper.datasets import believed_plant
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level
 
 Array = NDArray[np.float64]
 

@@ -21,8 +21,7 @@ from camid.chain.plant import TransferFunction, second_order
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.order_selection import select_order
 from camid.identification.structure import Structure
-from camid.paper.datasets import believed_plant
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level
 
 Array = NDArray[np.float64]
 

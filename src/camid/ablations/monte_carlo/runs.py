@@ -20,8 +20,7 @@ from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS, parameter_vector
-from camid.paper.datasets import believed_plant, sweep_periods
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level, sweep_periods
 
 Array = NDArray[np.float64]
 
@@ -94,6 +93,13 @@ def compute_shard(
             for j, parameter in enumerate(PARAMETERS)
         ]
     return pd.DataFrame(rows)
+
+
+def compute_numbered_shard(
+    settings: Mapping[str, Any], shared: Mapping[str, Any], seeds: int, shard: int, shards: int
+) -> pd.DataFrame:
+    """Sums over the fits of one of several shards, see :func:`compute_shard`."""
+    return compute_shard(settings, shared, shard_seeds(seeds, shard, shards))
 
 
 def combine(shards: Sequence[pd.DataFrame]) -> pd.DataFrame:

@@ -21,8 +21,7 @@ from camid.chain.exact import sample
 from camid.identification.estimate import estimate
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS
-from camid.paper.datasets import believed_plant
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level
 
 # The paper's "SNR of 10" as a ratio of powers, and of amplitudes.
 POWER_READING, AMPLITUDE_READING = 10.0, 20.0

@@ -30,8 +30,7 @@ from camid.identification.estimate import Estimate, estimate
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS, parameter_vector
-from camid.paper.datasets import believed_plant, with_closing_frame
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level, with_closing_frame
 
 Array = NDArray[np.float64]
 

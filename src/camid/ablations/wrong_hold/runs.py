@@ -24,8 +24,7 @@ from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import ALARM, analyse_residual
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS, parameter_vector
-from camid.paper.datasets import believed_plant
-from camid.paper.fig7_sampling_period.runs import noise_level
+from camid.paper.datasets import believed_plant, noise_level
 
 Array = NDArray[np.float64]
 

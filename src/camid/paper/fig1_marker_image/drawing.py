@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -13,17 +14,14 @@ from camid import plotting as style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
-
-def draw(quantised: NDArray[np.uint8], trajectory: Array) -> tuple[Figure, pd.DataFrame]:
+def draw(image: Mapping[str, NDArray[Any]]) -> tuple[Figure, pd.DataFrame]:
     """Draw the image with the trajectory beside it, as the paper does.
 
     Parameters
     ----------
-    quantised : ndarray of uint8, shape (height, width, 3)
-    trajectory : ndarray, shape (M, 2)
-        Positions of the centre over the exposure, x and y in px.
+    image : mapping of str to ndarray
+        From :func:`camid.paper.fig1_marker_image.runs.fast_marker_image`.
 
     Returns
     -------
@@ -32,6 +30,7 @@ def draw(quantised: NDArray[np.uint8], trajectory: Array) -> tuple[Figure, pd.Da
         ``x``, ``y`` of the trajectory and the grey level of the pixel there.
     """
     style.apply()
+    quantised, trajectory = image["quantised"], image["trajectory"]
     import matplotlib.pyplot as plt
 
     height, width = quantised.shape[:2]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -13,25 +14,14 @@ from camid import plotting as style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
-
-def draw(
-    gradient: NDArray[np.float32],
-    selected: NDArray[np.bool_],
-    centres: dict[str, Array],
-    threshold: float,
-) -> tuple[Figure, pd.DataFrame]:
+def draw(image: Mapping[str, NDArray[Any]], threshold: float) -> tuple[Figure, pd.DataFrame]:
     """Draw the gradient, the pixels above the threshold and the centres.
 
     Parameters
     ----------
-    gradient : ndarray, shape (height, width)
-        Grey levels per pixel.
-    selected : ndarray of bool, same shape
-        Pixels whose centre of mass is the measurement.
-    centres : dict of ndarray, shape (2,)
-        ``centroid`` (measurement) and ``time_mean`` (simplified model), x and y in px.
+    image : mapping of str to ndarray
+        From :func:`camid.paper.fig1_marker_image.runs.fast_marker_image`.
     threshold : float
         Share of the largest gradient.
 
@@ -42,6 +32,8 @@ def draw(
         The centres and the number of selected pixels.
     """
     style.apply()
+    gradient, selected = image["gradient"], image["selected"]
+    centres = {name: image[name] for name in ("centroid", "time_mean")}  # measurement and simplified model
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 2.75), sharex=True, sharey=True)

@@ -19,7 +19,7 @@ def draw(trajectory: pd.DataFrame, frequency: float) -> tuple[Figure, pd.DataFra
     Parameters
     ----------
     trajectory : DataFrame
-        From :func:`camid.paper.marker_images.slow_marker_trajectory`.
+        From :func:`camid.paper.fig3_marker_trajectory.runs.slow_marker_trajectory`.
         Its signal-to-noise ratio is stated in the figure: power of the model's motion over that of the difference.
     frequency : float
         Hz.

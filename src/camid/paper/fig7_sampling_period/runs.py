@@ -14,14 +14,9 @@ from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import estimate
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS, declared_experiment, parameter_vector
-from camid.paper.datasets import believed_plant
+from camid.paper.datasets import believed_plant, noise_level
 
 Array = NDArray[np.float64]
-
-
-def noise_level(output: Array, ratio: float, ratio_of: str) -> float:
-    """Standard deviation of the noise for a signal-to-noise ratio of powers or of amplitudes."""
-    return float(np.std(output)) / (np.sqrt(ratio) if ratio_of == "power" else ratio)
 
 
 def identify_sampling_period(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job_log import logged
+from camid.paper.job import logged
 from camid.plotting import save
 
 if TYPE_CHECKING:

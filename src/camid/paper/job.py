@@ -1,13 +1,14 @@
-"""Logs of workflow jobs."""
+"""What the scripts of the workflow have in common: inputs, parameters and logs of a job."""
 
 from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from importlib import import_module
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from camid.errors import InputError
 
@@ -57,3 +58,38 @@ def logged(path: str | Path, *, also_print: bool = False) -> Iterator[None]:
         except Exception as error:
             log.write(traceback.format_exc())
             sys.exit(f"camid: {type(error).__name__}: {error} (whole story in {path})")
+
+
+# Inputs and parameters that only the workflow needs.
+OF_THE_WORKFLOW = {"working_copy", "function", "code"}
+
+
+def function_of(job: Any) -> Callable[..., Any]:
+    """The function that the parameter ``function`` of a job names, ``module.function``."""
+    module, _, name = job.params.function.rpartition(".")
+    return getattr(import_module(module), name)
+
+
+def parameters_of(job: Any) -> dict[str, Any]:
+    """Parameters of a job by name, without those that say which code runs."""
+    return {name: value for name, value in job.params.items() if name not in OF_THE_WORKFLOW}
+
+
+def tables(job: Any) -> dict[str, Any]:
+    """Inputs of a job by name, read: a DataFrame from Parquet or CSV, a dict of arrays from NPZ."""
+    return {name: _read(Path(file)) for name, file in job.input.items() if name not in OF_THE_WORKFLOW}
+
+
+def arguments(job: Any) -> dict[str, Any]:
+    """Inputs and parameters of a job by name."""
+    return {**tables(job), **parameters_of(job)}
+
+
+def _read(file: Path) -> Any:
+    import numpy as np
+    import pandas as pd
+
+    if file.suffix == ".npz":
+        with np.load(file) as arrays:
+            return dict(arrays)
+    return pd.read_parquet(file) if file.suffix == ".parquet" else pd.read_csv(file)

@@ -1,9 +1,8 @@
-"""Draw Fig. 5."""
+"""Draw one figure: call the rule's function with the rule's inputs and parameters by name."""
 
 from typing import TYPE_CHECKING
 
-from camid.paper.block_diagrams import draw_second_version
-from camid.paper.job_log import logged
+from camid.paper.job import arguments, function_of, logged
 from camid.plotting import save
 
 if TYPE_CHECKING:
@@ -11,8 +10,8 @@ if TYPE_CHECKING:
 
 
 def main() -> None:
-    """Draw Fig. 5."""
-    figure, table = draw_second_version()
+    """Draw and save the figure and the numbers that it shows."""
+    figure, table = function_of(snakemake)(**arguments(snakemake))
     save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
 
 
