@@ -2,12 +2,10 @@
 
 import copy
 
-import pandas as pd
 import pytest
 from ruamel.yaml import YAML
 
-from camid.chain.excitation import pseudo_random_binary_sequence
-from camid.paper.datasets import noise_samples, sampling_period_outputs, with_closing_frame
+from camid.paper.datasets import excitation_table, noise_samples, sampling_period_outputs
 from camid.paper.fig7_sampling_period.runs import identify_sampling_period
 from camid.paper.quantities import Quantities, _excitation, _sampling_period
 from camid.paper.tolerances import compare
@@ -27,15 +25,16 @@ def failed(configuration, taps=None):
     """Names of the guarded quantities that leave their tolerances."""
     from scipy.signal import max_len_seq
 
-    order, sweep = configuration["excitation"]["order"], configuration["sampling_period_sweep"]
-    signal = pseudo_random_binary_sequence(order)
+    sweep = configuration["sampling_period_sweep"]
+    excitation = excitation_table(**configuration["excitation"])
     if taps is not None:
-        signal = 2.0 * max_len_seq(order, taps=taps)[0][: len(signal)] - 1.0
-    outputs = sampling_period_outputs(signal, configuration["plant"], sweep)
-    noise = noise_samples(len(with_closing_frame(signal)), sweep, configuration["seed"])
+        sequence, _ = max_len_seq(configuration["excitation"]["order"], taps=taps, length=len(excitation))
+        excitation = excitation.assign(u=2.0 * sequence - 1.0)
+    outputs = sampling_period_outputs(excitation, configuration["plant"], sweep)
+    noise = noise_samples(excitation, sweep, configuration["seed"])
     estimates = identify_sampling_period(outputs, noise, configuration["plant"], sweep, sweep["cases"])
     quantities = Quantities()
-    _excitation(quantities, pd.DataFrame({"u": signal}))
+    _excitation(quantities, excitation)
     _sampling_period(quantities, estimates, configuration)
     tolerances = YAML(typ="safe").load(ROOT / "config/tolerances.yaml")
     guards = [entry for entry in tolerances if entry["quantity"] in GUARDED]

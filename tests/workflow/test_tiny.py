@@ -41,9 +41,12 @@ def test_second_run_does_nothing_and_a_deleted_figure_takes_one_job(tiny):
 def test_changed_source_reruns_the_rules_that_use_it_and_no_others(tiny):
     path = tiny.folder / "src/camid/paper/fig8_neglected_mode/drawing.py"
     text = path.read_text(encoding="utf-8")
-    path.write_text(text + "\nCHANGED = True\n", encoding="utf-8")
     try:
+        path.write_text(text + "\nCHANGED = True\n", encoding="utf-8")
         assert tiny.planned(*TINY_TARGETS) == {"fig8"}
+        # What only a reader sees changes nothing.
+        path.write_text(text.replace('"""', '"""Other words. ', 1), encoding="utf-8")
+        assert tiny.planned(*TINY_TARGETS) == set()
     finally:
         path.write_text(text, encoding="utf-8")
 
