@@ -5,7 +5,8 @@ import copy
 import pytest
 from ruamel.yaml import YAML
 
-from camid.paper.datasets import excitation_table, noise_samples, sampling_period_outputs
+from camid.paper.datasets import noise_samples, sampling_period_outputs
+from camid.paper.excitation import excitation_table
 from camid.paper.fig7_sampling_period.runs import identify_sampling_period
 from camid.paper.quantities import Quantities, _excitation, _sampling_period
 from camid.paper.tolerances import compare

@@ -77,9 +77,6 @@ def test_set_is_sealed_diagnosed_blindly_and_revealed(tiny):
     }
     opened = inputs[f"{results}/revealed/{SHARD}/scores.parquet"]
     assert {f"{results}/diagnoses/{SHARD}", f"{results}/truths/{SHARD}"} <= set(opened)
-    # A change of the generator makes other recordings; what diagnoses them does not know it.
-    assert "src/camid/proof/concealed/generator.py" in inputs[f"{results}/recordings/{SHARD}"]
-    assert not any("concealed/generator" in f for f in seen)
 
     # Once more without any truth and any held-out recording: every diagnosis is the same to the byte.
     kept = {name: (folder / name).rename(folder / f"kept_{name}") for name in ("truths", "held_out")}

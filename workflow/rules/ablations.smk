@@ -34,8 +34,8 @@ if unknown_ablations:
 
 
 for name, ablation in ABLATIONS.items():
-    if "shards" in SETTINGS[name]:
-        continue  # its runs are shared out among jobs of their own (monte_carlo.smk)
+    if ablation.get("own_rules", False):
+        continue
 
     rule:
         name:

@@ -8,7 +8,7 @@ rule excitation:
         "results/logs/excitation.log",
     cache: True
     params:
-        **calls("compute.py", "paper.datasets.excitation_table"),
+        **calls("compute.py", "paper.excitation.excitation_table"),
         order=config["excitation"]["order"],
         amplitude=config["excitation"]["amplitude"],
     message:

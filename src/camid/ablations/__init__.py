@@ -8,7 +8,8 @@ A new ablation is a new folder and nothing else; the workflow finds it. Every fo
 - ``drawing.py``: ``draw(table)``, the figure and the numbers that it shows;
 - ``settings.yaml`` and ``settings.schema.yaml``: the numbers of the ablation, and what they may be;
 - ``tolerances.yaml``: what ``snakemake -c2 check`` holds its numbers against;
-- ``ablation.yaml``: ``title`` of the figure and ``uses``, the sections of ``config/config.yaml`` that it is given.
+- ``ablation.yaml``: ``title`` of the figure and ``uses``, the sections of ``config/config.yaml`` that it is given;
+  ``category`` of the report where it is not ``Ablations``; ``own_rules: true`` where a file of rules makes its runs.
 
 The modules beside the folders hold what several ablations share.
 """

@@ -1,4 +1,4 @@
-"""Excitation, camera-sampled outputs of each sweep and noise samples (sections 3.2 and 3.3 of the paper)."""
+"""Camera-sampled outputs of each sweep and noise samples (sections 3.2 and 3.3 of the paper)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
-from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.chain.plant import TransferFunction, second_order
 
 Array = NDArray[np.float64]
@@ -35,18 +34,6 @@ def with_closing_frame(signal: Array) -> Array:
     511 held samples then give 511 pairs of u[k] and w[k+1], the length that the paper states.
     """
     return np.append(signal, 0.0)
-
-
-def excitation_table(order: int, amplitude: float) -> pd.DataFrame:
-    """The pseudo-random binary sequence of section 3.2.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``k`` and ``u``.
-    """
-    signal = pseudo_random_binary_sequence(order, amplitude=amplitude)
-    return pd.DataFrame({"k": np.arange(len(signal)), "u": signal})
 
 
 def sampling_period_outputs(
