@@ -120,7 +120,7 @@ def test_the_walk_finds_an_import(tmp_path):
 
 def one_that(identity: str, fits, smallest: float = 3.0):
     """A recording of a catalogue's law that stands well above the noise, and whose draft fits."""
-    for index in range(300, 500):
+    for index in range(301, 500):
         case = Case(3, index, "several", (identity,))
         if not fits(draw_draft(*started(case))):
             continue
@@ -291,7 +291,7 @@ def test_small_plan_has_every_kind():
 
 @pytest.mark.parametrize(
     "case",
-    [Case(2, 0, "none"), Case(2, 1, "single", ("outliers",)), Case(2, 2, "several", ("backlash", "coloured-noise"))],
+    [Case(2, 1, "single", ("outliers",)), Case(2, 2, "several", ("backlash", "coloured-noise"))],
 )
 def test_a_case_is_made_the_same_again(case):
     first, second = make(case), make(case)
@@ -305,7 +305,9 @@ def test_a_case_is_made_the_same_again(case):
 def test_contract(tmp_path):
     from ruamel.yaml import YAML
 
-    for case in plan(4, 12):
+    one_of_each_kind = {case.kind: case for case in plan(4, 24)}
+    assert set(one_of_each_kind) == {"none", "single", "several", "outside", "invisible"}
+    for case in one_of_each_kind.values():
         made = make(case)
         assert list(made.recording.columns) == ["t", "u", "y"]
         assert list(made.same_kind.columns) == list(made.double_amplitude.columns) == ["t", "u", "y", "clean"]

@@ -15,8 +15,8 @@ import camid
 from camid.paper.tolerances import compare, without_targets
 from camid.real_recordings.download import BENCHMARK_RECORDINGS, FOLDER_VARIABLE, SILVERBOX_PERIOD, SILVERBOX_TRAINING
 from camid.real_recordings.page import page
+from tests.support import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 SHIFT = 1234.5  # seconds
 # A millimetre a metre, and a force in another unit; both signs turned.
 OUTPUT_FACTOR, INPUT_FACTOR = -1e3, -0.4
@@ -112,7 +112,15 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module", params=list(CASES))
+# `make check` holds the diagnoses of the whole recordings against their tolerances.
+@pytest.fixture(
+    scope="module",
+    params=[
+        "pendulum",
+        pytest.param("silverbox", marks=pytest.mark.slow),
+        pytest.param("emps", marks=pytest.mark.slow),
+    ],
+)
 def diagnosed(request):
     """A case, what has to be named, and its diagnosis."""
     make, expected = CASES[request.param]

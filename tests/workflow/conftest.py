@@ -8,15 +8,23 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support import ROOT
+
+TINY = ROOT / "tests/workflow/tiny.yaml"
+# Drawn in little: a chain of the paper with its claims, an ablation with shards and one without, the sealed proof.
+TINY_TARGETS = ["fig7", "fig8", "claims", "ablation_latency", "ablation_monte_carlo", "concealed_sample"]
 COPIED = ["Snakefile", "config", "workflow", "profiles", "src", "paper_figs", "pyproject.toml"]
 
 
 class Copy:
-    """A fresh clone: what is committed, committed figures included, and nothing that was computed."""
+    """A fresh clone: what is committed, committed figures included, and nothing that was computed.
 
-    def __init__(self, folder: Path) -> None:
+    ``configuration`` is a file that every run takes on top of those of the clone.
+    """
+
+    def __init__(self, folder: Path, configuration: Path | None = None) -> None:
         self.folder = folder
+        self.configuration = configuration
         folder.mkdir(exist_ok=True)
         for name in COPIED:
             source = ROOT / name
@@ -41,6 +49,8 @@ class Copy:
         if cache is not None:
             environment["SNAKEMAKE_OUTPUT_CACHE"] = str(cache)
         command = [sys.executable, "-m", "snakemake", f"-c{cores}", *arguments, *(["--cache"] if cache else [])]
+        if self.configuration is not None:
+            command += ["--configfile", str(self.configuration)]
         run = subprocess.run(
             command, cwd=self.folder, env=environment, capture_output=True, text=True, timeout=1200, check=False
         )
@@ -64,9 +74,25 @@ class Copy:
             rules.add(line.split()[0])
         return rules
 
+    def summary(self, *arguments: str) -> dict[str, list[str]]:
+        """Output file → input files, of everything that a target needs."""
+        lines = [line.split("\t") for line in self.snakemake(*arguments, "--detailed-summary").splitlines()]
+        (heading,) = [line for line in lines if line[0] == "output_file"]
+        column = heading.index("input-file(s)")
+        return {line[0]: line[column].split(",") for line in lines if len(line) == len(heading)}
+
     def outputs(self) -> dict[str, bytes]:
         """Contents of the committed kinds of results."""
         return {p.name: p.read_bytes() for p in sorted((self.folder / "paper_figs").iterdir())}
+
+
+@pytest.fixture(scope="session")
+def tiny(tmp_path_factory) -> Copy:
+    """A fresh clone in which some targets have run in little."""
+    copy = Copy(tmp_path_factory.mktemp("tiny"), TINY)
+    copy.before = {p.name: p.stat().st_mtime_ns for p in (copy.folder / "paper_figs").iterdir()}
+    copy.printed = copy.snakemake(*TINY_TARGETS)
+    return copy
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 import pytest
 from ruamel.yaml import YAML
 
-from tests.workflow.conftest import ROOT
+from tests.support import ROOT
 
 ABLATIONS = ROOT / "src/camid/ablations"
 

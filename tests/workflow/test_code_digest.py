@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow.conftest import ROOT
+from tests.support import ROOT
 
 sys.path.insert(0, str(ROOT / "workflow"))
 

@@ -9,7 +9,7 @@ from ruamel.yaml import YAML
 from snakemake.cli import get_argument_parser
 from snakemake.profiles import ProfileConfigFileParser
 
-from tests.workflow.conftest import ROOT
+from tests.support import ROOT
 
 PROFILES = sorted((ROOT / "workflow/profiles").glob("*/config.yaml"))
 SLURM = ROOT / "workflow/profiles/slurm/config.yaml"
