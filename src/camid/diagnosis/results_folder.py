@@ -88,7 +88,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
 
 
 def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
-    """Table of residuals.csv: one row a row of the (first) recording."""
+    """Table of residuals.csv: one row per row of the (first) recording."""
     import pandas as pd
 
     signals = diagnosis.signals

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 UNLISTED = "unlisted"
 # Per cent of the output's standard deviation from which a simulation explains hardly anything.
-NOTHING_ELSE = 90.0
+EXPLAINS_NOTHING = 90.0
 
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
@@ -141,7 +141,11 @@ def explanation(
             f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
             f"leaves {before:.3g} % of the output's standard deviation on rows that were not fitted, and the noise "
             f"alone {floor:.3g} %. What the recording could not have shown is listed."
-            + (" But it explains hardly anything of the output, which may be noise." if before > NOTHING_ELSE else "")
+            + (
+                " But it explains hardly anything of the output, which may be noise."
+                if before > EXPLAINS_NOTHING
+                else ""
+            )
         )
     where = f" The mismatch sits at the {location.place}." if location.place else ""
     if verdict == "unexplained":

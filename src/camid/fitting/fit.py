@@ -16,12 +16,12 @@ from camid.fitting.problem import Noise, Problem
 Array = NDArray[np.float64]
 
 # Step of the differences that stand for derivatives, as a share of what a parameter is measured by.
-DIFFERENCE = 1e-5
+DIFFERENCE_STEP = 1e-5
 # Residual of a simulation that ran away, in standard deviations of the output.
-HOPELESS = 1e3
+RUNAWAY_RESIDUAL = 1e3
 TOLERANCE = 1e-7
 # A rank-one update that misses this share of the change it should explain is no update.
-MISSED = 0.4
+LARGEST_MISSED_SHARE = 0.4
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _sensitivities(
     columns = range(len(vector)) if columns is None else columns
     table = np.empty((len(simulated), len(columns)))
     for position, i in enumerate(columns):
-        step = DIFFERENCE if vector[i] + DIFFERENCE <= packing.upper[i] else -DIFFERENCE
+        step = DIFFERENCE_STEP if vector[i] + DIFFERENCE_STEP <= packing.upper[i] else -DIFFERENCE_STEP
         moved = vector.copy()
         moved[i] += step
         try:
@@ -150,7 +150,7 @@ class _Derivative:
             if length > 0.0:
                 change = simulated - self.simulated
                 missed = change - self.table @ step
-                wrong = float(np.linalg.norm(missed)) > MISSED * float(np.linalg.norm(change))
+                wrong = float(np.linalg.norm(missed)) > LARGEST_MISSED_SHARE * float(np.linalg.norm(change))
                 if wrong and self.refreshes > 0:
                     self.refreshes -= 1
                     self.table = _sensitivities(self.problem, self.packing, vector, simulated)
@@ -199,7 +199,7 @@ def fit(
     fixed : int
         So many of the model's effects, from the first on, keep their values.
     base : Fitted, optional
-        A fit of the same model without its last effect, whose sensitivities begin this one.
+        A fit of the same model without its last effect, whose sensitivities this one starts from.
     refreshes : int
         How often the sensitivities may be taken anew by differences.
     finest : bool
@@ -215,7 +215,7 @@ def fit(
     problem = problem.pinned(start, finest=finest)
     packing = Packing.of(problem, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
-    worst = HOPELESS * (float(np.std(problem.output)) or 1.0)
+    worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
     derivative = _Derivative(problem, packing, base, refreshes)
     latest: list[tuple[Array, Array]] = []
 
