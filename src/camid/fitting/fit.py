@@ -175,6 +175,38 @@ class _Derivative:
         return table
 
 
+class _OutputError:
+    """Recorded minus simulated output over the packed vector, whitened, and its derivative."""
+
+    def __init__(self, problem: Problem, packing: Packing, whitening: Array, derivative: _Derivative) -> None:
+        self.problem, self.packing, self.whitening, self.derivative = problem, packing, whitening, derivative
+        self.worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
+        self.latest: list[tuple[Array, Array]] = []
+
+    def _simulated(self, vector: Array) -> Array:
+        problem, worst = self.problem, self.worst
+        try:
+            rows = problem.fitted(problem.simulate(self.packing.unpack(vector)))
+        except NotApplicable:
+            raise
+        except (ValueError, ArithmeticError):
+            return np.full(len(problem.output), worst)
+        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
+
+    def residual(self, vector: Array) -> Array:
+        """Shape (M,)."""
+        rows = self._simulated(vector)
+        self.latest = [*self.latest[-1:], (vector.copy(), rows)]
+        return self.problem.whitened(self.problem.output - rows, self.whitening)
+
+    def jacobian(self, vector: Array) -> Array:
+        """Shape (M, p)."""
+        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
+        known = next((rows for point, rows in reversed(self.latest) if np.array_equal(point, vector)), None)
+        table = self.derivative.at(vector, self._simulated(vector) if known is None else known)
+        return -self.problem.whitened(table, self.whitening)
+
+
 def fit(
     problem: Problem,
     start: Model,
@@ -215,35 +247,11 @@ def fit(
     problem = problem.pinned(start, finest=finest)
     packing = Packing.of(problem, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
-    worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
-    derivative = _Derivative(problem, packing, base, refreshes)
-    latest: list[tuple[Array, Array]] = []
-
-    def simulated(vector: Array) -> Array:
-        try:
-            rows = problem.fitted(problem.simulate(packing.unpack(vector)))
-        except NotApplicable:
-            raise
-        except (ValueError, ArithmeticError):
-            return np.full(len(problem.output), worst)
-        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
-
-    def residual(vector: Array) -> Array:
-        rows = simulated(vector)
-        latest[:] = [*latest[-1:], (vector.copy(), rows)]
-        return problem.whitened(problem.output - rows, whitening)
-
-    def jacobian(vector: Array) -> Array:
-        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
-        known = next((rows for point, rows in reversed(latest) if np.array_equal(point, vector)), None)
-        table = derivative.at(vector, simulated(vector) if known is None else known)
-        return -problem.whitened(table, whitening)
-
-    vector = np.clip(packing.pack(start), packing.lower, packing.upper)
+    output_error = _OutputError(problem, packing, whitening, _Derivative(problem, packing, base, refreshes))
     found = least_squares(
-        residual,
-        vector,
-        jac=jacobian,
+        output_error.residual,
+        np.clip(packing.pack(start), packing.lower, packing.upper),
+        jac=output_error.jacobian,
         bounds=(packing.lower, packing.upper),
         x_scale="jac",
         ftol=TOLERANCE,
