@@ -1,9 +1,10 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and numbers that JSON knows."""
 
 from __future__ import annotations
 
 import os
 import tempfile
+from cmath import isfinite
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,3 +69,12 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> N
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def without_infinities(value: Any) -> Any:
+    """The same with None for infinities and NaN, which JSON does not know."""
+    if isinstance(value, dict):
+        return {k: without_infinities(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [without_infinities(v) for v in value]
+    return value if not isinstance(value, float | complex) or (isfinite(value) and value.imag == 0.0) else None

@@ -27,7 +27,7 @@ def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, rep
     """
     from camid.commands.diagnose import diagnose as run
     from camid.diagnosis.results_folder import check_folder, write_diagnosis
-    from camid.identification.identification import without_infinities
+    from camid.writing import without_infinities
 
     check_folder(output, [*recording, simulation])
     with progress_display(as_json) as progress:

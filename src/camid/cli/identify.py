@@ -88,8 +88,7 @@ def identify(
         write_table(result.residual_analysis.correlations(result.period), residuals)
     if output is not None:
         names = ", ".join(p.name for p in recording)
-        if result.simulation.pendulum is not None or result.simulation.controller is not None:
-            method = "output error"
+        method = result.method or method
         state = "converged" if result.converged else "NOT CONVERGED: do not use the numbers"
         write_simulation(
             result.simulation,

@@ -32,8 +32,7 @@ def order(
     """Find how many poles and zeros one or several RECORDINGs of a rig call for."""
     from camid.cli.printing import print_orders
     from camid.commands.order import select_order
-    from camid.identification.identification import without_infinities
-    from camid.writing import write_table
+    from camid.writing import without_infinities, write_table
 
     believed = declared_simulation(simulation, declared)
     check_output(output, [*recording, *([simulation] if simulation else [])])

@@ -25,9 +25,8 @@ if TYPE_CHECKING:
 def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
     """Run a simulation on the input of a RECORDING: one row per recorded row."""
     from camid.commands.simulate import simulate as run
-    from camid.identification.identification import without_infinities
     from camid.simulation.file import load_simulation
-    from camid.writing import write_table
+    from camid.writing import without_infinities, write_table
 
     check_output(output, [recording, simulation])
     believed = load_simulation(simulation)

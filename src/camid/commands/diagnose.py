@@ -14,7 +14,7 @@ from camid.diagnosis.validation_rows import refuse_few_rows, with_validation
 from camid.effects.declared import effects_of
 from camid.engine.run import NotApplicable
 from camid.errors import InputError
-from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.simulation.file import load_simulation
 
@@ -50,12 +50,7 @@ def diagnose(
     started = time.perf_counter()
     believed = load_simulation(simulation)
     effects = effects_of(believed)
-    if believed.input_column is None and not believed.estimates_initial_state:
-        raise InputError(
-            "without input and at rest nothing moves",
-            where=believed.source,
-            hint="set initial_state: estimate for a free decay",
-        )
+    refuse_stillness(believed)
     recordings, experiments, held_out = experiments_of(recording, believed, progress)
     structure = structure_of(believed)
     refuse_few_rows(structure, experiments, recordings)

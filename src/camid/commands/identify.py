@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
-from camid.fitting.from_simulation import kind_of, problem_of, structure_of
+from camid.fitting.from_simulation import kind_of, problem_of, refuse_stillness, structure_of
 from camid.identification.estimate import METHODS
 from camid.identification.experiment import Experiment
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
@@ -103,19 +103,13 @@ def _refuse_undetermined(
 
 def _wanted(believed: Simulation, order: tuple[int, int] | None) -> tuple[Structure, TransferFunction | None]:
     """What is looked for, and the plant to start from where one is believed."""
-    if believed.input_column is None:
-        if not believed.estimates_initial_state:
-            raise InputError(
-                "without input and at rest nothing moves",
-                where=believed.source,
-                hint="set initial_state: estimate for a free decay",
-            )
-        if order is not None:
-            raise InputError(
-                "a free decay says nothing of the numerator, and an order alone gives it no value",
-                where=believed.source,
-                hint="leave the order out and write a transfer_function",
-            )
+    refuse_stillness(believed)
+    if believed.input_column is None and order is not None:
+        raise InputError(
+            "a free decay says nothing of the numerator, and an order alone gives it no value",
+            where=believed.source,
+            hint="leave the order out and write a transfer_function",
+        )
     if order is not None:
         poles, zeros = order
         if poles < 1 or not 0 <= zeros <= poles:

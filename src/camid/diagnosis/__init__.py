@@ -1,1 +1,1 @@
-"""Diagnosis: detect → locate → screen → fit → decide → report, a module a step."""
+"""Diagnosis: detect → locate → screen → fit → decide → report, one module per step."""

@@ -1,4 +1,4 @@
-"""Decide which effects a recording speaks for: forward, with exchange and backward removal, and what it cannot tell.
+"""Which effects a recording speaks for: forward selection with swaps and backward removal, and what it cannot tell.
 
 Hypotheses are held against each other by Bayes's criterion of the whole likelihood, the colour of the noise included,
 so that coloured noise alone is one of them. An effect is taken in where the likelihood ratio would be exceeded by
@@ -28,10 +28,10 @@ Progress = Callable[[str], None] | None
 # Probability of naming an effect where nothing is missing, for the whole catalogue together.
 FALSE_ALARM = 0.002
 # The same for an effect beside others, whose law may not be exact.
-FALSE_ALARM_BESIDE = 1e-4
+FALSE_ALARM_BESIDE_OTHERS = 1e-4
 MOST_EFFECTS = 3
-MOST_EXCHANGES = 4
-WORTH_AN_EXCHANGE = 2.0
+MOST_SWAPS = 4
+WORTH_A_SWAP = 2.0
 # Candidates that are fitted, and evaluations for a first and for a thorough fit.
 MOST_CANDIDATES = 12
 # The same where phases add up, and the screening is a poor guide.
@@ -44,14 +44,15 @@ ALL_STEPS = 30
 # Candidates whose screened gain is below this share of the best, or chance with this probability, are not fitted.
 LEAST_SHARE = 0.01
 MOST_CHANCE = 0.1
-# Hypotheses that stay behind the best by more than this are not fitted thoroughly.
-BEHIND = 50.0
-BEHIND_SHARE = 0.6
+# Hypotheses whose criterion exceeds the best by more than this, or by this share of the best one's gain where phases
+# add up, are not fitted thoroughly.
+LARGEST_CRITERION_GAP = 50.0
+LARGEST_GAP_SHARE = 0.6
 MOST_THOROUGH = 6
 # Error beside effects found already, as a share of the output's spread, from which fits start from the nominal
 # coefficients, too.
-GROSS = 0.1
-# Fall of the criterion that betrays another minimum of the coefficients, and how often the search begins anew from one.
+NOMINAL_START_ERROR = 0.1
+# Fall of the criterion that betrays another minimum of the coefficients, and how often the search restarts from one.
 ANOTHER_MINIMUM = 10.0
 MOST_RESTARTS = 3
 # Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
@@ -107,7 +108,7 @@ def hypotheses(
     # Beside a first effect the motion is followed, and the screening is a guide again.
     phases_add_up = problem.kind.phases_add_up and most == MOST_CANDIDATES
     starts = _shortlist(problem, screened, most, phases_add_up=phases_add_up)
-    gross = [] if nominal is None else _from_nominal(problem, nominal, screened)
+    from_nominal = [] if nominal is None else _from_nominal(problem, nominal, screened)
 
     def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
@@ -117,7 +118,7 @@ def hypotheses(
         steps = ALL_STEPS if phases_add_up else FIRST_STEPS
         first = [h for h in pool.map(lambda c: fitted(c, steps), starts) if h is not None]
         if nominal is not None:
-            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), gross)
+            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), from_nominal)
             first += [h for h in tried if h is not None]
         first += _simpler(problem, base, first)
         best: dict[str, Hypothesis] = {}
@@ -126,10 +127,12 @@ def hypotheses(
             if known is None or hypothesis.criterion < known.criterion:
                 best[hypothesis.identifier] = hypothesis
         ranked = sorted(best.values(), key=lambda h: h.criterion)
-        behind = (
-            max(BEHIND, BEHIND_SHARE * (base.criterion - ranked[0].criterion)) if phases_add_up and ranked else BEHIND
+        largest_gap = (
+            max(LARGEST_CRITERION_GAP, LARGEST_GAP_SHARE * (base.criterion - ranked[0].criterion))
+            if phases_add_up and ranked
+            else LARGEST_CRITERION_GAP
         )
-        near = [h for h in ranked[:MOST_THOROUGH] if h.criterion <= ranked[0].criterion + behind]
+        near = [h for h in ranked[:MOST_THOROUGH] if h.criterion <= ranked[0].criterion + largest_gap]
         again = pool.map(lambda h: _fitted(problem, h.identifier, _start(problem, h, near[0]), ALL_STEPS), near)
         thorough = [
             new if new is not None and new.criterion < old.criterion else old
@@ -261,38 +264,42 @@ def select_effects(
         found = screen(problem, current) if screened is None else screened
         beside = len(current.model.effects) > known
         ranked = hypotheses(
-            problem, current, found, _grossly(problem, current, nominal), MOST_BESIDE if beside else MOST_CANDIDATES
+            problem,
+            current,
+            found,
+            _nominal_start(problem, current, nominal),
+            MOST_BESIDE if beside else MOST_CANDIDATES,
         )
         screened = None
         ranked = [
             h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)
         ]
-        level = FALSE_ALARM_BESIDE if beside else FALSE_ALARM
+        level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
         if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
             break
-        alone = _alone(problem, ranked[0])
-        if alone.criterion < current.criterion - ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
+        without_effect = _without_its_effect(problem, ranked[0])
+        if without_effect.criterion < current.criterion - ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
             # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
-            current, restarts = alone, restarts + 1
-            base = base if beside else alone
+            current, restarts = without_effect, restarts + 1
+            base = base if beside else without_effect
             continue
         current = ranked[0].fitted
         rivals.append(ranked)
     if len(current.model.effects) - known < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
-    return _exchanged(problem, base, current, progress)
+    return _swapped(problem, base, current, progress)
 
 
-def _grossly(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
+def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
     """The nominal model with the effects found, as a start beside the refitted one where that is still far off."""
     if nominal is None or not current.model.effects:
         return nominal
-    if current.cost < GROSS**2 * float(np.var(problem.output)) * len(current.residual):
+    if current.cost < NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(current.residual):
         return None
     return replace(nominal, effects=current.model.effects)
 
 
-def _alone(problem: Problem, hypothesis: Hypothesis) -> Fitted:
+def _without_its_effect(problem: Problem, hypothesis: Hypothesis) -> Fitted:
     """What the coefficients of a hypothesis come to without its effect."""
     model = hypothesis.fitted.model
     return fit(problem, model.without(len(model.effects) - 1), steps=ALL_STEPS)
@@ -314,12 +321,12 @@ def _refuted(
     return refuted(expected, noise, before, after, bool(effect.breaks() or effect.impulses()))
 
 
-def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
-    """Put every effect to the test beside the others, until none is exchanged or removed."""
+def _swapped(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
+    """Put every effect to the test beside the others, until none is swapped or removed."""
     first = len(base.model.effects)
     rivals: list[list[Hypothesis]] = []
     without: list[Fitted] = []
-    for _ in range(MOST_EXCHANGES):
+    for _ in range(MOST_SWAPS):
         rivals, without = [], []
         changed = False
         for index in range(first, len(current.model.effects)):
@@ -332,19 +339,22 @@ def _exchanged(problem: Problem, base: Fitted, current: Fitted, progress: Progre
                 current,
                 current.criterion + 2.0 * float(np.log(trials(known_effects()[identifier], problem))),
             )
-            if p_value(problem, others, current, identifier) >= FALSE_ALARM_BESIDE or own.criterion >= others.criterion:
+            if (
+                p_value(problem, others, current, identifier) >= FALSE_ALARM_BESIDE_OTHERS
+                or own.criterion >= others.criterion
+            ):
                 current, changed = others, True
                 break
             ranked = hypotheses(problem, others, screen(problem, others), most=MOST_RIVALS)
             ranked = sorted([own, *(h for h in ranked if h.identifier != identifier)], key=lambda h: h.criterion)
-            if ranked[0].criterion < own.criterion - WORTH_AN_EXCHANGE:
+            if ranked[0].criterion < own.criterion - WORTH_A_SWAP:
                 current, changed = ranked[0].fitted, True
                 break
             rivals.append(ranked)
             without.append(others)
         if not changed:
             break
-    for index in range(first + len(rivals), len(current.model.effects)):  # the last exchange was not tested itself
+    for index in range(first + len(rivals), len(current.model.effects)):  # the last swap was not tested itself
         without.append(fit(problem, current.model.without(index), steps=ALL_STEPS))
         identifier = current.model.effects[index].identifier
         rivals.append([Hypothesis(identifier, current, current.criterion)])

@@ -1,4 +1,4 @@
-"""The numbers and signals behind a diagnosis: errors, gains, coefficients and tests, before and after, and signals."""
+"""The numbers that a diagnosis rests on, before and after: errors, gains, coefficients and tests; and the signals."""
 
 from __future__ import annotations
 

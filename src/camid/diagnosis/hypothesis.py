@@ -1,4 +1,4 @@
-"""Weigh hypotheses against each other, and against rows that none of them was fitted to."""
+"""An effect as a hypothesis: its weight beside its rivals, and whether rows that were not fitted refute it."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ Array = NDArray[np.float64]
 OTHER_LAW = 0.3
 LAW_ERROR = 0.04
 # The same where the hypothesis is a special case of the likeliest law.
-KIN_ERROR = 0.3
+SPECIAL_CASE_ERROR = 0.3
 # Standard errors by which errors on validation rows may grow before an effect is refused.
-WORSE = 2.0
+WORSE_STANDARD_ERRORS = 2.0
 # Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that
 # has to show there, if the difference is beyond so many standard errors.
-MUCH_WORSE = 1.5
-LEAST_GAIN = 0.15
-FAR = 4.0
-NEAR_NOISE = 1.5
+LARGEST_ERROR_RATIO = 1.5
+LEAST_GAIN_SHARE = 0.15
+MISSING_STANDARD_ERRORS = 4.0
+NOISE_LEVEL_RATIO = 1.5
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
 LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4
@@ -54,7 +54,7 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
     Bayes's criterion takes every law as exact, and no rig's friction is. A name stands for laws like the catalogue's,
     so a hypothesis that leaves a small share of the mismatch is not ruled out by many samples: with the prior
     probability ``OTHER_LAW`` the law is another one of the same name, which leaves a share of the order of
-    ``LAW_ERROR`` behind.
+    ``LAW_ERROR``.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
     raw = []
-    kin = lead.fitted.model.effects[-1].simplified() if lead.fitted.model.effects else None
+    special_case = lead.fitted.model.effects[-1].simplified() if lead.fitted.model.effects else None
     for hypothesis in ranked:
         # Dahl's friction is friction, and fits Bouc and Wen's hysteresis best.
-        related = kin is not None and hypothesis.identifier == kin.identifier
-        error = KIN_ERROR if related else LAW_ERROR
-        if _generalises(hypothesis, lead):  # it was put behind its special case because it says no more
+        is_special_case = special_case is not None and hypothesis.identifier == special_case.identifier
+        error = SPECIAL_CASE_ERROR if is_special_case else LAW_ERROR
+        if _generalises(hypothesis, lead):  # it ranks after its special case because it says no more
             raw.append((hypothesis.identifier, OTHER_LAW))
             continue
         left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
@@ -113,10 +113,10 @@ def refuted(expected: float, noise: float, before: Sequence[Array], after: Seque
         return False
     gain = first - second
     mean, spread = float(np.mean(gain)), float(np.std(gain)) / float(np.sqrt(len(gain)))
-    if float(np.mean(second)) > MUCH_WORSE * float(np.mean(first)):
+    if float(np.mean(second)) > LARGEST_ERROR_RATIO * float(np.mean(first)):
         return True
-    if mean < -WORSE * spread and mean < -0.5 * expected:
+    if mean < -WORSE_STANDARD_ERRORS * spread and mean < -0.5 * expected:
         return True
     # Where the errors are at the noise already there is nothing to gain.
-    idle = one_off or float(np.mean(first)) < NEAR_NOISE * noise
-    return not idle and mean < LEAST_GAIN * expected and expected - mean > FAR * spread
+    idle = one_off or float(np.mean(first)) < NOISE_LEVEL_RATIO * noise
+    return not idle and mean < LEAST_GAIN_SHARE * expected and expected - mean > MISSING_STANDARD_ERRORS * spread

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 # Directions of a regression that are smaller than this share of the largest say nothing.
 SMALLEST_DIRECTION = 1e-4
 # Knots of piecewise linear functions.
-FEW, MANY = 5, 14
+FEW_KNOTS, MANY_KNOTS = 5, 14
 WINDOWS = 16
 # Span of time or band of frequency that is worth naming: most of the energy in less than half of the range.
 MOST_ENERGY = 0.8
@@ -87,20 +87,20 @@ def regressors(problem: Problem, fitted: Fitted) -> dict[str, Array]:
         position, velocity = (_scaled(s) for s in motions[index])
         signal = experiment.signal / (float(np.max(np.abs(experiment.signal), initial=0.0)) or 1.0)
         count = len(signal)
-        held = [*_hinges(signal, FEW), np.abs(signal), np.sign(signal), signal**3]
+        held = [*_hinges(signal, FEW_KNOTS), np.abs(signal), np.sign(signal), signal**3]
         earlier = np.concatenate([[0.0], signal[:-1]])
         held += [earlier, np.concatenate([[0.0, 0.0], signal[:-2]]), np.abs(signal) * earlier]
         y, v = position, velocity
         # A gain that depends on position or velocity: a motor's poles, its back electromotive force.
-        held += [signal * f for f in (*_hinges(y, MANY), y**2, v, v**2, np.abs(v), np.abs(y))]
+        held += [signal * f for f in (*_hinges(y, MANY_KNOTS), y**2, v, v**2, np.abs(v), np.abs(y))]
         moved = [y**2, y**3, v**2, v**3, y * v, y**2 * v, y * v**2, np.abs(v) * v, np.tanh(5.0 * v), np.tanh(30.0 * v)]
-        moved += [*_hinges(y, MANY), *_hinges(v, MANY), np.abs(y) * v, np.abs(y), y**4 * v, np.sign(v) * y]
-        moved += [f * g for f in _hinges(y, FEW) for g in _hinges(v, FEW)]
+        moved += [*_hinges(y, MANY_KNOTS), *_hinges(v, MANY_KNOTS), np.abs(y) * v, np.abs(y), y**4 * v, np.sign(v) * y]
+        moved += [f * g for f in _hinges(y, FEW_KNOTS) for g in _hinges(v, FEW_KNOTS)]
         slow = _polynomials(count, 10)
         output = _scaled(problem.kind.position_seen(problem, fitted.model, index, position))
         rate = np.gradient(output)
         rate = rate / (float(np.std(rate)) or 1.0)
-        seen = [np.ones(count), output**2, output**3, *_hinges(output, MANY), output * rate, rate, rate**2]
+        seen = [np.ones(count), output**2, output**3, *_hinges(output, MANY_KNOTS), output * rate, rate, rate**2]
         seen += [np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, count) * rate, np.gradient(rate)]
         columns = {
             "actuator": respond(problem, fitted.model, index, held, acquisition.hold),

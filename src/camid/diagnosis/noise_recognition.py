@@ -17,12 +17,12 @@ from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
 # A noise-like effect is named where its absence would show as much in fewer recordings than this.
-RECOGNISED = 1e-4
+LARGEST_P_VALUE = 1e-4
 # Rows are left out already where they are suspect: few rows more or less cost nothing.
-SUSPECT = 1e-2
+SUSPECT_P_VALUE = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
-RESONANCE = 4.0
-NEAR = 0.2
+RESONANCE_RATIO = 4.0
+SAME_RESONANCE = 0.2
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
@@ -34,7 +34,7 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
         spoiling = [e for _, e in sorted(known_effects().items()) if e.spoils_rows and problem.kind.unseen(e) is None]
         for effect in spoiling if situation.used.any() else ():  # a recording may validate only
             found = effect.recognise(situation)
-            if found is not None and found.p_value < SUSPECT:
+            if found is not None and found.p_value < SUSPECT_P_VALUE:
                 rows |= found.spoiled
         result.append(rows)
     return result
@@ -61,14 +61,14 @@ def recognised_noise(
         possible = effect.noise_like and problem.kind.unseen(effect) is None
         if possible and identifier not in known:
             recognition = effect.recognise(situation)
-            if recognition is not None and recognition.p_value < RECOGNISED:
+            if recognition is not None and recognition.p_value < LARGEST_P_VALUE:
                 found.append(recognition)
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
     for identifier, effect in sorted(known_effects().items()):
         if effect.colours_noise and identifier not in known and len(final.noise.whitening) > 1:
             p_value = problem.whiteness(final.residual, final.sensitivities)
-            if p_value < RECOGNISED:
+            if p_value < LARGEST_P_VALUE:
                 found.append(_coloured(effect, problem, final, p_value))
     findings = [recognised(r) for r in found]
     effects: list[tuple[Effect, dict[str, float | None]]] = [(r.effect, dict(r.standard_deviations)) for r in found]
@@ -88,7 +88,7 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
     def shows_in_even_noise(recognition: Recognition) -> bool:
         scaled = replace(situation, residual=residual, used=situation.used | recognition.spoiled)
         again = recognition.effect.recognise(scaled)
-        return again is not None and again.p_value < RECOGNISED
+        return again is not None and again.p_value < LARGEST_P_VALUE
 
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
 
@@ -119,7 +119,7 @@ def depends_on_position(problem: Problem, final: Fitted) -> float:
 def force_like(problem: Problem, final: Fitted) -> bool:
     """Whether coloured noise has the plant's own resonance: then it is rather a force that nobody modelled.
 
-    The spectrum of the fitted autoregression is held against what a white force leaves behind plant and camera.
+    The spectrum of the fitted autoregression is held against what plant and camera make of a white force.
     """
     if len(final.noise.whitening) < 3:
         return False
@@ -128,10 +128,10 @@ def force_like(problem: Problem, final: Fitted) -> bool:
     angular = np.linspace(0.02, 0.98, 200) * np.pi / period
     response = np.abs(plant.frequency_response(angular)) ** 2
     peak = int(np.argmax(response))
-    if peak in {0, len(angular) - 1} or response[peak] < RESONANCE * float(np.median(response)):
+    if peak in {0, len(angular) - 1} or response[peak] < RESONANCE_RATIO * float(np.median(response)):
         return False
     shift = np.exp(-1j * np.outer(angular * period, np.arange(len(final.noise.whitening))))
     spectrum = 1.0 / np.abs(shift @ final.noise.whitening) ** 2
     highest = int(np.argmax(spectrum))
-    near = abs(np.log(angular[highest] / angular[peak])) < NEAR
-    return bool(near and spectrum[highest] > RESONANCE * float(np.median(spectrum)))
+    near = abs(np.log(angular[highest] / angular[peak])) < SAME_RESONANCE
+    return bool(near and spectrum[highest] > RESONANCE_RATIO * float(np.median(spectrum)))

@@ -16,21 +16,21 @@ from camid.fitting.problem import Problem
 
 # A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
 # recordings in a thousand alarm although nothing is missing.
-STRUCTURE = 2e-4
-# Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave behind.
+STRUCTURE_P_VALUE = 2e-4
+# Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave.
 UNLISTED_SCALE = 3.0
 MOST_UNLISTED = 0.95
 # Noise whose variance changes with the position is common in images and called structure only beyond this p-value.
-UNEVEN = 1e-8
+UNEVEN_P_VALUE = 1e-8
 # Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many
 # standard errors.
-UNEXPECTED = 1.2
-BEYOND = 5.0
+LARGER_ERROR_RATIO = 1.2
+LARGER_STANDARD_ERRORS = 5.0
 # The same ratio from which effects that were named do not carry over, however few independent errors say so.
-NOT_CARRIED = 3.0
+FAILED_ERROR_RATIO = 3.0
 LONGEST_CORRELATION = 200
 # Share of the output's variance that coloured noise may be.
-MISFIT = 0.5
+LARGEST_NOISE_SHARE = 0.5
 
 
 def reasons_for_structure(
@@ -41,21 +41,21 @@ def reasons_for_structure(
     recognised: set[str],
 ) -> list[str]:
     """Which tests say that what is left is more than noise."""
-    reasons = [t.place for t in after if t.p_value < STRUCTURE]
+    reasons = [t.place for t in after if t.p_value < STRUCTURE_P_VALUE]
     kinds = [known_effects()[identifier] for identifier in recognised]
     coloured = any(kind.colours_noise for kind in kinds)
     if coloured and force_like(problem, final):
         reasons.append("resonance")
-    if _unexpected(problem, final, validation):
+    if _larger_on_validation_rows(problem, final, validation):
         reasons.append("validation")
-    if coloured and final.cost > MISFIT * float(np.var(problem.output)) * len(final.residual):
+    if coloured and final.cost > LARGEST_NOISE_SHARE * float(np.var(problem.output)) * len(final.residual):
         reasons.append("misfit")  # coloured noise that is most of the output is a model that does not fit
-    if not any(kind.makes_variance_uneven for kind in kinds) and depends_on_position(problem, final) < UNEVEN:
+    if not any(kind.makes_variance_uneven for kind in kinds) and depends_on_position(problem, final) < UNEVEN_P_VALUE:
         reasons.append("variance")
     return reasons
 
 
-def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
+def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
     """Whether errors on rows that were not fitted are larger than on those that were, beyond chance.
 
     Medians are compared, so that a few outliers do not count.
@@ -66,9 +66,9 @@ def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np
     )
     residual = final.residual
     ratio = float(np.median(errors**2)) / max(float(np.median(residual**2)), 1e-300)
-    if ratio < UNEXPECTED:
+    if ratio < LARGER_ERROR_RATIO:
         return False
-    if ratio > NOT_CARRIED and final.model.effects:
+    if ratio > FAILED_ERROR_RATIO and final.model.effects:
         return True
     spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
     correlations = np.fft.irfft(spectrum)[: min(len(residual) - 1, LONGEST_CORRELATION) + 1]
@@ -76,7 +76,7 @@ def _unexpected(problem: Problem, final: Fitted, validation: Sequence[NDArray[np
     effective = 1.0 + 2.0 * float(correlations[1:] @ correlations[1:])
     # The median of a squared Gaussian scatters by 2.33/√n of itself.
     spread = 2.33 * np.sqrt(effective * (1.0 / len(errors) + 1.0 / len(residual)))
-    return bool(ratio - 1.0 > BEYOND * spread)
+    return bool(ratio - 1.0 > LARGER_STANDARD_ERRORS * spread)
 
 
 def unlisted_weight(
@@ -95,7 +95,7 @@ def unlisted_weight(
 
 
 def _left(base: Fitted, final: Fitted, after: Sequence[PlaceTest]) -> float:
-    """Share of the refitted mismatch, noise taken off, that the model found leaves behind."""
+    """Share of the refitted mismatch, noise taken off, that the model found leaves."""
     structured = max(t.share for t in after) * final.cost
     noise = final.cost - structured
     return float(min(max(structured / max(base.cost - noise, 1e-300), 0.0), 1.0))

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.errors import InputError
-from camid.identification.identification import without_infinities
 from camid.simulation.file import simulation_text
-from camid.writing import check_writable, write_whole
+from camid.writing import check_writable, without_infinities, write_whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,7 +87,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
 
 
 def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
-    """Table of residuals.csv: one row a row of the (first) recording."""
+    """Table of residuals.csv: one row per row of the (first) recording."""
     import pandas as pd
 
     signals = diagnosis.signals

@@ -1,4 +1,4 @@
-"""Screen the catalogue: how much of the residual each effect would explain, to first order, from one simulation each.
+"""Screen the catalogue: how much of the residual each effect would explain, to first order, with one simulation each.
 
 A candidate changes the simulated output by s. What the plant's coefficients (and the effects already found) can imitate
 of it is projected off, and the rest r is held against the residual e: taking the effect in at the size that fits best
@@ -106,7 +106,7 @@ def projector(table: Array) -> Array:
 
 @dataclass(frozen=True)
 class Metric:
-    """Residual and the basis of what is fitted, white or behind the whitening filter of the noise."""
+    """Residual and the basis of what is fitted, white or after the whitening filter of the noise."""
 
     whitening: Array
     basis: Array

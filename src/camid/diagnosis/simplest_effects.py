@@ -1,7 +1,7 @@
 """The fewest and simplest effects, where what is left of the residual says that the laws are not exact anyway.
 
 A likelihood takes every law as exact. With ten thousand samples of a real rig it then calls for a further effect, and a
-further parameter, whatever small part of the true law they imitate. Where structure is left behind, an effect beside
+further parameter, whatever small part of the true law they imitate. Where structure is left, an effect beside
 others has to explain most of what the others leave, and a general law has to explain more than its special case by a
 margin that is worth a name; else the name would be that of a correction.
 """
@@ -21,9 +21,9 @@ from camid.fitting.problem import Problem
 # Share of what the other effects leave, noise taken off, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
 # Share of the whole mismatch below which it may be what an inexact law of the others leaves.
-CORRECTION = 0.01
+CORRECTION_SHARE = 0.01
 # Share of what a general law explains from which its special case takes its place.
-SPECIAL_ENOUGH = 0.9
+SPECIAL_CASE_SHARE = 0.9
 
 
 def simplest(
@@ -49,7 +49,7 @@ def simplest(
         weakest = int(np.argmin(gains))
         mismatch = max(decision.base.cost - noise, 1e-300)
         explained = _explained(decision.without[weakest], decision.fitted, noise)
-        if explained >= LEAST_EXPLAINED and gains[weakest] >= CORRECTION * mismatch:
+        if explained >= LEAST_EXPLAINED and gains[weakest] >= CORRECTION_SHARE * mismatch:
             break
         decision = _without(problem, decision, known, weakest)
     for index in range(len(decision.rivals)):
@@ -84,7 +84,7 @@ def _special(problem: Problem, decision: Decision, known: int, index: int, noise
     if without.cost <= fitted.cost:
         return decision
     mismatch = max(without.cost - noise, 1e-300)
-    if without.cost - fitted.cost < SPECIAL_ENOUGH * min(without.cost - decision.fitted.cost, mismatch):
+    if without.cost - fitted.cost < SPECIAL_CASE_SHARE * min(without.cost - decision.fitted.cost, mismatch):
         return decision
     others = [h for h in decision.rivals[index] if h.identifier not in {special.identifier}]
     ranked = [Hypothesis(special.identifier, fitted, fitted.criterion), *others]

@@ -18,12 +18,12 @@ Array = NDArray[np.float64]
 # Share of a recording that validates where the simulation does not say, and how much more of the mismatch than
 # elsewhere that part may hold before another one is taken.
 VALIDATION_SHARE = 0.2
-CONCENTRATED = 3.0
+CONCENTRATED_RATIO = 3.0
 # A part with a smaller share of the largest variance of the output is at rest.
-AT_REST = 0.02
+AT_REST_SHARE = 0.02
 # Rows that are needed for an unknown of the plant, and in any case: the tests for structure hold up to sixty functions
 # of input, motion and output against the residual.
-ROWS_A_NUMBER = 5
+ROWS_PER_UNKNOWN = 5
 FEWEST_ROWS = 100
 
 
@@ -56,9 +56,9 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     energy = np.array([float(np.median(residual[p] ** 2)) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
-    if motion[-1] < AT_REST * float(np.max(motion[1:])):
+    if motion[-1] < AT_REST_SHARE * float(np.max(motion[1:])):
         part = parts[int(np.argmax(motion[1:])) + 1]
-    elif energy[-1] > CONCENTRATED * float(np.mean(energy[:-1])):
+    elif energy[-1] > CONCENTRATED_RATIO * float(np.mean(energy[:-1])):
         part = parts[int(np.argmin(energy[1:])) + 1]
     else:
         part = parts[-1]
@@ -71,7 +71,7 @@ def refuse_few_rows(structure: Structure, experiments: list[Experiment], recordi
     """Refuse recordings too short for the tests of structure to say anything."""
     unknowns = int(structure.free.sum()) + structure.order * sum(e.estimate_initial_state for e in experiments)
     rows = int(sum(e.used.sum() for e in experiments))
-    needed = max(ROWS_A_NUMBER * (unknowns + 1), FEWEST_ROWS)
+    needed = max(ROWS_PER_UNKNOWN * (unknowns + 1), FEWEST_ROWS)
     if rows < needed:
         raise InputError(
             f"{rows} samples are too few to diagnose a plant of {unknowns} unknowns",

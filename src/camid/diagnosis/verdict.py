@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 UNLISTED = "unlisted"
 # Per cent of the output's standard deviation from which a simulation explains hardly anything.
-NOTHING_ELSE = 90.0
+EXPLAINS_NOTHING = 90.0
 
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
@@ -144,7 +144,7 @@ def explanation(
             f"alone {floor}. What the recording could not have shown is listed."
             + (
                 " But it explains hardly anything of the output, which may be noise."
-                if 100.0 * fit.refitted > NOTHING_ELSE
+                if 100.0 * fit.refitted > EXPLAINS_NOTHING
                 else ""
             )
         )

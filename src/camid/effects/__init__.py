@@ -1,4 +1,4 @@
-"""The catalogue of effects: a module a place, one class an effect."""
+"""The catalogue of effects: one module per place, one class per effect."""
 
 from camid.effects import actuator, disturbance, noise, plant, sensor
 from camid.effects.base import PLACES, Effect, Parameter, Situation, compiled, known_effects

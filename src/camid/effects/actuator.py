@@ -94,14 +94,14 @@ class Saturation(Effect):
 
 @njit
 def _play(start: Array, end: Array, half_width: float) -> tuple[Array, Array]:
-    behind, behind_end = np.empty_like(start), np.empty_like(end)
+    after, after_end = np.empty_like(start), np.empty_like(end)
     value = 0.0
     for k in range(len(start)):
         value = min(max(value, start[k] - half_width), start[k] + half_width)
-        behind[k] = value
+        after[k] = value
         value = min(max(value, end[k] - half_width), end[k] + half_width)
-        behind_end[k] = value
-    return behind, behind_end
+        after_end[k] = value
+    return after, after_end
 
 
 class Backlash(Effect):
@@ -136,7 +136,7 @@ class Backlash(Effect):
 @njit
 def _follow(start: Array, end: Array, step: float, rate: float) -> tuple[Array, Array]:
     """The command followed at a limited rate; each piece has the right mean, though a corner lies within it."""
-    behind, behind_end = np.empty_like(start), np.empty_like(end)
+    after, after_end = np.empty_like(start), np.empty_like(end)
     value = 0.0
     longest = rate * step
     for k in range(len(start)):
@@ -146,7 +146,7 @@ def _follow(start: Array, end: Array, step: float, rate: float) -> tuple[Array, 
         mean = 0.0
         closing = longest - slope if distance > 0.0 else longest + slope
         if abs(distance) <= closing * 1e-12 or (closing > 0.0 and abs(distance) < closing):
-            # The command is reached within the step, at this share of it; behind that it is followed if it is slow.
+            # The command is reached within the step, at this share of it; after that it is followed if it is slow.
             share = abs(distance) / closing
             sign = 1.0 if distance > 0.0 else -1.0
             reached = value + sign * longest * share
@@ -160,9 +160,9 @@ def _follow(start: Array, end: Array, step: float, rate: float) -> tuple[Array, 
             mean = 0.5 * (value + following)
         # A straight piece of the same mean and the same slope on average.
         middle = 0.5 * (following - value)
-        behind[k], behind_end[k] = mean - middle, mean + middle
+        after[k], after_end[k] = mean - middle, mean + middle
         value = following
-    return behind, behind_end
+    return after, after_end
 
 
 class RateLimit(Effect):

@@ -171,7 +171,7 @@ class Effect:
         How many different effects a search over the shape amounts to: ``shapes`` (as many as candidates), ``frames``
         (anywhere in the recording) or ``frequencies``.
     keeps_hold : bool
-        Whether a held input is still held behind the effect.
+        Whether a held input is still held after the effect.
     noise_like : bool
         Whether the effect changes the noise and not the expected output, so that no simulation shows it.
     uses_velocity : bool
@@ -331,7 +331,7 @@ class Effect:
         return None
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
-        """Input behind the effect on a grid: value at the start and at the end of each step of ``step`` seconds."""
+        """Input after the effect on a grid: value at the start and at the end of each step of ``step`` seconds."""
         return start, end
 
     def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:

@@ -77,7 +77,7 @@ class PeriodicDisturbance(Effect):
 
 
 def _best_times(situation: Situation, response: Array) -> list[float]:
-    """Times at which a response that begins there fits the residual best, in seconds."""
+    """Times at which a response that starts there fits the residual best, in seconds."""
     count = len(situation.residual)
     size = 2 * count
     correlation = np.fft.irfft(np.fft.rfft(situation.residual, size) * np.conj(np.fft.rfft(response, size)), size)

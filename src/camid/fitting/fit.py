@@ -16,12 +16,12 @@ from camid.fitting.problem import Noise, Problem
 Array = NDArray[np.float64]
 
 # Step of the differences that stand for derivatives, as a share of what a parameter is measured by.
-DIFFERENCE = 1e-5
+DIFFERENCE_STEP = 1e-5
 # Residual of a simulation that ran away, in standard deviations of the output.
-HOPELESS = 1e3
+RUNAWAY_RESIDUAL = 1e3
 TOLERANCE = 1e-7
 # A rank-one update that misses this share of the change it should explain is no update.
-MISSED = 0.4
+LARGEST_MISSED_SHARE = 0.4
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _sensitivities(
     columns = range(len(vector)) if columns is None else columns
     table = np.empty((len(simulated), len(columns)))
     for position, i in enumerate(columns):
-        step = DIFFERENCE if vector[i] + DIFFERENCE <= packing.upper[i] else -DIFFERENCE
+        step = DIFFERENCE_STEP if vector[i] + DIFFERENCE_STEP <= packing.upper[i] else -DIFFERENCE_STEP
         moved = vector.copy()
         moved[i] += step
         try:
@@ -150,7 +150,7 @@ class _Derivative:
             if length > 0.0:
                 change = simulated - self.simulated
                 missed = change - self.table @ step
-                wrong = float(np.linalg.norm(missed)) > MISSED * float(np.linalg.norm(change))
+                wrong = float(np.linalg.norm(missed)) > LARGEST_MISSED_SHARE * float(np.linalg.norm(change))
                 if wrong and self.refreshes > 0:
                     self.refreshes -= 1
                     self.table = _sensitivities(self.problem, self.packing, vector, simulated)
@@ -173,6 +173,38 @@ class _Derivative:
             columns = range(fresh[0], fresh[-1] + 1)
             table[:, fresh] = _sensitivities(self.problem, self.packing, vector, simulated, columns)
         return table
+
+
+class _OutputError:
+    """Recorded minus simulated output over the packed vector, whitened, and its derivative."""
+
+    def __init__(self, problem: Problem, packing: Packing, whitening: Array, derivative: _Derivative) -> None:
+        self.problem, self.packing, self.whitening, self.derivative = problem, packing, whitening, derivative
+        self.worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
+        self.latest: list[tuple[Array, Array]] = []
+
+    def _simulated(self, vector: Array) -> Array:
+        problem, worst = self.problem, self.worst
+        try:
+            rows = problem.fitted(problem.simulate(self.packing.unpack(vector)))
+        except NotApplicable:
+            raise
+        except (ValueError, ArithmeticError):
+            return np.full(len(problem.output), worst)
+        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
+
+    def residual(self, vector: Array) -> Array:
+        """Shape (M,)."""
+        rows = self._simulated(vector)
+        self.latest = [*self.latest[-1:], (vector.copy(), rows)]
+        return self.problem.whitened(self.problem.output - rows, self.whitening)
+
+    def jacobian(self, vector: Array) -> Array:
+        """Shape (M, p)."""
+        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
+        known = next((rows for point, rows in reversed(self.latest) if np.array_equal(point, vector)), None)
+        table = self.derivative.at(vector, self._simulated(vector) if known is None else known)
+        return -self.problem.whitened(table, self.whitening)
 
 
 def fit(
@@ -199,7 +231,7 @@ def fit(
     fixed : int
         So many of the model's effects, from the first on, keep their values.
     base : Fitted, optional
-        A fit of the same model without its last effect, whose sensitivities begin this one.
+        A fit of the same model without its last effect, whose sensitivities this one starts from.
     refreshes : int
         How often the sensitivities may be taken anew by differences.
     finest : bool
@@ -215,35 +247,11 @@ def fit(
     problem = problem.pinned(start, finest=finest)
     packing = Packing.of(problem, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
-    worst = HOPELESS * (float(np.std(problem.output)) or 1.0)
-    derivative = _Derivative(problem, packing, base, refreshes)
-    latest: list[tuple[Array, Array]] = []
-
-    def simulated(vector: Array) -> Array:
-        try:
-            rows = problem.fitted(problem.simulate(packing.unpack(vector)))
-        except NotApplicable:
-            raise
-        except (ValueError, ArithmeticError):
-            return np.full(len(problem.output), worst)
-        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
-
-    def residual(vector: Array) -> Array:
-        rows = simulated(vector)
-        latest[:] = [*latest[-1:], (vector.copy(), rows)]
-        return problem.whitened(problem.output - rows, whitening)
-
-    def jacobian(vector: Array) -> Array:
-        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
-        known = next((rows for point, rows in reversed(latest) if np.array_equal(point, vector)), None)
-        table = derivative.at(vector, simulated(vector) if known is None else known)
-        return -problem.whitened(table, whitening)
-
-    vector = np.clip(packing.pack(start), packing.lower, packing.upper)
+    output_error = _OutputError(problem, packing, whitening, _Derivative(problem, packing, base, refreshes))
     found = least_squares(
-        residual,
-        vector,
-        jac=jacobian,
+        output_error.residual,
+        np.clip(packing.pack(start), packing.lower, packing.upper),
+        jac=output_error.jacobian,
         bounds=(packing.lower, packing.upper),
         x_scale="jac",
         ftol=TOLERANCE,

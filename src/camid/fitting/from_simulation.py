@@ -34,6 +34,16 @@ def structure_of(believed: Simulation) -> Structure:
     return Structure(np.array(monic.numerator), np.array(monic.denominator), free, believed.free_denominator)
 
 
+def refuse_stillness(believed: Simulation) -> None:
+    """Refuse a plant that nothing drives and that starts at rest."""
+    if believed.input_column is None and not believed.estimates_initial_state:
+        raise InputError(
+            "without input and at rest nothing moves",
+            where=believed.source,
+            hint="set initial_state: estimate for a free decay",
+        )
+
+
 def _free_numerator(believed: Simulation) -> NDArray[np.bool_]:
     """A free decay says nothing of the numerator: it keeps its believed value."""
     return believed.free_numerator & (believed.input_column is not None)

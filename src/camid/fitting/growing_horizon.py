@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 # The first horizon in time constants 1/ω of the plant, in rows a free number at least, and by how much it grows.
 FIRST_HORIZON = 15.0
-ROWS_A_NUMBER = 20
+ROWS_PER_UNKNOWN = 20
 GROWTH = 1.6
 # Largest number of evaluations for each horizon.
 STEPS = 60
@@ -42,7 +42,7 @@ def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
     numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
     longest = max(len(t) for t in problem.times)
     starts = [start, *problem.kind.starts_from_regression(problem, start)]
-    rows = [max(_horizon(problem, s), ROWS_A_NUMBER * numbers) for s in starts]
+    rows = [max(_horizon(problem, s), ROWS_PER_UNKNOWN * numbers) for s in starts]
     first = [fit(problem.start_of(r), s, steps=steps, finest=False) for r, s in zip(rows, starts, strict=True)]
     best = int(np.argmin([f.cost / len(f.residual) for f in first]))
     model, horizon = first[best].model, int(GROWTH * rows[best])

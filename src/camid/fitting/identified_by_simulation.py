@@ -61,4 +61,5 @@ def identify_by_simulation(
         nrmse=error([e.used for e in problem.experiments]),
         nrmse_validation=error(held_out) if any(k.any() for k in held_out) else None,
         acquisition=problem.acquisition,
+        method=kind.method,
     )

@@ -28,14 +28,14 @@ WORKERS = 2
 
 LARGEST_LAG = 25
 LARGEST_ORDER = 12
-ROWS_A_COEFFICIENT = 20
+ROWS_PER_COEFFICIENT = 20
 # Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak
 # effect would else be mistaken for colour, which the test of whiteness would not confirm.
-COLOURED = 12.0
+COLOUR_PENALTY = 12.0
 # Steps in a period of simulations that rank hypotheses, and of those that decide.
 MOST_COARSE_STEPS = 12
 MOST_STEPS = 100
-ROWS_A_LAG = 8
+ROWS_PER_LAG = 8
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ class Problem:
         return [self.simulate_one(model, i) for i in range(len(self.experiments))]
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
-        """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) a recording."""
+        """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) per recording."""
         found = []
         for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True)):
             motion = move(self.chain(model, i), e.signal, t)
@@ -198,9 +198,9 @@ class Problem:
                 sums[lag] += rows[lag:] @ rows[: len(rows) - lag]
                 pairs[lag] += mask[lag:] @ mask[: len(rows) - lag]
         # The sums over fewer pairs are not corrected for it, so that the correlations are those of a process.
-        order = min(LARGEST_ORDER, count // ROWS_A_COEFFICIENT)
+        order = min(LARGEST_ORDER, count // ROWS_PER_COEFFICIENT)
         filters, left = levinson(sums[: order + 1] / sums[0])
-        penalties = np.log(count) * np.arange(len(filters)) + np.where(np.arange(len(filters)) > 0, COLOURED, 0.0)
+        penalties = np.log(count) * np.arange(len(filters)) + np.where(np.arange(len(filters)) > 0, COLOUR_PENALTY, 0.0)
         best = int(np.argmin(count * np.log(left) + penalties))
         variance = sums[0] * size**2 / max(count - fitted, 1) * left[best]
         return Noise(filters[best], float(count * np.log(variance) + penalties[best]))
@@ -208,7 +208,7 @@ class Problem:
     def whiteness(self, residual: Array, sensitivities: Array) -> float:
         """Probability of a residual at least as coloured if the noise is white, with regard to what was fitted."""
         longest = max(int(np.count_nonzero(e.used)) for e in self.experiments)
-        lags = max(min(LARGEST_LAG, longest // ROWS_A_LAG), 1)
+        lags = max(min(LARGEST_LAG, longest // ROWS_PER_LAG), 1)
         size = float(np.max(np.abs(residual), initial=0.0)) or 1.0
         rows = Rows.of(self.experiments, residual / size, sensitivities, np.zeros((len(residual), 0)), lags, 0)
         sums = sums_of_products(rows.residual, lags)

@@ -33,7 +33,7 @@ REFINEMENTS = ((1e-3, np.inf), (1e-6, 1e-2))
 # Residual, as a share of the output's spread, that the refinement of a number leaves.
 NEGLIGIBLE = 1e-6
 WORTHLESS = 1e300
-# Rows from the beginning of a recording on which they are refined.
+# Rows from the start of a recording on which they are refined.
 REFINEMENT_ROWS = 20_000
 # A step that promises less than this share of the sum of squares is not taken.
 GAUSS_NEWTON_STEPS = 20
@@ -339,7 +339,7 @@ def refitted(
     ----------
     structure : Structure
     plant : TransferFunction
-        Where the steps begin; SI units, as the result.
+        Where the steps start; SI units, as the result.
     experiments : list of Experiment
     """
     monic = plant.monic

@@ -12,7 +12,7 @@ from camid.chain.plant import TransferFunction
 from camid.identification.accuracy import covariance_from
 from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records
-from camid.identification.iteration import Fit
+from camid.identification.iteration import IterationResult
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Predictor
 from camid.identification.profile import Interval, intervals, standard_deviations
@@ -192,7 +192,7 @@ def _plain(
     experiments: list[Experiment],
     believed: Array | None,
     tell: Progress,
-) -> tuple[Predictor, Fit]:
+) -> tuple[Predictor, IterationResult]:
     """SRIVC as published: start from the nominal plant, else from LSSVF with the cut-off that fits best."""
     if believed is not None:
         denominator = believed
@@ -215,7 +215,7 @@ def _plain(
     return predictor, plain_srivc(predictor, start)
 
 
-def _summarise(predictor: Predictor, fit: Fit, others: list[Rival]) -> Estimate:
+def _summarise(predictor: Predictor, fit: IterationResult, others: list[Rival]) -> Estimate:
     structure = predictor.structure
     coefficients = np.where(structure.free, predictor.to_physical(fit.parameters), structure.coefficients())
     triangle, cost, residual = predictor.factorise(fit.parameters)

@@ -14,6 +14,7 @@ from camid.identification.declarations import Alternative, contradiction
 from camid.identification.estimate import Estimate
 from camid.identification.residual_analysis import ResidualAnalysis
 from camid.simulation.model import Simulation
+from camid.writing import without_infinities
 
 if TYPE_CHECKING:
     import control
@@ -54,6 +55,8 @@ class Identification:
         Other declarations that were fitted because the residual contradicts this one, best first.
     recording_warnings : tuple of str
         What was done to the rows of the recordings before.
+    method : str or None
+        How it was identified, where the plant leaves no choice.
     """
 
     simulation: Simulation
@@ -67,6 +70,7 @@ class Identification:
     residual_analysis: ResidualAnalysis | None = None
     alternatives: list[Alternative] = field(default_factory=list)
     recording_warnings: tuple[str, ...] = ()
+    method: str | None = None
 
     def to_control(self) -> control.TransferFunction:
         """The identified plant as a continuous-time python-control transfer function."""
@@ -168,12 +172,3 @@ class Identification:
             "warnings": self.warnings(),
         }
         return {key: without_infinities(value) for key, value in content.items()}
-
-
-def without_infinities(value: Any) -> Any:
-    """The same with None for infinities and NaN, which JSON does not know."""
-    if isinstance(value, dict):
-        return {k: without_infinities(v) for k, v in value.items()}
-    if isinstance(value, list):
-        return [without_infinities(v) for v in value]
-    return value if not isinstance(value, float | complex) or (np.isfinite(value) and np.isreal(value)) else None

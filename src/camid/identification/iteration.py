@@ -18,7 +18,7 @@ UNDETERMINED_SHARE = 1e-2
 
 
 @dataclass(frozen=True)
-class Fit:
+class IterationResult:
     """Where an iteration ended.
 
     Attributes

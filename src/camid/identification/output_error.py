@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.iteration import Fit
+from camid.identification.iteration import IterationResult
 from camid.identification.predictor import Predictor
 
 
-def output_error(predictor: Predictor, start: NDArray[np.float64]) -> Fit:
+def output_error(predictor: Predictor, start: NDArray[np.float64]) -> IterationResult:
     """Minimise the sum of squared output errors with ``scipy.optimize.least_squares``.
 
     Parameters
@@ -38,4 +38,4 @@ def output_error(predictor: Predictor, start: NDArray[np.float64]) -> Fit:
     solution = least_squares(
         residual, start[free], jac=jacobian, method="trf", x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14
     )
-    return Fit(complete(solution.x), float(2.0 * solution.cost), bool(solution.success), int(solution.nfev))
+    return IterationResult(complete(solution.x), float(2.0 * solution.cost), bool(solution.success), int(solution.nfev))

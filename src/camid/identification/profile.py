@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.iteration import Fit
+from camid.identification.iteration import IterationResult
 from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
 
@@ -48,13 +48,13 @@ class Interval:
     high: float
 
 
-def intervals(predictor: Predictor, fit: Fit, covariance: Array) -> list[Interval]:
+def intervals(predictor: Predictor, fit: IterationResult, covariance: Array) -> list[Interval]:
     """Likelihood intervals of the coefficients whose standard deviation of first order is not to be trusted.
 
     Parameters
     ----------
     predictor : Predictor
-    fit : Fit
+    fit : IterationResult
         The optimum.
     covariance : ndarray, shape (p, p)
         Of first order, coefficients in SI units.
@@ -99,7 +99,7 @@ def standard_deviations(coefficients: Array, first_order: Array, found: list[Int
 class _Profile:
     """Deviance above the optimum as a function of one coefficient."""
 
-    def __init__(self, predictor: Predictor, fit: Fit, covariance: Array, noise: float) -> None:
+    def __init__(self, predictor: Predictor, fit: IterationResult, covariance: Array, noise: float) -> None:
         self.predictor, self.fit, self.covariance, self.noise = predictor, fit, covariance, noise
         split, order = predictor.structure.degree + 1, predictor.structure.order
         self.bounded = np.zeros(len(predictor.free), bool)

@@ -1,4 +1,4 @@
-"""The statistics behind the tests of a residual; camid.identification.residual_analysis says what they mean."""
+"""The statistics that the tests of a residual rest on; camid.identification.residual_analysis says what they mean."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BOUND = 2.5758293035489004
 
 @dataclass(frozen=True)
 class Rows:
-    """All experiments one behind the other, zeros between them, so that no lag reaches from one into another.
+    """All experiments concatenated, zeros between them, so that no lag reaches from one into another.
 
     ``basis`` is orthonormal and spans the sensitivities and a constant for each experiment; ``residual`` is orthogonal
     to it, so that an estimate at a bound, or not quite converged, is tested as well as any other.
@@ -50,7 +50,7 @@ class Rows:
         lags: int,
         first_lag: int,
     ) -> Rows:
-        """Lay experiments one behind the other."""
+        """Concatenate experiments."""
         padding = first_lag + lags
         starts = np.cumsum([0, *(len(e.output) + padding for e in experiments)])
         used, signal = np.zeros(starts[-1], bool), np.zeros(starts[-1])

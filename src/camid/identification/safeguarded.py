@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from camid.chain.plant import STABILITY_TOLERANCE
 from camid.compiled import njit
 from camid.identification.factorisation import Records, factorise, solve
-from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE, Fit
+from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE, IterationResult
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]
@@ -175,7 +175,7 @@ def safeguarded_srivc(
     *,
     maximum_iterations: int = 100,
     on_iteration: Callable[[int, float], None] | None = None,
-) -> Fit:
+) -> IterationResult:
     """SRIVC that cannot run away: symmetric instruments and a step that must lower the output error.
 
     Both this and plain SRIVC solve Σ ẑ_k (w_k − x_k) = 0 with the instruments ẑ = ∂x/∂θ. Plain SRIVC inverts Σ ẑ φᵀ,
@@ -222,4 +222,4 @@ def safeguarded_srivc(
         iterations += done
         if on_iteration is not None:
             on_iteration(iterations, cost)
-    return Fit(parameters, cost, bool(converged), iterations)
+    return IterationResult(parameters, cost, bool(converged), iterations)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camid.chain.plant import polynomial_roots
 from camid.identification.accuracy import LONGEST_REGRESSION
-from camid.identification.iteration import Fit, has_stable
+from camid.identification.iteration import IterationResult, has_stable
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Optimum:
     """Where an iteration ended, with the predictor in whose units its parameters are."""
 
     predictor: Predictor
-    fit: Fit
+    fit: IterationResult
 
     @cached_property
     def denominator(self) -> Array:

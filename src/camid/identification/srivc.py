@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import companion, derivative_rows, respond
-from camid.identification.iteration import Fit, sum_of_squares
+from camid.identification.iteration import IterationResult, sum_of_squares
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]
@@ -101,7 +101,9 @@ def least_squares_state_variable_filter(predictor: Predictor, cut_off: float) ->
     return parameters
 
 
-def plain_srivc(predictor: Predictor, start: Array, *, maximum_iterations: int = 100, tolerance: float = 1e-8) -> Fit:
+def plain_srivc(
+    predictor: Predictor, start: Array, *, maximum_iterations: int = 100, tolerance: float = 1e-8
+) -> IterationResult:
     """SRIVC as the paper used it: no step control, so it may diverge near the Shannon frequency.
 
     Parameters
@@ -144,4 +146,4 @@ def plain_srivc(predictor: Predictor, start: Array, *, maximum_iterations: int =
     )
     cost = sum_of_squares(residual)
     stable = not np.any(np.roots(np.concatenate([[1.0], parameters[split : split + order]])).real > 0.0)
-    return Fit(parameters, cost, converged and stable, iterations)
+    return IterationResult(parameters, cost, converged and stable, iterations)

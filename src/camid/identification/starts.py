@@ -47,7 +47,7 @@ class Candidate:
 
 
 def start_window(experiment: Experiment) -> Experiment:
-    """The liveliest stretch of a long experiment, with a free initial state if it begins later."""
+    """The liveliest stretch of a long experiment, with a free initial state if it starts later."""
     count = len(experiment.output)
     if count <= LONGEST_START_WINDOW:
         return experiment

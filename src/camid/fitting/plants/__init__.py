@@ -1,1 +1,1 @@
-"""Kinds of plant, a class each: what differs between them in simulating, fitting, diagnosing and writing back."""
+"""Kinds of plant, one class each: what differs between them in simulating, fitting, diagnosing and writing back."""

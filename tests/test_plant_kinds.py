@@ -1,0 +1,78 @@
+"""The kind of plant that a simulation declares, made once and asked wherever kinds differ."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from camid.effects import known_effects
+from camid.fitting.from_simulation import kind_of
+from camid.fitting.model import Model
+from camid.fitting.plants.closed_loop import ClosedLoop
+from camid.fitting.plants.linear import FreeDecay, LinearPlant
+from camid.fitting.plants.pendulum import Pendulum
+from camid.identification.from_recordings import load_recordings
+from camid.simulation.file import load_simulation
+from tests import rigs
+
+DRIVEN = {"column": "u", "hold": "zoh"}
+SWINGING = {"natural_frequency": 3.0, "damping": 0.01, "gain": 0.5, "rest": 0.2}
+
+
+def transfer_function(signal):
+    content = rigs.drive_simulation(1.0, 2.0)
+    del content["controller"]
+    return content | {"input": signal}
+
+
+def pendulum(free, signal=DRIVEN):
+    content = rigs.pendulum_simulation(**SWINGING) | {"input": signal}
+    return content | {"plant": content["plant"] | {"free": free}}
+
+
+@pytest.mark.parametrize(
+    ("content", "kind", "adds_up"),
+    [
+        (transfer_function(DRIVEN), LinearPlant(), False),
+        (transfer_function(None), FreeDecay(), True),
+        (pendulum({}), Pendulum(0.2, True, None), True),
+        (pendulum({"rest": False, "gain": False}), Pendulum(0.2, False, 0.5), True),
+        (pendulum({}, None), Pendulum(0.2, True, 0.5), True),  # a free decay says nothing of the gain
+    ],
+    ids=["linear", "free decay", "pendulum", "pendulum partly known", "swinging pendulum"],
+)
+def test_the_simulation_says_the_kind(content, kind, adds_up):
+    found = kind_of(load_simulation(content), [])
+    assert found == kind
+    assert found.phases_add_up == adds_up
+
+
+def test_any_kind_may_stand_in_a_closed_loop():
+    table = pd.DataFrame({"t": [0.0, 0.1, 0.2], "r": [0.0, 1.0, 2.0], "u": [3.0, 2.0, 1.0], "angle": [0.4, 0.5, 0.6]})
+    controller = {"reference": "r", "position_gain": 8.0, "velocity_gain": 150.0}
+    believed = load_simulation(pendulum({}) | {"controller": controller})
+    loop = kind_of(believed, load_recordings(table, believed, output_needed=True))
+    assert isinstance(loop, ClosedLoop)
+    assert loop.plant == Pendulum(0.2, True, None)
+    assert loop.constants() == {"rest": 0.2}
+    assert loop.phases_add_up
+    model = Model(np.zeros(3), constants={"rest": 0.3})
+    assert [e.values for e in loop.forces(model)] == [{"rest": 0.3}]
+    np.testing.assert_allclose(loop.at_plant(loop.positions[0], model), [0.1, 0.2, 0.3])
+    shorter = loop.start_of(2)
+    np.testing.assert_array_equal(shorter.loop(0).reference, [0.0, 1.0])
+    np.testing.assert_array_equal(shorter.positions[0], [0.4, 0.5])
+
+
+def test_a_closed_loop_shows_nothing_of_the_camera():
+    content = rigs.drive_simulation(1.0, 2.0)
+    loop, plant = kind_of(load_simulation(content), []), kind_of(load_simulation(transfer_function(DRIVEN)), [])
+    hidden = {name for name, effect in known_effects().items() if loop.unseen(effect)}
+    assert hidden == {e.identifier for e in known_effects().values() if e.place == "sensor"} | {"input-hold"}
+    assert not any(plant.unseen(effect) for effect in known_effects().values())
+
+
+def test_a_known_gain_follows_the_natural_frequency():
+    coefficients = np.array([1.0, 2.0, 8.0])
+    np.testing.assert_array_equal(Pendulum(0.0, True, 0.5).completed(coefficients), [4.0, 2.0, 8.0])
+    np.testing.assert_array_equal(Pendulum(0.0).completed(coefficients), coefficients)
+    np.testing.assert_array_equal(Pendulum(0.0, True, 0.5).all_fixed().completed(coefficients), coefficients)
