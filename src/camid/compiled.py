@@ -22,7 +22,7 @@ import shutil
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dis import EXTENDED_ARG, opmap
 from functools import cache
@@ -73,9 +73,20 @@ def njit(function: Function | None = None, /, **options: Any) -> Function | Call
         dispatcher: Any = numba.njit(**options)(function)
         if dispatcher is not function:  # as it is where NUMBA_DISABLE_JIT is set
             dispatcher._cache = CompiledCode(cast(FunctionType, function), options)
+            dispatcher.get_call_template = _without_literals(dispatcher.get_call_template)
         return cast(Function, dispatcher)
 
     return decorate if function is None else decorate(function)
+
+
+def _without_literals(template: Callable[..., Any]) -> Callable[..., Any]:
+    """Numba compiles a call with a constant once for that constant and once more for its type; the second does."""
+
+    def call_template(arguments: Sequence[Any], keywords: Mapping[str, Any]) -> Any:
+        plain = {name: numba.types.unliteral(each) for name, each in keywords.items()}
+        return template(tuple(numba.types.unliteral(each) for each in arguments), plain)
+
+    return call_template
 
 
 def callback(signature: Any, function: Callable[..., Any]) -> Any:

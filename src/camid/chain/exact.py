@@ -42,31 +42,33 @@ def _multiply(left: Array, right: Array, product: Array) -> None:
 
 
 @njit
-def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Array]:
-    """Exp(F h) and its integral over [0, h], by a Taylor series of a halved duration and doubling.
+def _copy(source: Array, target: Array) -> None:
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
 
-    Doubling keeps the integral as exact as the exponential even where F is singular, which a formula with the inverse
-    of F would not.
-    """
-    size = matrix.shape[0]
+
+@njit
+def _norm(matrix: Array, duration: float) -> float:
+    """Largest sum of absolute values in a row of F h."""
     norm = 0.0
-    for i in range(size):
+    for i in range(matrix.shape[0]):
         total = 0.0
-        for j in range(size):
+        for j in range(matrix.shape[1]):
             total += abs(matrix[i, j])
         norm = max(norm, total * duration)
-    if not np.isfinite(norm):
-        return np.full((size, size), np.nan), np.full((size, size), np.nan)
-    halvings = 0
-    while norm > 0.5:
-        norm *= 0.5
-        halvings += 1
-    step = duration / 2.0**halvings
-    scaled = matrix * step
-    exponential = np.eye(size)
-    integral = np.eye(size)
-    term = np.eye(size)
-    product = np.empty((size, size))
+    return norm
+
+
+@njit
+def _series(matrix: Array, step: float, exponential: Array, integral: Array, product: Array) -> None:
+    """Exp(F s) and its integral over [0, s] divided by s, for ‖F s‖ ≤ 1/2, by their Taylor series."""
+    size = matrix.shape[0]
+    term, scaled = np.zeros((size, size)), np.empty((size, size))
+    for i in range(size):
+        exponential[i, i] = integral[i, i] = term[i, i] = 1.0
+        for j in range(size):
+            scaled[i, j] = matrix[i, j] * step
     for k in range(1, 15):  # 0.5**15 / 15! lies below the rounding error
         _multiply(term, scaled, product)
         for i in range(size):
@@ -74,13 +76,58 @@ def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Ar
                 term[i, j] = product[i, j] / k
                 exponential[i, j] += term[i, j]
                 integral[i, j] += term[i, j] / (k + 1)
-    integral *= step
+
+
+@njit
+def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Array]:
+    """Exp(F h) and its integral over [0, h], by a Taylor series of a halved duration and doubling.
+
+    Doubling keeps the integral as exact as the exponential even where F is singular, which a formula with the inverse
+    of F would not. Loops over elements, because numba takes ten times as long to compile expressions of whole arrays.
+    """
+    size = matrix.shape[0]
+    exponential, integral = np.zeros((size, size)), np.zeros((size, size))
+    norm = _norm(matrix, duration)
+    if not np.isfinite(norm):
+        for i in range(size):
+            for j in range(size):
+                exponential[i, j] = integral[i, j] = np.nan
+        return exponential, integral
+    halvings = 0
+    while norm > 0.5:
+        norm *= 0.5
+        halvings += 1
+    step = duration / 2.0**halvings
+    product = np.empty((size, size))
+    _series(matrix, step, exponential, integral, product)
+    for i in range(size):
+        for j in range(size):
+            integral[i, j] *= step
     for _ in range(halvings):
         _multiply(exponential, integral, product)
-        integral += product
+        for i in range(size):
+            for j in range(size):
+                integral[i, j] += product[i, j]
         _multiply(exponential, exponential, product)
-        exponential[:] = product
+        _copy(product, exponential)
     return exponential, integral
+
+
+@njit
+def _mean(matrix: Array, duration: float) -> Array:
+    """Mean of exp(F t) over [0, h]."""
+    _, integral = _exponential_and_integral(matrix, duration)
+    return _divided(integral, duration)
+
+
+@njit
+def _divided(matrix: Array, divisor: float) -> Array:
+    size = matrix.shape[0]
+    result = np.empty((size, size))
+    for i in range(size):
+        for j in range(size):
+            result[i, j] = matrix[i, j] / divisor
+    return result
 
 
 @njit
@@ -107,16 +154,17 @@ def sampling_matrices(
     transition, integral = _exponential_and_integral(augmented, period)
     second = np.zeros((size, size))
     if start == 0.0 and length == period:
-        return transition, integral / length, second
-    onset = np.eye(size) if start == 0.0 else _exponential_and_integral(augmented, start)[0]
+        return transition, _divided(integral, length), second
+    # The exponential of a time of zero is the identity.
+    onset, _ = _exponential_and_integral(augmented, start)
     if length == 0.0:
         return transition, onset, second
     first = np.empty((size, size))
     if not straddles:
-        _multiply(_exponential_and_integral(augmented, length)[1] / length, onset, first)
+        _multiply(_mean(augmented, length), onset, first)
         return transition, first, second
-    _multiply(_exponential_and_integral(augmented, period - start)[1] / length, onset, first)
-    second = _exponential_and_integral(augmented, start + length - period)[1] / length
+    _multiply(_divided(_exponential_and_integral(augmented, period - start)[1], length), onset, first)
+    second = _divided(_exponential_and_integral(augmented, start + length - period)[1], length)
     return transition, first, second
 
 
@@ -152,8 +200,10 @@ def _run(
     order = state_matrix.shape[0]
     outputs, count = selection.shape[0], signal.shape[0]
     augmented = np.zeros((order + 2, order + 2))
-    augmented[:order, :order] = state_matrix
-    augmented[:order, order] = input_vector
+    for i in range(order):
+        augmented[i, order] = input_vector[i]
+        for k in range(order):
+            augmented[i, k] = state_matrix[i, k]
     augmented[order, order + 1] = 1.0
     transition, window, late_window = sampling_matrices(augmented, period, start, length, straddles)
     first = selection @ np.ascontiguousarray(window[: order + 1])
@@ -164,7 +214,8 @@ def _run(
     following = np.zeros(order + 2)
     for j in range(-delay, count - delay):
         if j == begin:
-            now[:order] += initial_state
+            for row in range(order):
+                now[row] += initial_state[row]
         now[order], now[order + 1] = begin_interval(signal, 0, count, j, first_order, period)
         for row in range(order):
             total = 0.0

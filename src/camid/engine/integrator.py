@@ -29,12 +29,20 @@ def _coefficients(matrix: Array, vector: Array, step: float) -> tuple[Array, Arr
     """exp(A h) and the columns h φ1 b, h φ2 b and h φ3 b of a vector b, shape (q, 3)."""
     size = len(vector)
     augmented = np.zeros((size + 3, size + 3))
-    augmented[:size, :size] = matrix * step
-    augmented[:size, size] = vector * step
+    for i in range(size):
+        augmented[i, size] = vector[i] * step
+        for j in range(size):
+            augmented[i, j] = matrix[i, j] * step
     augmented[size, size + 1] = 1.0
     augmented[size + 1, size + 2] = 1.0
     exponential, _ = _exponential_and_integral(augmented, 1.0)
-    return exponential[:size, :size].copy(), exponential[:size, size:].copy()
+    whole, columns = np.empty((size, size)), np.empty((size, 3))
+    for i in range(size):
+        for j in range(size):
+            whole[i, j] = exponential[i, j]
+        for j in range(3):
+            columns[i, j] = exponential[i, size + j]
+    return whole, columns
 
 
 # Beyond this the motion runs away.
@@ -69,19 +77,22 @@ def _smooth(m: Mechanics, scaled: float) -> _Smooth:
     _, whole_input = _coefficients(m.state_matrix, m.input_vector, scaled)
     _, half_input = _coefficients(m.state_matrix, m.input_vector, 0.5 * scaled)
     size = len(m.force_vector)
-    columns = np.empty((size, 3))
-    columns[:, 0] = whole_force[:, 0] - 3.0 * whole_force[:, 1] + 4.0 * whole_force[:, 2]
-    columns[:, 1] = 2.0 * whole_force[:, 1] - 4.0 * whole_force[:, 2]
-    columns[:, 2] = 4.0 * whole_force[:, 2] - whole_force[:, 1]
-    rows = np.empty((2, size))
-    rows[0] = m.position
-    rows[1] = m.velocity / m.time_unit
-    entering = np.empty((size, 2))
-    entering[:, 0] = half_input[:, 0]
-    entering[:, 1] = 0.5 * half_input[:, 1]
+    columns, rows, entering = np.empty((size, 3)), np.empty((2, size)), np.empty((size, 2))
+    input_columns, force_half = np.empty((size, 2)), np.empty(size)
+    for i in range(size):
+        columns[i, 0] = whole_force[i, 0] - 3.0 * whole_force[i, 1] + 4.0 * whole_force[i, 2]
+        columns[i, 1] = 2.0 * whole_force[i, 1] - 4.0 * whole_force[i, 2]
+        columns[i, 2] = 4.0 * whole_force[i, 2] - whole_force[i, 1]
+        rows[0, i] = m.position[i]
+        rows[1, i] = m.velocity[i] / m.time_unit
+        entering[i, 0] = half_input[i, 0]
+        entering[i, 1] = 0.5 * half_input[i, 1]
+        input_columns[i, 0] = whole_input[i, 0]
+        input_columns[i, 1] = whole_input[i, 1]
+        force_half[i] = half_force[i, 0]
     rows_half = rows @ half
     input_half = rows @ entering
-    input_whole = rows @ np.ascontiguousarray(whole_input[:, :2])
+    input_whole = rows @ input_columns
     # What the input does to the velocity at once.
     input_half[1, 0] += m.velocity_input
     input_half[1, 1] += 0.5 * m.velocity_input
@@ -89,14 +100,14 @@ def _smooth(m: Mechanics, scaled: float) -> _Smooth:
     input_whole[1, 1] += m.velocity_input
     return _Smooth(
         whole,
-        whole_input[:, :2].copy(),
+        input_columns,
         columns,
         rows_half,
         rows @ whole,
         input_half,
         input_whole,
-        rows @ np.ascontiguousarray(half_force[:, 0]),
-        rows_half @ np.ascontiguousarray(half_force[:, 0]),
+        rows @ force_half,
+        rows_half @ force_half,
     )
 
 
@@ -200,7 +211,7 @@ def _direct_rate(
 class Feedback(NamedTuple):
     """A controller u_k = clip(k_v (k_p (r_k − y) − ẏ)) that acts on the plant's input and is held for a period.
 
-    ``steps`` is the number of integration steps in a period, 0 without a controller; ``control``, shape (N,), is filled
+    ``steps`` is the number of integration steps per period, 0 without a controller; ``control``, shape (N,), is filled
     with what the controller did.
     """
 
@@ -212,13 +223,173 @@ class Feedback(NamedTuple):
     control: Array
 
 
+class _Kinds(NamedTuple):
+    """What the forces of a chain ask of the integrator.
+
+    ``dry`` friction that can hold the body, ``kinks`` that a step must not cross, forces that ``remember``, any force.
+    """
+
+    dry: bool
+    kinks: bool
+    remembers: bool
+    forced: bool
+
+
+@njit
+def _kinds(m: Mechanics) -> _Kinds:
+    functions = m.forces.functions
+    dry, kinks, remembers, forced = False, m.forces.implicit, False, False
+    for i in range(functions.shape[1]):
+        dry = dry or (functions[1, i] != 0 and m.sticks)
+        kinks = kinks or functions[3, i] != 0
+        remembers = remembers or functions[2, i] != 0
+        forced = forced or functions[0, i] != 0 or functions[1, i] != 0
+    return _Kinds(dry, kinks, remembers, forced)
+
+
+@njit
+def _free_step(c: _Smooth, first: float, last: float, state: Array, following: Array) -> None:
+    """Step without forces, in place."""
+    whole, input_columns, size = c.whole, c.input_columns, len(state)
+    for i in range(size):
+        total = input_columns[i, 0] * first + input_columns[i, 1] * (last - first)
+        for j in range(size):
+            total += whole[i, j] * state[j]
+        following[i] = total
+    for i in range(size):
+        state[i] = following[i]
+
+
+@njit
+def _switched(
+    m: Mechanics,
+    time: float,
+    step: float,
+    state: Array,
+    following: Array,
+    memory: Array,
+    remembered: Array,
+    first: float,
+    last: float,
+    halfway: float,
+    speed: float,
+    direction: float,
+    known: bool,
+    before: Array,
+    between: Array,
+    after: Array,
+) -> tuple[bool, bool]:
+    """Whether a step holds a kink, and whether it holds two of one force; ``before`` is filled unless it is known."""
+    if not known:
+        switches(m, time, state, first, memory, direction, before)
+    switches(m, time + step, following, last, remembered, direction, after)
+    switches_at(m.forces, time + 0.5 * step, halfway, speed, 0.5 * (first + last), memory, direction, between)
+    once, twice = False, False
+    for i in range(len(before)):
+        once = once or before[i] * after[i] < 0.0
+        twice = twice or (before[i] * after[i] > 0.0 and before[i] * between[i] < 0.0)
+    return once, twice
+
+
+class _Jumps(NamedTuple):
+    """Sorted times in seconds at which forces jump, and of impulses with their sizes in units of u times seconds."""
+
+    breaks: Array
+    impulse_times: Array
+    impulse_sizes: Array
+
+
+@njit
+def _split_step(
+    m: Mechanics,
+    kinds: _Kinds,
+    jumps: _Jumps,
+    next_break: int,
+    next_impulse: int,
+    time: float,
+    step: float,
+    first: float,
+    last: float,
+    twice: bool,
+    tried: bool,
+    breaking: bool,
+    direction: float,
+    stuck: bool,
+    state: Array,
+    memory: Array,
+    following: Array,
+    remembered: Array,
+    work: Array,
+) -> tuple[float, bool, int, int]:
+    """Step cut where forces jump and impulses strike: direction, stuck, the next jump and the next impulse after it.
+
+    ``tried`` says that ``following`` and ``remembered`` hold what the whole step without events led to.
+    """
+    finish = time + step
+    at, value = time, first
+    # Two events of one kind in a step: each half has one of them.
+    part = 0.5 * step if twice else step
+    whole = tried and not twice
+    while True:
+        until, kind = min(at + part, finish), 0
+        if finish - until < 0.25 * step:
+            until = finish
+        if next_break < len(jumps.breaks) and jumps.breaks[next_break] <= until:
+            until, kind = jumps.breaks[next_break], 1
+        if next_impulse < len(jumps.impulse_times) and jumps.impulse_times[next_impulse] < until:
+            until, kind = jumps.impulse_times[next_impulse], 2
+        until_value = first + (last - first) * (until - time) / step
+        if until > at:
+            # Times just inside the part, so that a force which jumps at its ends is taken from within.
+            margin = 1e-9 * (until - at) if breaking else 0.0
+            direction, stuck = careful_step(
+                m, at + margin, (until - at - 2.0 * margin) / m.time_unit, state, memory, value, until_value,
+                direction, stuck, kinds.dry, kinds.kinks, whole, following, remembered, work,
+            )  # fmt: skip
+        at, value = until, until_value
+        if kind == 1:
+            next_break += 1
+        elif kind == 2:
+            for i in range(len(state)):
+                state[i] += m.force_vector[i] * jumps.impulse_sizes[next_impulse] / m.time_unit
+            next_impulse += 1
+            stuck, direction = False, 0.0
+        elif until >= finish:
+            return direction, stuck, next_break, next_impulse
+
+
+@njit
+def _passed(times: Array, now: float, inclusive: bool) -> int:
+    """How many of sorted times lie before now, or at it."""
+    count = 0
+    while count < len(times) and (times[count] < now or (inclusive and times[count] == now)):
+        count += 1
+    return count
+
+
+@njit
+def _run_away(node: int, measured: Array, rate: Array, integral: Array, rate_end: Array) -> None:
+    """Nothing that follows a motion which runs away means anything."""
+    for i in range(node, len(measured)):
+        measured[i], rate[i], integral[i], rate_end[max(i - 1, 0)] = np.nan, np.nan, np.nan, np.nan
+
+
+@njit
+def _controlled(feedback: Feedback, sample: int, position: float, speed: float) -> float:
+    """What the controller puts out at a sample, and keeps."""
+    wanted = feedback.velocity_gain * (feedback.position_gain * (feedback.reference[sample] - position) - speed)
+    held = min(max(wanted, -feedback.limit), feedback.limit)
+    feedback.control[sample] = held
+    return held
+
+
 @njit(nogil=True)
-def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost more than the arithmetic
+def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a dozen values that a call would copy
     m: Mechanics,
     initial: Array,
     start: Array,
     end: Array,
-    begin: float,
+    start_time: float,
     step: float,
     breaks: Array,
     impulse_times: Array,
@@ -231,11 +402,11 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
     ----------
     m : Mechanics
     initial : ndarray, shape (q,)
-        State at the begin of the grid.
+        State at the start of the grid.
     start, end : ndarray, shape (M,)
-        Input at the begin and at the end of each step.
-    begin, step : float
-        Begin and step of the grid in seconds.
+        Input at the start and at the end of each step.
+    start_time, step : float
+        Of the grid, in seconds.
     breaks : ndarray
         Sorted times in seconds at which a force jumps.
     impulse_times, impulse_sizes : ndarray
@@ -248,20 +419,14 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
     measured, rate, integral : ndarray, shape (M + 1,)
         Motion before the sensor, its derivative by time in seconds, and its integral over time in seconds.
     rate_end : ndarray, shape (M,)
-        Derivative at the end of each step: another one than at the begin of the next where the input jumps.
+        Derivative at the end of each step: another one than at the start of the next where the input jumps.
     doubt : float
         The largest difference of two forces that a step of infinite fineness would take for the same, as a share of the
         largest force or input.
     """
     size, count, steps = len(initial), m.forces.functions.shape[1], len(start)
-    scaled = step / m.time_unit
-    c = _smooth(m, scaled)
-    dry, kinks, remembers, forced = False, m.forces.implicit, False, False
-    for i in range(count):
-        dry = dry or (m.forces.functions[1, i] != 0 and m.sticks)
-        kinks = kinks or m.forces.functions[3, i] != 0
-        remembers = remembers or m.forces.functions[2, i] != 0
-        forced = forced or m.forces.functions[0, i] != 0 or m.forces.functions[1, i] != 0
+    c, kinds, jumps = _smooth(m, step / m.time_unit), _kinds(m), _Jumps(breaks, impulse_times, impulse_sizes)
+    dry, kinks, remembers, forced = kinds.dry, kinds.kinks, kinds.remembers, kinds.forced
     row = m.state_matrix[size - 1].copy()  # the integral grows by the measured motion
     derivative = np.zeros(size)
     for j in range(size):
@@ -275,25 +440,21 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
     following, remembered = np.empty(size), np.zeros(count)
     work = np.zeros((10, max(size, count + 2)))
     before, between, after = np.ones(count + 2), np.ones(count + 2), np.ones(count + 2)
-    known = False  # whether ``before`` holds the switches at the begin of the step
+    known = False  # whether ``before`` holds the switches at the start of the step
     direction, stuck = 0.0, False
-    next_break, next_impulse = 0, 0
+    next_break, next_impulse = _passed(breaks, start_time, True), _passed(impulse_times, start_time, False)
     largest, doubt = 0.0, 0.0
     held, held_before = 0.0, 0.0
     if dry:
         velocity = dot(m.velocity, state)
         direction = 0.0 if velocity == 0.0 else (1.0 if velocity > 0.0 else -1.0)
-    while next_break < len(breaks) and breaks[next_break] <= begin:
-        next_break += 1
-    while next_impulse < len(impulse_times) and impulse_times[next_impulse] < begin:
-        next_impulse += 1
 
     for k in range(steps + 1):
-        time = begin + k * step
+        time = start_time + k * step
         measured[k] = dot(row, state)
         integral[k] = state[size - 1] * m.time_unit
-        if not abs(measured[k]) < ASTRAY:  # the motion runs away, and nothing that follows means anything
-            measured[k:], rate[k:], integral[k:], rate_end[max(k - 1, 0) :] = np.nan, np.nan, np.nan, np.nan
+        if not abs(measured[k]) < ASTRAY:
+            _run_away(k, measured, rate, integral, rate_end)
             return measured, rate, integral, rate_end, np.inf
         rate[k] = dot(derivative, state) / m.time_unit
         held_before = held
@@ -302,10 +463,7 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
             if direct:
                 signal = (end[k - 1] if k > 0 else start[0]) + held
                 speed += _direct_rate(m, time, state, signal, memory, direction, direct_input, direct_force)
-            error = feedback.reference[k // feedback.steps] - measured[k]
-            wanted = feedback.velocity_gain * (feedback.position_gain * error - speed)
-            held = min(max(wanted, -feedback.limit), feedback.limit)
-            feedback.control[k // feedback.steps] = held
+            held = _controlled(feedback, k // feedback.steps, measured[k], speed)
         first = (start[k] if k < steps else end[k - 1]) + held
         if direct:
             # A jump of the input makes one of the velocity.
@@ -313,11 +471,10 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
             rate[k] = slope + _direct_rate(m, time, state, first, memory, direction, direct_input, direct_force)
             if k > 0:
                 rate_end[k - 1] = rate[k]
-                if end[k - 1] + held_before != first:
-                    signal = end[k - 1] + held_before
-                    rate_end[k - 1] = slope + _direct_rate(
-                        m, time, state, signal, memory, direction, direct_input, direct_force
-                    )
+                signal = end[k - 1] + held_before
+                if signal != first:
+                    change = _direct_rate(m, time, state, signal, memory, direction, direct_input, direct_force)
+                    rate_end[k - 1] = slope + change
         elif k > 0:
             rate_end[k - 1] = rate[k]
         if k == steps:
@@ -328,13 +485,7 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
         breaking = next_break < len(breaks) and breaks[next_break] <= finish
         striking = next_impulse < len(impulse_times) and impulse_times[next_impulse] < finish
         if not (forced or breaking or striking):
-            for i in range(size):
-                total = c.input_columns[i, 0] * first + c.input_columns[i, 1] * (last - first)
-                for j in range(size):
-                    total += c.whole[i, j] * state[j]
-                following[i] = total
-            for i in range(size):
-                state[i] = following[i]
+            _free_step(c, first, last, state, following)
             continue
         tried = not (breaking or striking) and not stuck and not (dry and direction == 0.0)
         twice = False
@@ -345,21 +496,16 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
             event = dry and direction * dot(m.velocity, following) < 0.0
             twice = dry and not event and direction * speed < 0.0
             if kinks:
-                if not known or direct:
-                    switches(m, time, state, first, memory, direction, before)
-                switches(m, finish, following, last, remembered, direction, after)
-                middle = 0.5 * (first + last)
-                switches_at(m.forces, time + 0.5 * step, halfway, speed, middle, memory, direction, between)
-                for i in range(count + 2):
-                    event = event or before[i] * after[i] < 0.0
-                    twice = twice or (before[i] * after[i] > 0.0 and before[i] * between[i] < 0.0)
+                kink, double = _switched(
+                    m, time, step, state, following, memory, remembered, first, last, halfway, speed, direction,
+                    known and not direct, before, between, after,
+                )  # fmt: skip
+                event, twice = event or kink, twice or double
                 known = not (event or twice)
                 if known:
-                    for i in range(count + 2):
-                        before[i] = after[i]
+                    before, after = after, before
             if not (event or twice):
-                largest = max(largest, size_of_force)
-                doubt = max(doubt, difference)
+                largest, doubt = max(largest, size_of_force), max(doubt, difference)
                 for i in range(size):
                     state[i] = following[i]
                 if remembers:
@@ -367,34 +513,8 @@ def integrate(  # noqa: PLR0912, PLR0915 - calls that are not inlined would cost
                         memory[i] = remembered[i]
                 continue
         known = False
-        at, value = time, first
-        # Two events of one kind in a step: each half has one of them.
-        part = 0.5 * step if twice else step
-        whole = tried and not twice
-        while True:
-            until, kind = min(at + part, finish), 0
-            if finish - until < 0.25 * step:
-                until = finish
-            if next_break < len(breaks) and breaks[next_break] <= until:
-                until, kind = breaks[next_break], 1
-            if next_impulse < len(impulse_times) and impulse_times[next_impulse] < until:
-                until, kind = impulse_times[next_impulse], 2
-            until_value = first + (last - first) * (until - time) / step
-            if until > at:
-                # Times just inside the part, so that a force which jumps at its ends is taken from within.
-                margin = 1e-9 * (until - at) if breaking else 0.0
-                direction, stuck = careful_step(
-                    m, at + margin, (until - at - 2.0 * margin) / m.time_unit, state, memory, value, until_value,
-                    direction, stuck, dry, kinks, whole, following, remembered, work,
-                )  # fmt: skip
-            at, value = until, until_value
-            if kind == 1:
-                next_break += 1
-            elif kind == 2:
-                for i in range(size):
-                    state[i] += m.force_vector[i] * impulse_sizes[next_impulse] / m.time_unit
-                next_impulse += 1
-                stuck, direction = False, 0.0
-            elif until >= finish:
-                break
+        direction, stuck, next_break, next_impulse = _split_step(
+            m, kinds, jumps, next_break, next_impulse, time, step, first, last, twice, tried, breaking, direction,
+            stuck, state, memory, following, remembered, work,
+        )  # fmt: skip
     return measured, rate, integral, rate_end, doubt / largest if largest > 0.0 else 0.0
