@@ -3,6 +3,8 @@
 PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
+# Python compiles a module when it is first imported; compiling all modules of all packages would take half a minute.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake -c$(CORES)
 # Datasets go into and come out of a shared cache only where the reader names one. The option comes last, because it would
@@ -17,7 +19,7 @@ FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 export STARTED := $(shell date +%s)
 
 .DEFAULT_GOAL := all
-.PHONY: all env test test-slow test-workflow lint format check readme bench slurm lock clean help
+.PHONY: all env development test test-slow test-workflow lint format check readme bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	@installed=$$(date +%s); \
@@ -32,29 +34,38 @@ env: $(ENVIRONMENT)/.installed ## only set up .venv from the hashed lock
 $(ENVIRONMENT)/.installed: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("camid needs Python 3.11 or newer; call make PYTHON=python3.x") if sys.version_info < (3, 11) else None'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock
+	$(INSTALL) --requirement requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m camid.compile_all
+	touch $@
+
+# What the tests, the linters and the documentation need besides.
+development: $(ENVIRONMENT)/.development
+
+$(ENVIRONMENT)/.development: requirements-development.lock $(ENVIRONMENT)/.installed
+	$(INSTALL) --requirement requirements-development.lock
 	touch $@
 
 # Whole files go to a worker, so that what a file computes for all its tests is computed once.
 PYTEST := $(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
-test: env ## run the tests, in minutes
+test: development ## run the tests, in minutes
 	$(PYTEST)
 
-test-slow: env ## run the tests with large samples, many seeds and the whole catalogue
+test-slow: development ## run the tests with large samples, many seeds and the whole catalogue
 	$(PYTEST) -m slow
 
-test-workflow: env ## run the whole workflow in fresh copies, and what it promises
+test-workflow: development ## run the whole workflow in fresh copies, and what it promises
 	$(BIN)/python -m pytest -m workflow
 
-lint: env ## ruff, snakefmt, mypy
+lint: development ## ruff, snakefmt, mypy, import-linter
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check $(FORMATTED_RULES)
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 
-format: env ## let the formatters rewrite the sources
+format: development ## let the formatters rewrite the sources
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/snakefmt $(FORMATTED_RULES)
@@ -62,7 +73,7 @@ format: env ## let the formatters rewrite the sources
 check: env ## draw every figure from nothing, then compare with config/tolerances.yaml
 	$(SNAKEMAKE) --forceall check
 
-readme: env ## put the tables that the workflow made into README.md
+readme: development ## put the tables that the workflow made into README.md
 	$(SNAKEMAKE) claims ablations $(CACHE)
 	$(BIN)/python workflow/scripts/update_readme.py
 

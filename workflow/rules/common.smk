@@ -1,5 +1,6 @@
 # What every stage needs: which code a rule depends on, and whether this working copy has computed anything yet.
 
+import os
 import shlex
 import sys
 import time
@@ -10,6 +11,7 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "workflow")]
 
 import jsonschema
 import yaml
+from camid.paper.arithmetic import reproducible_environment
 from code_digest import CodeDigest
 from snakemake.exceptions import WorkflowError
 
@@ -38,6 +40,9 @@ check_against_schema(
     ROOT / "workflow/schemas/concealed.schema.yaml",
     "config: concealed",
 )
+
+# Jobs inherit it, so that committed results are those of any machine.
+os.environ.update(reproducible_environment())
 
 # The command line of the environment that runs the workflow, whatever the PATH.
 CAMID = f"{shlex.quote(sys.executable)} -m camid"
