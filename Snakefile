@@ -11,6 +11,7 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/ablation_folders.smk"
 include: "workflow/rules/datasets.smk"
 include: "workflow/rules/imaging.smk"
 include: "workflow/rules/identification.smk"

@@ -1,5 +1,7 @@
 """Every ablation is whole: modules, configuration, tolerances, tests and committed results."""
 
+import shutil
+
 import pytest
 from ruamel.yaml import YAML
 
@@ -44,3 +46,26 @@ def test_readme_shows_the_conclusions_that_the_workflow_wrote():
 def test_readme_quotes_the_whole_monte_carlo():
     written = (ROOT / "paper_figs/monte_carlo.txt").read_text(encoding="utf-8")
     assert written.strip() in " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+
+
+@pytest.mark.workflow
+def test_new_ablation_is_one_new_folder(fresh):
+    folder = fresh.folder / "src/camid/ablations/brand_new"
+    shutil.copytree(fresh.folder / "src/camid/ablations/latency", folder)
+    tolerances = folder / "tolerances.yaml"
+    tolerances.write_text(tolerances.read_text(encoding="utf-8").replace("ablation_latency", "ablation_brand_new"))
+    assert {"brand_new_runs", "ablation_brand_new"} <= fresh.planned("all")
+    assert "src/camid/ablations/brand_new/tolerances.yaml" in fresh.snakemake("check", "--filegraph")
+    settings = folder / "settings.yaml"
+    settings.write_text(settings.read_text(encoding="utf-8") + "bran: 1\n", encoding="utf-8")
+    assert "settings of the ablation brand_new: Additional properties are not allowed ('bran' was unexpected)" in (
+        fresh.snakemake("-n", expect=1)
+    )
+
+
+@pytest.mark.workflow
+def test_configuration_of_an_ablation_that_there_is_not_is_refused(fresh):
+    printed = fresh.snakemake("-n", "--config", "ablations={past_shanon: {seeds: 3}}", expect=1)
+    assert "config: no ablation is called past_shanon; src/camid/ablations holds acceleration, " in printed
+    (fresh.folder / "few.yaml").write_text("ablations: {past_shannon: {seeds: 3}}\n", encoding="utf-8")
+    assert "past_shannon_runs" in fresh.planned("all", "--configfile", "few.yaml")

@@ -57,7 +57,7 @@ if not Path(BIRTH_MARK).exists():
     Path(BIRTH_MARK).parent.mkdir(exist_ok=True)
     Path(BIRTH_MARK).write_text(f"{time.time_ns()}\n")
 
-# Every rule has a parameter `code`, the digest of all the code that it runs: a change reruns it, a docstring does not.
+# The parameter `code` is the digest of all the code that a job runs. A change runs the job again, a docstring does not.
 CODE = CodeDigest(ROOT / "src", Path(".snakemake/code_digests.json"))
 
 

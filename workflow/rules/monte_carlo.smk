@@ -7,11 +7,6 @@ MONTE_CARLO = SETTINGS["monte_carlo"]
 SHARD = "results/monte_carlo/{seeds}_seeds/{shard}_of_{shards}.parquet"
 
 
-def shards_of(seeds, shards):
-    """Files of all shards of a number of seeds."""
-    return expand(SHARD, seeds=seeds, shard=range(shards), shards=shards)
-
-
 rule monte_carlo_shard:
     output:
         SHARD,
@@ -45,7 +40,12 @@ rule monte_carlo_shard:
 
 rule monte_carlo_runs:
     input:
-        shards=shards_of(MONTE_CARLO["seeds"], MONTE_CARLO["shards"]),
+        shards=expand(
+            SHARD,
+            seeds=MONTE_CARLO["seeds"],
+            shard=range(MONTE_CARLO["shards"]),
+            shards=MONTE_CARLO["shards"],
+        ),
     output:
         "results/ablations/monte_carlo.parquet",
     log:
@@ -60,7 +60,12 @@ rule monte_carlo_runs:
 
 use rule monte_carlo_runs as monte_carlo_all_runs with:
     input:
-        shards=shards_of(MONTE_CARLO["all_seeds"], MONTE_CARLO["all_shards"]),
+        shards=expand(
+            SHARD,
+            seeds=MONTE_CARLO["all_seeds"],
+            shard=range(MONTE_CARLO["all_shards"]),
+            shards=MONTE_CARLO["all_shards"],
+        ),
     output:
         "results/monte_carlo/all.parquet",
     log:

@@ -87,7 +87,7 @@ def print_comparison(comparison: pd.DataFrame) -> None:
     from rich.table import Table
 
     console = Console(width=150, highlight=False)
-    table = Table(title="Results against config/tolerances.yaml", title_justify="left")
+    table = Table(title="Results against the stored tolerances", title_justify="left")
     for heading in ("", "target", "quantity", "value", "allowed", "source of the reference"):
         table.add_column(heading, justify="right" if heading == "value" else "left")
     for row in comparison.to_dict("records"):
