@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from camid.compiled import folder, keep_quiet
 
+Array = NDArray[np.float64]
+
 PERIOD = 0.05
 
 
@@ -28,8 +30,8 @@ def engine() -> None:
     from camid.effects import known_effects
     from camid.engine.run import Chain, run
 
-    effects = (known_effects()["coulomb-friction"](force=0.1), known_effects()["exposure"](exposure=0.5 * PERIOD))
-    run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), effects[:1]), _signal(30), _times(30))
+    friction = known_effects()["coulomb-friction"](force=0.1)
+    run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (friction,)), _signal(30), _time(30))
 
 
 def effects() -> None:
@@ -83,7 +85,7 @@ def concealed() -> None:
 
     parameters = np.zeros(layout.PARAMETERS)
     parameters[[layout.MASS, layout.DAMPING, layout.STIFFNESS, layout.TOP_SPEED]] = 1.0
-    segments = held(_times(30), _signal(30))
+    segments = held(_time(30), _signal(30))
     for path in (play(0.1, 0.0), slew(1.0)):
         path(segments, PERIOD)
     integrate(parameters, segments, PERIOD, 0, 3)
@@ -93,13 +95,13 @@ def concealed() -> None:
 PARTS: tuple[Callable[[], None], ...] = (identification, engine, starts, concealed, effects, images)
 
 
-def _times(count: int) -> NDArray[np.float64]:
-    return np.asarray(PERIOD * np.arange(count), dtype=np.float64)
+def _signal(count: int) -> Array:
+    levels = np.random.default_rng(1).choice([-1.0, -0.5, 0.3, 1.0], count // 3 + 1)
+    return np.array(np.repeat(levels, 3)[:count], dtype=np.float64)
 
 
-def _signal(count: int) -> NDArray[np.float64]:
-    levels = np.random.default_rng(1).choice(np.array([-1.0, -0.5, 0.3, 1.0]), count // 3 + 1)
-    return np.asarray(np.repeat(levels, 3)[:count], dtype=np.float64)
+def _time(count: int) -> Array:
+    return np.array([PERIOD * k for k in range(count)], dtype=np.float64)
 
 
 def _experiment():  # type: ignore[no-untyped-def]

@@ -166,7 +166,7 @@ class Reference:
         """Contribution of the input's slope to the acceleration: none with two poles more than zeros."""
         return self.direct * slope
 
-    def run(self, pieces, state=None, begin=None):
+    def run(self, pieces, state=None, begin=None):  # noqa: C901 - one loop over the events of a motion
         """Integrate over the pieces from rest or from a phase vector."""
         size = self.n + (1 if self.lag else 0) + (2 if self.mode else 0) + 2
         x = np.zeros(size)

@@ -28,7 +28,7 @@ DEPENDENT = 1e-13
 
 
 class Records(NamedTuple):
-    """Experiments one behind the other, as compiled code takes them.
+    """Experiments, concatenated, as compiled code takes them.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ def _companion_system(
 
 
 @njit
-def factorise(  # noqa: PLR0912, PLR0915 - one loop over the samples, so that it compiles to one
+def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so that it compiles to one
     numerator: Array,
     denominator: Array,
     initial: Array,
@@ -164,7 +164,7 @@ def factorise(  # noqa: PLR0912, PLR0915 - one loop over the samples, so that it
     numerator, denominator : ndarray, shapes (m + 1,) and (n + 1,)
         In scaled time, monic denominator.
     initial : ndarray, shape (n times the experiments with unknown initial state,)
-        Initial polynomials, one behind the other.
+        Initial polynomials, concatenated.
     records : Records
     time_unit : float
         Seconds in a unit of the scaled time.

@@ -1,0 +1,216 @@
+"""A chain, and the linear system with forces that the compiled integrator takes in its place.
+
+Dynamics before the plant, the plant and dynamics behind it become one companion system in scaled time, with the
+integral of the measured motion as its last state; the effects' forces become addresses of compiled functions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.acquisition import Acquisition
+from camid.chain.controller import Loop
+from camid.chain.exact import companion, derivative_rows, time_scale
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
+from camid.effects.plant import motion_sign
+from camid.engine.forces import Forces, Mechanics
+
+Array = NDArray[np.float64]
+
+# Share of the largest speed below which friction that acts with a lag grows in proportion to the speed.
+SLIP = 0.01
+
+
+class NotApplicable(ValueError):  # noqa: N818 - it says what the effect is here
+    """An effect that has no meaning with this plant."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain, ready to run.
+
+    Attributes
+    ----------
+    plant : TransferFunction
+    acquisition : Acquisition
+        As declared; effects may declare another.
+    effects : tuple of Effect
+        Actuator effects act in this order, sensor effects too.
+    initial_state : ndarray, shape (n,), optional
+        Companion state of the plant in units of its time scale, at the time that ``state_before_record`` says.
+    state_before_record : bool
+        Whether that is the start of the interval in which the first frame's exposure starts, or the first sample.
+    steps : int, optional
+        Steps of the integrator per period; where it is not given they follow the plant, and become finer until the
+        motion no longer changes.
+    loop : Loop, optional
+        A controller that makes the input. The recorded input then only tells what actuator effects do to it.
+    known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional
+        A force at the plant's input that is a function of time, and how it goes on between the samples.
+
+    Raises
+    ------
+    NotApplicable
+        If an effect has no meaning with this plant.
+    ValueError
+        If effects declare an impossible acquisition.
+    """
+
+    plant: TransferFunction
+    acquisition: Acquisition
+    effects: tuple[Effect, ...] = ()
+    initial_state: Array | None = None
+    state_before_record: bool = True
+    steps: int | None = None
+    loop: Loop | None = None
+    known_force: tuple[Array, str] | None = None
+
+    def declared(self) -> Acquisition:
+        """Acquisition with what the effects declare."""
+        acquisition = self.acquisition
+        for effect in self.effects:
+            acquisition = effect.declare(acquisition)
+        return acquisition
+
+    def whole_plant(self) -> TransferFunction:
+        """Plant with the linear dynamics before and behind it."""
+        plant = self.plant
+        for effect in self.effects:
+            for part in (effect.before_plant(), effect.behind_plant()):
+                if part is not None:
+                    plant = plant * part
+        return plant
+
+
+def jump_of(mechanics: Mechanics) -> Array:
+    """Jump of motion, velocity and acceleration before the sensor at an impulse of one, in seconds; shape (3,)."""
+    row, jump = mechanics.measured, np.empty(3)
+    for i in range(3):
+        jump[i] = row @ mechanics.force_vector / mechanics.time_unit ** (i + 1)
+        row = row @ mechanics.state_matrix
+    return jump
+
+
+def companion_block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array]:
+    """Companion matrix, output row, and whether the input passes at once, in scaled time."""
+    monic = plant.monic
+    order, degree = monic.order, len(monic.numerator) - 1
+    denominator = np.asarray(monic.denominator) * unit ** np.arange(order + 1)
+    numerator = np.asarray(monic.numerator) * unit ** (order - degree + np.arange(degree + 1.0))
+    row = numerator @ derivative_rows(denominator, range(degree, -1, -1))
+    return companion(denominator), row[:order], row[order:]
+
+
+class _Line(NamedTuple):
+    """Linear dynamics before the plant, the plant, and those behind it, as one system in scaled time.
+
+    ``plant`` says where the plant's states lie; ``measured`` and ``position`` are rows for the motion that the sensor
+    sees and for that of the plant, before the integral of the measured motion is added as the last state.
+    """
+
+    state_matrix: Array
+    input_vector: Array
+    force_vector: Array
+    measured: Array
+    position: Array
+    plant: tuple[int, int]
+
+
+def _line(chain: Chain, unit: float) -> _Line:
+    before = [p for e in chain.effects if (p := e.before_plant()) is not None]
+    behind = [p for e in chain.effects if (p := e.behind_plant()) is not None]
+    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *behind)]
+    size = sum(len(b[0]) for b in blocks)
+    matrix = np.zeros((size + 1, size + 1))
+    input_vector, force_vector = np.zeros(size + 1), np.zeros(size + 1)
+    position = np.zeros(size + 1)
+    # Row and direct input of the signal that enters the next block.
+    row, direct_input, direct_force = np.zeros(size + 1), 1.0, 0.0
+    offset, where = 0, (0, 0)
+    for i, (block, output, direct) in enumerate(blocks):
+        order = len(block)
+        if i == len(before):
+            where, direct_force = (offset, offset + order), 1.0
+        if order:
+            matrix[offset : offset + order, offset : offset + order] = block
+            matrix[offset] += row
+            input_vector[offset] = direct_input
+            force_vector[offset] = direct_force
+        through = float(direct[0])
+        row, direct_input, direct_force = row * through, direct_input * through, direct_force * through
+        row[offset : offset + order] += output
+        offset += order
+        if i == len(before):
+            position = row.copy()
+            _refuse_direct(chain, np.array([direct_input, direct_force]))
+    if direct_input or direct_force:
+        raise NotApplicable("the input passes the plant without delay: its motion jumps")
+    matrix[size] = row
+    return _Line(matrix, input_vector, force_vector, row, position, where)
+
+
+def mechanics_of(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int]]:
+    """The chain as the integrator takes it, and where the plant's states lie.
+
+    Raises
+    ------
+    NotApplicable
+        If an effect has no meaning with this plant.
+    """
+    unit = time_scale(chain.plant.monic.denominator)
+    line = _line(chain, unit)
+    velocity = line.position @ line.state_matrix
+    at_once = np.array([line.position @ line.input_vector, line.position @ line.force_vector]) / unit
+    at_once[np.abs(at_once) <= 1e-12 * float(np.max(np.abs(line.position), initial=0.0)) / unit] = 0.0
+    dry = any(e.friction_level is not None for e in chain.effects)
+    implicit = at_once[1] != 0.0 and (dry or any(e.uses_velocity for e in chain.effects))
+    acceleration = float(velocity @ line.force_vector)
+    sticks = at_once[1] == 0.0 and abs(acceleration) > 1e-9 * float(np.max(np.abs(velocity), initial=0.0))
+    slip = _slip(chain, signal) if dry and not sticks and not implicit else 0.0
+    forces = _forces(chain, float(at_once[1]), bool(implicit), slip)
+    mechanics = Mechanics(
+        line.state_matrix,
+        line.input_vector,
+        line.force_vector,
+        line.measured,
+        line.position,
+        velocity,
+        float(at_once[0]),
+        bool(sticks),
+        forces,
+        unit,
+    )
+    return mechanics, line.plant
+
+
+def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) -> Forces:
+    """Addresses of the compiled parts of all effects, and their values."""
+    count = len(chain.effects)
+    addresses, values = np.zeros((4, count), np.int64), np.zeros((count, 8))
+    for i, effect in enumerate(chain.effects):
+        for kind, part in enumerate((effect.force, effect.friction_level, effect.memory_after, effect.switch)):
+            addresses[kind, i] = 0 if part is None else part.address
+        numbers = effect.force_values(chain.plant)
+        values[i, : len(numbers)] = numbers
+    along = motion_sign(chain.plant)
+    return Forces(addresses, values, values.ctypes.data, values.shape[1] * 8, velocity_force, implicit, along, slip)
+
+
+def _slip(chain: Chain, signal: Array) -> float:
+    """Speed in y/s below which dry friction is taken to grow in proportion: a part of what the input can cause."""
+    poles = np.abs(chain.plant.poles())
+    frequencies = poles[poles > 0.0] if np.any(poles > 0.0) else np.ones(1)
+    reached = np.max(frequencies * np.abs(chain.plant.frequency_response(frequencies)))
+    return SLIP * float(reached) * (float(np.max(np.abs(signal), initial=0.0)) or 1.0)
+
+
+def _refuse_direct(chain: Chain, direct: Array) -> None:
+    if np.any(direct):
+        for effect in chain.effects:
+            if effect.force is not None or effect.friction_level is not None:
+                raise NotApplicable(f"{effect.identifier} depends on a motion that jumps with the input")
