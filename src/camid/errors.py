@@ -18,7 +18,7 @@ class InputError(ValueError):
     where : str, optional
         File and place in it, put in front of the problem.
     hint : str, optional
-        What to do about it, put behind the problem.
+        What to do about it, put after the problem.
     """
 
     def __init__(self, problem: str, *, where: str | None = None, hint: str | None = None) -> None:

@@ -15,6 +15,7 @@ SCIENTIFIC_ABOVE, SCIENTIFIC_BELOW = 5, -4
 SMALLEST_PROBABILITY = 1e-4
 # A deviation below this share of the value is rounding error; the digits that it asks for would be noise.
 SMALLEST_RELATIVE_DEVIATION = 1e-12
+LIMITS = 1e-290, 1e290
 SPACE = "\u00a0"  # between a number and its unit: no line breaks there
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -68,6 +69,8 @@ def with_deviation(value: Any, deviation: Any, unit: str = "") -> str:
         return f"{plain(value, 6)}{after} (fixed)"
     if deviation < SMALLEST_RELATIVE_DEVIATION * abs(value):
         return f"{plain(value, 12)} ± {number(deviation, 2)}{after}"
+    if not LIMITS[0] < deviation < LIMITS[1]:  # where powers of ten overflow
+        return f"{number(value, 4)} ± {number(deviation, 2)}{after}"
     return _estimate(value, deviation) + after
 
 

@@ -304,7 +304,7 @@ def test_unsorted_and_repeated_times(tmp_path):
     assert "line 5, column 't': the time goes back from 0.3 s to 0.2 s" in refusal(
         recorded([0.0, 0.1, 0.3, 0.2], tmp_path)
     )
-    assert "line 4, column 't': the time 0.1 s stands twice" in refusal(recorded([0.0, 0.1, 0.1, 0.2], tmp_path))
+    assert "line 4, column 't': the time 0.1 s appears twice" in refusal(recorded([0.0, 0.1, 0.1, 0.2], tmp_path))
 
 
 def test_irregular_times(tmp_path):
@@ -339,7 +339,7 @@ def test_rounding_hides_no_missing_row(tmp_path, decimals, lost, rate):
     """With one decimal, 0.1 s steps and a missing row look like rounded times to whoever looks at steps alone."""
     time = np.round(np.delete(np.arange(100) / rate, lost), decimals)
     if np.any(np.diff(time) == 0.0):
-        assert "stands twice" in refusal(recorded(time, tmp_path))
+        assert "appears twice" in refusal(recorded(time, tmp_path))
         return
     assert "column 't': a step of" in refusal(recorded(time, tmp_path, f"{{:.{decimals}f}}"))
 

@@ -10,15 +10,15 @@ import click
 from camid.cli.shared import progress_display, warn
 
 
-@click.command()
+@click.command(short_help="Find, name and model what a simulation leaves out.")
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option(
     "--simulation", type=click.Path(path_type=Path), required=True, help="What you believe of the rig (YAML)."
 )
 @click.option(
-    "--output", type=click.Path(path_type=Path), required=True, help="Folder for the results; made if need be."
+    "--output", type=click.Path(path_type=Path), required=True, help="Folder for the results; created if missing."
 )
-@click.option("--report/--no-report", default=True, show_default=True, help="Write report.html, too.")
+@click.option("--report/--no-report", default=True, show_default=True, help="Also write report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json.")
 def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, report: bool, as_json: bool) -> None:
     """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.

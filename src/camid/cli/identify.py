@@ -26,13 +26,12 @@ What is known, and how to say it:
   a coefficient           false under plant.free in the file keeps its value:
                           free: {numerator: [true], denominator: [false, true, false]}
   motion at the start     --initial-state estimate, or initial_state: estimate
-  several recordings      name them one after the other; each has an initial
-                          state of its own
+  several recordings      name them all; each has its own initial state
   not even the order      camid order RECORDING
 """
 
 
-@click.command(epilog=HINTS)
+@click.command(epilog=HINTS, short_help="Re-estimate the plant from recordings.")
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--simulation", type=click.Path(path_type=Path), help="What you believe of the rig (YAML).")
 @click.option("--output", type=click.Path(path_type=Path), help="Where the identified model goes (YAML).")

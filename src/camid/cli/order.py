@@ -11,7 +11,7 @@ import click
 from camid.cli.shared import check_output, column_options, declarations, declared_simulation, progress_display, warn
 
 
-@click.command()
+@click.command(short_help="Find how many poles and zeros recordings call for.")
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option(
     "--simulation", type=click.Path(path_type=Path), help="What you believe of the rig; its plant is ignored."

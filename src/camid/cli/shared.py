@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress_display(quiet: bool) -> Iterator[Callable[[str], None] | None]:
-    """A spinner with the step at hand on the error stream; nothing for machines."""
+    """A spinner with the current step on the error stream; nothing for machines."""
     if quiet or not sys.stderr.isatty():
         yield None
         return
@@ -42,7 +42,7 @@ DECLARATIONS = (
     click.option(
         "--initial-state",
         type=click.Choice(["zero", "estimate"]),
-        help="Without --simulation: estimate it if the rig moves when a recording begins [zero].",
+        help="Without --simulation: estimate it if the rig is moving when a recording starts [zero].",
     ),
     click.option("--time-column", help="Without --simulation: name of the time column [t]."),
     click.option("--input-column", help="Without --simulation: name of the input column [u]."),
@@ -70,7 +70,7 @@ def column_options(simulation: Path | None) -> Iterator[None]:
 
 
 def contradiction(option: str, simulation: Path) -> InputError:
-    """The error for an option that says again what the file says."""
+    """The error for an option that declares what the file declares already."""
     return InputError(
         f"--{option} and --simulation contradict each other", hint=f"write it into {simulation} or leave it out"
     )

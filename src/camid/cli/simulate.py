@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pandas import Series
 
 
-@click.command()
+@click.command(short_help="Run a simulation on the input of a recording.")
 @click.argument("recording", type=click.Path(path_type=Path))
 @click.option("--simulation", type=click.Path(path_type=Path), required=True, help="The chain to run (YAML).")
 @click.option(

@@ -30,8 +30,8 @@ SUFFIXES = {
     ".hdf": "HDF5",
 }
 EXCEL = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
-# How the files of each kind begin.
-BEGINNINGS = {
+# First bytes of the files of each kind.
+SIGNATURES = {
     "Parquet": (b"PAR1",),
     "MAT": (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"),
     "HDF5": (b"\x89HDF\r\n\x1a\n",),
@@ -119,10 +119,10 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     suffix = path.suffix.lower()
     try:
         with path.open("rb") as stream:
-            begin = stream.read(64)
+            head = stream.read(64)
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check who may read it") from None
-    content = next((kind for kind, heads in BEGINNINGS.items() if begin.startswith(heads)), None)
+    content = next((kind for kind, heads in SIGNATURES.items() if head.startswith(heads)), None)
     if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
         raise InputError("this is an Excel file", where=name, hint="save the sheet as CSV")
     if content in {"zip", "gzip"}:
@@ -163,6 +163,6 @@ def _unpacked(path: Path, name: str, kind: str) -> bytes:
                 data, inner = archive.read(members[0]), Path(members[0])
     except (OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"cannot be unpacked ({error})", where=name, hint="pack it again") from None
-    if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in BEGINNINGS.values()):
+    if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in SIGNATURES.values()):
         raise InputError("what is packed is no text file", where=name, hint="unpack it")
     return data

@@ -17,14 +17,11 @@ from camid.recording.options import Reading
 from camid.recording.table import Table
 from camid.recording.time_grid import Grid, check_order, grid_of
 from camid.recording.units import Conversion
-from camid.writing import check_writable, write_table, write_whole
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
-
-__all__ = ["Recording", "check_writable", "read_recording", "read_recordings", "write_table", "write_whole"]
 
 FEWEST_ROWS = 3
 # A longer period, in seconds, is as likely one in milliseconds.
@@ -113,7 +110,7 @@ def read_recordings(
     holds: Mapping[str, str] | None = None,
     conversions: Mapping[str, Conversion] | None = None,
 ) -> list[Recording]:
-    """Read and check the columns of a file, one recording an experiment.
+    """Read and check the columns of a file, one recording per experiment.
 
     Parameters
     ----------
@@ -156,15 +153,19 @@ def read_recordings(
             experiment = ", ".join(e for e in (table.experiment, label) if e is not None) or None
             recordings.append(replace(found, experiment=experiment))
     if not recordings:
-        raise InputError(
-            f"no row lies between {_seconds(reading.start, 'the begin')} and {_seconds(reading.end, 'the end')}",
-            where=empty[0],
-            hint="correct start and end under recording in the simulation; they are seconds",
-        )
+        raise _nothing_between(reading, empty[0])
     if empty:
         said = f"{', '.join(empty)}: no row between start and end, left out"
         recordings[0] = replace(recordings[0], warnings=(*recordings[0].warnings, said))
     return recordings
+
+
+def _nothing_between(reading: Reading, name: str) -> InputError:
+    return InputError(
+        f"no row lies between {_seconds(reading.start, 'the start')} and {_seconds(reading.end, 'the end')}",
+        where=name,
+        hint="correct start and end under recording in the simulation; they are seconds",
+    )
 
 
 def _seconds(value: float | None, word: str) -> str:

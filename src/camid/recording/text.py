@@ -132,7 +132,7 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
 
 
 def line_of(text: Text, row: int, *, header: bool) -> str:
-    """'line 7': where a row of the table, counted from zero, stands in the file."""
+    """Line of a row of the table, counted from zero, in the file: 'line 7'."""
     with suppress(csv.Error):
         for line, _ in islice(text.rows(), row + int(header), None):
             return f"line {line}"

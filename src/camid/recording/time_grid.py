@@ -91,14 +91,14 @@ class Grid:
         if part.size == 0:
             return slice(0, 0)
         margin = REACH * self.period
-        begin = int(np.searchsorted(self.time, self.recorded[part[0]] - margin))
-        return slice(begin, int(np.searchsorted(self.time, self.recorded[part[-1]] + margin, side="right")))
+        first = int(np.searchsorted(self.time, self.recorded[part[0]] - margin))
+        return slice(first, int(np.searchsorted(self.time, self.recorded[part[-1]] + margin, side="right")))
 
     def held(self, values: Array, hold: str) -> Array:
         """Input on the grid.
 
         The corners of a first-order hold are read off its lines, those of a band-limited input off a spline. Of a
-        zero-order hold it is the mean over the period that begins at the grid's time: the value there alone would be
+        zero-order hold it is the mean over the period that starts at the grid's time: the value there alone would be
         that of the row before wherever a time stamp is late by a hair.
         """
         if self.regular:
@@ -127,14 +127,14 @@ def spline(time: Array, values: Array, wanted: Array) -> Array:
 
 
 def check_order(time: Array, where: Callable[[int], str]) -> None:
-    """Refuse times that stand still or go back; ``where`` names the place of a row."""
+    """Refuse times that repeat or go back; ``where`` names the place of a row."""
     steps = np.diff(time)
     wrong = np.flatnonzero(steps <= 0.0)
     if wrong.size == 0:
         return
     row = int(wrong[0]) + 1
     if steps[row - 1] == 0.0:
-        raise InputError(f"the time {time[row]:.9g} s stands twice", where=where(row), hint="remove one of the rows")
+        raise InputError(f"the time {time[row]:.9g} s appears twice", where=where(row), hint="remove one of the rows")
     raise InputError(
         f"the time goes back from {time[row - 1]:.9g} s to {time[row]:.9g} s",
         where=where(row),

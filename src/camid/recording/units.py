@@ -52,7 +52,7 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
     try:
         # For pint, px is the pixel of style sheets, 1/96 inch.
         parsed = registry.parse_units(re.sub(r"\bpx\b", "pixel", unit))
-        begin, end = (float(registry.Quantity(v, parsed).to_base_units().magnitude) for v in (0.0, 1.0))
+        zero, one = (float(registry.Quantity(v, parsed).to_base_units().magnitude) for v in (0.0, 1.0))
     except pint.UndefinedUnitError:
         raise InputError(
             f"unknown unit '{unit}'", where=where, hint=nearest_match(unit, COMMON_UNITS.split())
@@ -65,7 +65,7 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
     if dimension is not None and dict(parsed.dimensionality) != {dimension: 1}:
         kind = dimension.strip("[]")
         raise InputError(f"'{unit}' is no unit of {kind}", where=where, hint=f"give a unit of {kind}, such as ms")
-    return end - begin, begin
+    return one - zero, zero
 
 
 @dataclass(frozen=True)

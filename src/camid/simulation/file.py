@@ -170,7 +170,7 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
 
 
 def simulation_text(simulation: Simulation, comment: str = "") -> str:
-    """The YAML file as text; ``comment`` goes to its head, a line each."""
+    """The YAML file as text; ``comment`` goes to its head, line by line."""
     from ruamel.yaml import YAML
 
     yaml = YAML(typ="safe", pure=True)
@@ -184,6 +184,6 @@ def simulation_text(simulation: Simulation, comment: str = "") -> str:
 
 
 def write_simulation(simulation: Simulation, path: str | os.PathLike[str], comment: str = "") -> None:
-    """Write the YAML file, whole or not at all; ``comment`` goes to its head, a line each."""
+    """Write the YAML file, whole or not at all; ``comment`` goes to its head, line by line."""
     content = simulation_text(simulation, comment).encode("utf-8", errors="replace")
     write_whole(path, lambda temporary: temporary.write_bytes(content))

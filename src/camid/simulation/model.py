@@ -78,7 +78,7 @@ class Simulation:
     source : str
         Name for messages.
     pendulum : Pendulum or None
-        Where the plant is one; ``plant`` is then that of small motions, and accuracies stand with the pendulum.
+        Where the plant is one; ``plant`` is then that of small motions, and the pendulum has the accuracies.
     controller : Controller or None
         Of a closed loop; its output is the input column.
     remainder : float or None

@@ -317,7 +317,7 @@ def validated(content: Mapping[str, Any], source: str) -> SimulationFile:
 
 
 _UNKNOWN_KEY = ("extra_forbidden", "invalid_key")
-# What is wrong, by pydantic's type of error; the value stands before it.
+# What is wrong, by pydantic's type of error; the message names the value first.
 _PROBLEMS = {
     "model_type": "is no mapping of keys to values",
     "dict_type": "is no mapping of keys to values",
@@ -400,7 +400,7 @@ class _WithoutNoise(GenerateJsonSchema):
 
 
 def json_schema() -> str:
-    """The JSON schema of a simulation file, as it stands in the package."""
+    """The JSON schema of a simulation file, as it is in the package."""
     schema = SimulationFile.model_json_schema(schema_generator=_WithoutNoise)
     schema = {"$schema": GenerateJsonSchema.schema_dialect, "title": "camid simulation, version 1", **schema}
     schema["title"] = "camid simulation, version 1"

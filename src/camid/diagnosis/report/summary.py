@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.quantities import number, percentage, printable, probability, span, unit_of, with_deviation
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 # Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
 VERDICT_WORDS = {
@@ -117,6 +120,24 @@ def state_text(state: tuple[str, float, float], input_name: str | None, output_n
     return f"{variable} from {span((low, high), unit)}"
 
 
+def _table_of_findings(diagnosis: Diagnosis) -> Table:
+    from rich.table import Table
+
+    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    table = Table(title="What was found", title_justify="left")
+    for heading in ("effect", "place", "parameter", "value", "error removed"):
+        table.add_column(heading, overflow="fold")
+    for finding in diagnosis.findings:
+        noise_only = is_noise_only(finding.evidence)
+        removed = "– (noise)" if noise_only else percentage(finding.evidence.get("share"))
+        rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
+        for i, (name, parameter) in enumerate(rows):
+            head = (finding.title, finding.place) if i == 0 else ("", "")
+            value = estimate_text(parameter, *names)
+            table.add_row(*head, name.replace("_", " "), value, removed if i == 0 else "")
+    return table
+
+
 def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     """Print verdict, place, effects, errors and warnings for a person.
 
@@ -127,7 +148,6 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
         Files that hold the rest.
     """
     from rich.console import Console
-    from rich.table import Table
 
     # Names of files and columns may look like rich's markup.
     console = Console(highlight=False, markup=False, emoji=False)
@@ -135,20 +155,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     console.print(f"{symbol} {word.upper()}: {meaning}", style="bold", soft_wrap=True)
     console.print(printable(diagnosis.explanation), soft_wrap=True)
     console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
-    names = diagnosis.improved.input_column, diagnosis.improved.output_column
     if diagnosis.findings:
-        table = Table(title="What was found", title_justify="left")
-        for heading in ("effect", "place", "parameter", "value", "error removed"):
-            table.add_column(heading, overflow="fold")
-        for finding in diagnosis.findings:
-            noise_only = is_noise_only(finding.evidence)
-            removed = "– (noise)" if noise_only else percentage(finding.evidence.get("share"))
-            rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
-            for i, (name, parameter) in enumerate(rows):
-                head = (finding.title, finding.place) if i == 0 else ("", "")
-                value = estimate_text(parameter, *names)
-                table.add_row(*head, name.replace("_", " "), value, removed if i == 0 else "")
-        console.print(table)
+        console.print(_table_of_findings(diagnosis))
     for finding in diagnosis.findings:
         if finding.alternatives:
             relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
