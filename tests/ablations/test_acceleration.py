@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.acceleration import runs as acceleration
 from camid.ablations.acceleration.drawing import draw
-from tests.paper.test_claims import ROOT
 
 SETTINGS = {
     "length": 120,
@@ -22,8 +20,7 @@ SETTINGS = {
 
 
 @pytest.fixture(scope="module")
-def table():
-    imaging = YAML(typ="safe").load(ROOT / "config/config.yaml")["imaging"]
+def table(imaging):
     return acceleration.compute(SETTINGS, {"imaging": imaging})
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.centroids import runs as centroids
 from camid.ablations.centroids.drawing import draw
-from tests.paper.test_claims import ROOT
 
 SETTINGS = {
     "frequencies": [1, 5, 24],
@@ -21,11 +19,6 @@ SETTINGS = {
     "margin": 15,
     "starting_angles": 3,
 }
-
-
-@pytest.fixture(scope="module")
-def imaging():
-    return YAML(typ="safe").load(ROOT / "config/config.yaml")["imaging"]
 
 
 @pytest.fixture(scope="module")

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.crossing_path import runs as crossing_path
 from camid.ablations.crossing_path.drawing import draw
 from camid.paper.marker_images import arc_length_mean, time_mean
-from tests.paper.test_claims import ROOT
 
 SETTINGS = {
     "passes": [0.4, 0.75, 1.0, 1.5, 2.0],
@@ -17,11 +15,6 @@ SETTINGS = {
     "thresholds": [0.01, 0.2, 0.5],
     "starting_points": 3,
 }
-
-
-@pytest.fixture(scope="module")
-def imaging():
-    return YAML(typ="safe").load(ROOT / "config/config.yaml")["imaging"]
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,9 @@ import pytest
 
 from camid.ablations.excitation_length.drawing import draw
 from camid.ablations.excitation_length.runs import by_length, compute, conclusion, quantities
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 9, "amplitude": 1.0},
-    "seed": 1,
-}
+SHARED = shared()
 SETTINGS = {
     "period": 0.05,
     "orders": [6, 7, 8],

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.image_quality import runs as image_quality
 from camid.ablations.image_quality.drawing import draw
-from tests.paper.test_claims import ROOT
 
 SETTINGS = {
     "frequency": 24,
@@ -22,11 +20,6 @@ SETTINGS = {
     "region_noise": 2.0,
     "region_images": 200,
 }
-
-
-@pytest.fixture(scope="module")
-def imaging():
-    return YAML(typ="safe").load(ROOT / "config/config.yaml")["imaging"]
 
 
 @pytest.fixture(scope="module")

@@ -6,11 +6,9 @@ from camid.ablations.latency.runs import compute, conclusion, first_order_bias, 
 from camid.chain.acquisition import Acquisition
 from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.chain.plant import second_order
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 8, "amplitude": 1.0},
-}
+SHARED = shared(order=8)
 
 
 @pytest.fixture(scope="module")

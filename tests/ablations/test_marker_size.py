@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.marker_size import runs as marker_size
 from camid.ablations.marker_size.drawing import draw
-from tests.paper.test_claims import ROOT
 
 SETTINGS = {
     "diameters": [4, 30],
@@ -16,11 +14,6 @@ SETTINGS = {
     "thresholds": [0.005, 0.05, 0.2, 0.5, 0.9],
     "starting_angles": 3,
 }
-
-
-@pytest.fixture(scope="module")
-def imaging():
-    return YAML(typ="safe").load(ROOT / "config/config.yaml")["imaging"]
 
 
 @pytest.fixture(scope="module")

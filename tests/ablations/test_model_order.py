@@ -4,12 +4,9 @@ import pytest
 
 from camid.ablations.model_order.drawing import draw
 from camid.ablations.model_order.runs import TRUE_POLES, by_order, compute, conclusion, quantities
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 9, "amplitude": 1.0},
-    "seed": 1,
-}
+SHARED = shared()
 SETTINGS = {
     "period": 0.05,
     "natural_frequency": 40.0,

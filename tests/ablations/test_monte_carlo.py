@@ -4,13 +4,9 @@ import pytest
 
 from camid.ablations.monte_carlo.drawing import draw
 from camid.ablations.monte_carlo.runs import combine, compute, compute_shard, conclusion, quantities, shard_seeds
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 9, "amplitude": 1.0},
-    "sampling_period_sweep": {"start": 0.1, "stop": 0.2, "step": 0.1},
-    "seed": 5,
-}
+SHARED = shared(seed=5, sampling_period_sweep={"start": 0.1, "stop": 0.2, "step": 0.1})
 SETTINGS = {"signal_to_noise_ratio": 10.0, "seeds": 30, "shards": 3}
 
 

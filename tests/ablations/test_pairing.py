@@ -3,11 +3,9 @@ import pytest
 from camid.ablations.latency import runs as latency
 from camid.ablations.pairing.drawing import draw
 from camid.ablations.pairing.runs import compute, conclusion, quantities
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 8, "amplitude": 1.0},
-}
+SHARED = shared(order=8)
 
 
 @pytest.fixture(scope="module")

@@ -2,12 +2,9 @@ import pytest
 
 from camid.ablations.past_shannon.drawing import draw
 from camid.ablations.past_shannon.runs import compute, conclusion, quantities
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 9, "amplitude": 1.0},
-    "seed": 5,
-}
+SHARED = shared(seed=5)
 SETTINGS = {
     "signal_to_noise_ratio": 10.0,
     "products": [4.0],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.held_motion import HeldMotion
 from camid.ablations.rolling_shutter import runs as rolling_shutter
@@ -17,7 +16,6 @@ from camid.images.centroids import grey_level_centroid
 from camid.images.forming import FrameFormat, Marker
 from camid.images.rolling_shutter import expose_rolling, time_in_row
 from camid.paper.marker_images import time_mean
-from tests.paper.test_claims import ROOT
 
 PLANT = {"static_gain": 1.5, "natural_frequency": 10.0, "damping": 0.1}
 SETTINGS = {
@@ -34,10 +32,9 @@ SETTINGS = {
 
 
 @pytest.fixture(scope="module")
-def table():
-    configuration = YAML(typ="safe").load(ROOT / "config/config.yaml")
-    configuration["excitation"]["order"] = 7
-    return rolling_shutter.compute(SETTINGS, configuration)
+def table(configuration):
+    shorter = configuration | {"excitation": configuration["excitation"] | {"order": 7}}
+    return rolling_shutter.compute(SETTINGS, shorter)
 
 
 @pytest.mark.parametrize("latency", [0.0, 0.013, 0.05])

@@ -4,12 +4,9 @@ import pytest
 
 from camid.ablations.signal_to_noise.drawing import draw
 from camid.ablations.signal_to_noise.runs import by_level, compute, conclusion, quantities
+from tests.support.ablations import shared
 
-SHARED = {
-    "plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1},
-    "excitation": {"order": 8, "amplitude": 1.0},
-    "seed": 1,
-}
+SHARED = shared(order=8)
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,9 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.excitation import multilevel, pseudo_random_binary_sequence
 from camid.chain.plant import second_order
+from tests.support.ablations import shared
 
-SHARED = {"plant": {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1}, "seed": 1}
+SHARED = shared()
 SETTINGS = {
     "period": 0.05,
     "order": 7,

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from ruamel.yaml import YAML
 
 from camid.ablations.identification_runs import excitation_signal, whole_experiment
 from camid.ablations.wrong_hold import runs as wrong_hold
@@ -13,7 +12,6 @@ from camid.chain.plant import second_order
 from camid.identification.declarations import refitted
 from camid.identification.estimate import estimate
 from camid.identification.structure import Structure
-from tests.paper.test_claims import ROOT
 
 SETTINGS = {
     "periods": [0.02, 0.1],
@@ -29,9 +27,8 @@ SETTINGS = {
 
 
 @pytest.fixture(scope="module")
-def shared():
-    content = YAML(typ="safe").load(ROOT / "config/config.yaml")
-    return {key: content[key] for key in ("plant", "excitation", "seed")}
+def shared(configuration):
+    return {key: configuration[key] for key in ("plant", "excitation", "seed")}
 
 
 @pytest.fixture(scope="module")

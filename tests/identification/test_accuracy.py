@@ -57,7 +57,9 @@ def test_errors_and_stated_deviations_agree_with_the_bound(period, excitation):
 
 def test_characteristics_and_their_deviations_by_monte_carlo():
     plant = TransferFunction((100.0,), (1.0, 2.0, 100.0))
-    covariance = np.diag([4.0, 0.01, 0.25])
+    # Correlated, so that the signs of the derivatives count.
+    covariance = np.array([[4.0, 0.1, 0.6], [0.1, 0.01, 0.02], [0.6, 0.02, 0.25]])
+    assert np.all(np.linalg.eigvalsh(covariance) > 0.0)
     rows = {row["name"]: row for row in characteristics(plant, covariance)}
     generator = np.random.default_rng(0)
     draws = generator.multivariate_normal(TRUTH, covariance, size=20_000)

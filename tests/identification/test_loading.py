@@ -76,7 +76,7 @@ def test_leave_out_is_simulated_and_not_compared():
     assert len(camid.simulate(recorded, content)) == 60
     estimating = content | {"initial_state": "estimate"}
     simulated = camid.simulate(recorded, estimating)["simulated"]
-    np.testing.assert_allclose(simulated[2:], camid.simulate(recorded, believed())["simulated"][2:], atol=0.5)
+    np.testing.assert_allclose(simulated[2:], camid.simulate(recorded, believed())["simulated"][2:], atol=0.2)
     assert np.ptp(simulated[:10]) > 0.1
     long = load_simulation(believed(recording={"leave_out": 50.0}))
     assert "the recording lasts 2.95 s: choose a shorter leave_out" in refusal(

@@ -9,10 +9,10 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
-from camid.identification.profile import WIDTH
 from camid.identification.structure import Structure
 
 STRUCTURE = Structure.of_order(2, 0)
+WIDTH = 1.959964  # 95 % of a normal distribution, in standard deviations
 
 
 def noisy(acquisition, excitation, level, seed=0):

@@ -1,13 +1,10 @@
 """The verdicts must follow the numbers."""
 
-from pathlib import Path
-
 import pandas as pd
 import pytest
 
 from camid.paper.claims import CAVEAT, NOT_REPRODUCED, REPRODUCED, ambiguities, claims, to_markdown
-
-ROOT = Path(__file__).resolve().parents[2]
+from tests.support import ROOT
 
 
 @pytest.fixture

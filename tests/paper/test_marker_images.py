@@ -5,7 +5,7 @@ from ruamel.yaml import YAML
 from camid.paper import marker_images as images
 from camid.paper.fig1_marker_image.runs import fast_marker_image
 from camid.paper.fig3_marker_trajectory.runs import signal_to_noise_decibels, slow_marker_trajectory
-from tests.paper.test_claims import ROOT
+from tests.support import ROOT
 
 
 @pytest.fixture(scope="module")

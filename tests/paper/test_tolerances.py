@@ -1,13 +1,11 @@
-from pathlib import Path
-
 import pandas as pd
 import pytest
 from jsonschema import ValidationError, validate
 from ruamel.yaml import YAML
 
 from camid.paper.tolerances import compare, print_comparison
+from tests.support import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 QUANTITIES = pd.DataFrame(
     [
         {"target": "fig7", "quantity": "error", "value": 1.05, "unit": "%"},
