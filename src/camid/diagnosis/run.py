@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from camid.diagnosis import mismatch_location
 from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis, Finding
-from camid.diagnosis.effect_selection import ALL_STEPS, FALSE_ALARM, MOST_EFFECTS, Decision, searched, select_effects
+from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, searched, select_effects
 from camid.diagnosis.evidence import (
     coefficients_of,
     errors,
@@ -20,6 +20,7 @@ from camid.diagnosis.evidence import (
     tests_of,
     validation_gains,
 )
+from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import reasons_for_structure, unlisted_weight

@@ -13,8 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.effect_selection import ALL_STEPS, Decision
+from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 

@@ -12,44 +12,43 @@ from camid.fitting.plants.linear import FreeDecay, LinearPlant
 from camid.fitting.plants.pendulum import Pendulum
 from camid.identification.from_recordings import load_recordings
 from camid.simulation.file import load_simulation
-from tests import rigs
 
 DRIVEN = {"column": "u", "hold": "zoh"}
+SENSOR = {"column": "y", "kind": "instant"}
+CONTROLLER = {"reference": "r", "position_gain": 8.0, "velocity_gain": 150.0}
+LINEAR = {"transfer_function": {"numerator": [1.0], "denominator": [1.0, 2.0, 4.0]}}
 SWINGING = {"natural_frequency": 3.0, "damping": 0.01, "gain": 0.5, "rest": 0.2}
 
 
-def transfer_function(signal):
-    content = rigs.drive_simulation(1.0, 2.0)
-    del content["controller"]
-    return content | {"input": signal}
+def simulation(plant, signal=DRIVEN, **more):
+    content = {"schema": 1, "time": {"column": "t"}, "input": signal, "plant": plant, "sensor": SENSOR}
+    return load_simulation(content | {"initial_state": "estimate"} | more)
 
 
-def pendulum(free, signal=DRIVEN):
-    content = rigs.pendulum_simulation(**SWINGING) | {"input": signal}
-    return content | {"plant": content["plant"] | {"free": free}}
+def pendulum(free, signal=DRIVEN, **more):
+    return simulation({"pendulum": SWINGING, "free": free}, signal, **more)
 
 
 @pytest.mark.parametrize(
-    ("content", "kind", "adds_up"),
+    ("believed", "kind", "adds_up"),
     [
-        (transfer_function(DRIVEN), LinearPlant(), False),
-        (transfer_function(None), FreeDecay(), True),
+        (simulation(LINEAR), LinearPlant(), False),
+        (simulation(LINEAR, None), FreeDecay(), True),
         (pendulum({}), Pendulum(0.2, True, None), True),
         (pendulum({"rest": False, "gain": False}), Pendulum(0.2, False, 0.5), True),
         (pendulum({}, None), Pendulum(0.2, True, 0.5), True),  # a free decay says nothing of the gain
     ],
     ids=["linear", "free decay", "pendulum", "pendulum partly known", "swinging pendulum"],
 )
-def test_the_simulation_says_the_kind(content, kind, adds_up):
-    found = kind_of(load_simulation(content), [])
+def test_the_simulation_says_the_kind(believed, kind, adds_up):
+    found = kind_of(believed, [])
     assert found == kind
     assert found.phases_add_up == adds_up
 
 
 def test_any_kind_may_stand_in_a_closed_loop():
-    table = pd.DataFrame({"t": [0.0, 0.1, 0.2], "r": [0.0, 1.0, 2.0], "u": [3.0, 2.0, 1.0], "angle": [0.4, 0.5, 0.6]})
-    controller = {"reference": "r", "position_gain": 8.0, "velocity_gain": 150.0}
-    believed = load_simulation(pendulum({}) | {"controller": controller})
+    table = pd.DataFrame({"t": [0.0, 0.1, 0.2], "r": [0.0, 1.0, 2.0], "u": [3.0, 2.0, 1.0], "y": [0.4, 0.5, 0.6]})
+    believed = pendulum({}, controller=CONTROLLER)
     loop = kind_of(believed, load_recordings(table, believed, output_needed=True))
     assert isinstance(loop, ClosedLoop)
     assert loop.plant == Pendulum(0.2, True, None)
@@ -64,8 +63,7 @@ def test_any_kind_may_stand_in_a_closed_loop():
 
 
 def test_a_closed_loop_shows_nothing_of_the_camera():
-    content = rigs.drive_simulation(1.0, 2.0)
-    loop, plant = kind_of(load_simulation(content), []), kind_of(load_simulation(transfer_function(DRIVEN)), [])
+    loop, plant = kind_of(simulation(LINEAR, controller=CONTROLLER), []), kind_of(simulation(LINEAR), [])
     hidden = {name for name, effect in known_effects().items() if loop.unseen(effect)}
     assert hidden == {e.identifier for e in known_effects().values() if e.place == "sensor"} | {"input-hold"}
     assert not any(plant.unseen(effect) for effect in known_effects().values())

@@ -1,0 +1,207 @@
+"""The likeliest effects of a screening, fitted as hypotheses beside a base model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.screening import Candidate, screen, trials
+from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.fitting.fit import Fitted, evaluate, fit
+from camid.fitting.model import Model
+from camid.fitting.plants.kind import PlantKind
+from camid.fitting.problem import WORKERS, Problem
+
+MOST_FROM_NOMINAL = 7
+# Evaluations for a first and for a thorough fit.
+FIRST_STEPS = 8
+ALL_STEPS = 30
+# Candidates that chance explains with this probability are not fitted.
+MOST_CHANCE = 0.1
+# Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
+LARGEST_CRITERION_GAP = 50.0
+MOST_THOROUGH = 6
+# Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
+BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
+
+
+@dataclass(frozen=True)
+class SearchEffort:
+    """How many candidates of a screening are fitted, and how far.
+
+    Attributes
+    ----------
+    effects : int
+        Different effects that are fitted.
+    shapes : int
+        Candidates for each of them.
+    steps : int
+        Evaluations for a first fit.
+    least_share : float
+        Candidates whose screened gain is below this share of the best are not fitted.
+    gap_share : float
+        Hypotheses whose criterion exceeds the best by less than this share of the best one's gain are fitted
+        thoroughly, too.
+    """
+
+    effects: int
+    shapes: int = 1
+    steps: int = FIRST_STEPS
+    least_share: float = 0.01
+    gap_share: float = 0.0
+
+
+FIRST_EFFECT = SearchEffort(12, shapes=2)
+# Where phases add up the screening is a poor guide; beside a first effect the motion is followed, and it is one again.
+FIRST_EFFECT_OVER_TIME = SearchEffort(20, shapes=2, steps=ALL_STEPS, least_share=0.0, gap_share=0.6)
+BESIDE_OTHERS = SearchEffort(7)
+RIVALS = SearchEffort(5)
+
+
+def first_effort(kind: PlantKind) -> SearchEffort:
+    """The effort in a search for a first effect."""
+    return FIRST_EFFECT_OVER_TIME if kind.phases_add_up else FIRST_EFFECT
+
+
+def hypotheses(
+    problem: Problem,
+    base: Fitted,
+    screened: Sequence[Candidate],
+    nominal: Model | None = None,
+    *,
+    effort: SearchEffort,
+) -> list[Hypothesis]:
+    """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first.
+
+    With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
+    """
+    starts = _shortlist(problem, screened, effort)
+    from_nominal = [] if nominal is None else _from_nominal(problem, nominal, screened)
+
+    def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
+        effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
+        return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        first = [h for h in pool.map(lambda c: fitted(c, effort.steps), starts) if h is not None]
+        if nominal is not None:
+            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), from_nominal)
+            first += [h for h in tried if h is not None]
+        first += _simpler(problem, base, first)
+        ranked = _best_of_each(first)
+        near = _near_the_best(ranked, base, effort)
+        again = pool.map(lambda h: _fitted(problem, h.identifier, _start(problem, h, near[0]), ALL_STEPS), near)
+        thorough = [
+            new if new is not None and new.criterion < old.criterion else old
+            for old, new in zip(near, again, strict=True)
+        ]
+    return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
+
+
+def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The best hypothesis of each effect, the best first."""
+    best: dict[str, Hypothesis] = {}
+    for hypothesis in fitted:
+        known = best.get(hypothesis.identifier)
+        if known is None or hypothesis.criterion < known.criterion:
+            best[hypothesis.identifier] = hypothesis
+    return sorted(best.values(), key=lambda h: h.criterion)
+
+
+def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort) -> list[Hypothesis]:
+    """Those worth a thorough fit."""
+    if not ranked:
+        return []
+    best = ranked[0].criterion
+    largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * (base.criterion - best))
+    return [h for h in ranked[:MOST_THOROUGH] if h.criterion <= best + largest_gap]
+
+
+def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[Candidate]) -> list[Effect]:
+    """Effects that a fit should start with from the nominal coefficients, which they may have bent beyond repair.
+
+    Those without parameters, and those that the residual of the nominal model speaks for.
+    """
+    effects = [c.effect for c in screened if not c.effect.parameters]
+    present = {e.identifier for e in effects}
+    for candidate in screen(problem, evaluate(problem, nominal)):
+        if candidate.effect.identifier not in present and len(effects) < MOST_FROM_NOMINAL:
+            present.add(candidate.effect.identifier)
+            effects.append(candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect)
+    return effects
+
+
+def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Special cases of what was fitted, from where that fit ended."""
+    present = {e.identifier for e in base.model.effects}
+    found = []
+    for hypothesis in fitted:
+        model = hypothesis.fitted.model
+        effect = model.effects[-1].simplified()
+        if effect is not None and effect.identifier not in present:
+            start = replace(model, effects=(*model.effects[:-1], effect))
+            found.append(_fitted(problem, effect.identifier, start, FIRST_STEPS))
+    return [h for h in found if h is not None]
+
+
+def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
+    """Where a thorough fit starts: where the first one ended, or from coefficients and states of the best hypothesis.
+
+    A first fit may have stopped in a local minimum in which the coefficients imitate what the effect should do.
+    """
+    own = hypothesis.fitted.model
+    if hypothesis is best:
+        return own
+    borrowed = best.fitted.model
+    starts = [own]
+    for factor in BORROWED_SIZES:
+        try:
+            effect = own.effects[-1].scaled(factor)
+        except ValueError:
+            continue
+        starts.append(replace(borrowed, effects=(*borrowed.effects[:-1], effect)))
+    costs = []
+    for start in starts:
+        try:
+            pinned = problem.pinned(start, finest=False)
+            residual = problem.output - problem.fitted(pinned.simulate(start))
+            costs.append(float(residual @ residual))
+        except (ValueError, ArithmeticError):
+            costs.append(np.inf)
+    return starts[int(np.argmin(np.nan_to_num(costs, nan=np.inf)))]
+
+
+def _fitted(
+    problem: Problem, identifier: str, start: Model, steps: int, base: Fitted | None = None
+) -> Hypothesis | None:
+    try:
+        result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        return None
+    if not np.isfinite(result.noise.deviance):
+        return None
+    penalty = 2.0 * float(np.log(trials(known_effects()[identifier], problem)))
+    return Hypothesis(identifier, result, result.criterion + penalty)
+
+
+def _shortlist(problem: Problem, screened: Sequence[Candidate], effort: SearchEffort) -> list[Candidate]:
+    """The likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
+    from scipy.stats import chi2
+
+    if not screened:
+        return []
+    least = effort.least_share * screened[0].gain
+    count = len({c.effect.identifier for c in screened})
+    shapes: dict[str, list[Candidate]] = {}
+    for candidate in screened:
+        chance = float(chi2.sf(candidate.gain, 1)) * trials(type(candidate.effect), problem) * count
+        if candidate.gain >= least and chance < MOST_CHANCE:
+            known = shapes.setdefault(candidate.effect.identifier, [])
+            if len(known) < effort.shapes:
+                known.append(candidate)
+    return [c for known in list(shapes.values())[: effort.effects] for c in known]
