@@ -14,7 +14,7 @@ BENCHMARK_BIN := $(BENCHMARK_ENVIRONMENT)/bin
 FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
 .DEFAULT_GOAL := all
-.PHONY: all env test test-slow test-workflow lint format check readme bench slurm lock clean help
+.PHONY: all env docs test test-slow test-workflow lint format check bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	$(SNAKEMAKE) all $(CACHE)
@@ -42,7 +42,7 @@ test-slow: env ## run the tests with large samples, many seeds and the whole cat
 test-workflow: env ## run the whole workflow in fresh copies, and what it promises
 	$(BIN)/python -m pytest -m workflow
 
-lint: env ## ruff, snakefmt, mypy
+lint: env docs ## ruff, snakefmt, mypy, and the documentation built strictly
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check $(FORMATTED_RULES)
@@ -56,9 +56,9 @@ format: env ## let the formatters rewrite the sources
 check: env ## draw every figure from nothing, then compare with config/tolerances.yaml
 	$(SNAKEMAKE) --forceall check
 
-readme: env ## put the tables that the workflow made into README.md
-	$(SNAKEMAKE) claims ablations $(CACHE)
-	$(BIN)/python workflow/scripts/update_readme.py
+docs: env ## build the documentation into results/site, with the committed claims, ablations and proof
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo 'The documentation is in results/site/index.html.'
 
 bench: $(BENCHMARK_ENVIRONMENT)/.installed ## compare speed and error with other tools, side by side; writes docs/benchmarks.md
 	$(BENCHMARK_BIN)/python -m benchmarks

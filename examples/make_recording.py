@@ -14,7 +14,11 @@ FRAMES = 1500
 STEPS = 400  # of the integrator, per frame
 LEVELS = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)  # V
 FRAMES_PER_LEVEL = 6
-GAIN, DAMPING, STIFFNESS = 92.0, 2.4, 110.0  # of the position in mm: y'' = GAIN (u - friction) - DAMPING y' - STIFFNESS y
+GAIN, DAMPING, STIFFNESS = (
+    92.0,
+    2.4,
+    110.0,
+)  # of the position in mm: y'' = GAIN (u - friction) - DAMPING y' - STIFFNESS y
 COULOMB, BREAKAWAY, STRIBECK_VELOCITY = 0.30, 0.62, 2.0  # V, V, mm/s
 NOISE = 0.01  # mm
 

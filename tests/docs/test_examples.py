@@ -90,7 +90,9 @@ def test_targets_of_make_exist():
 
 
 def test_options_exist():
-    known = {option for command in cli.commands.values() for p in command.params for option in (*p.opts, *p.secondary_opts)}
+    known = {
+        option for command in cli.commands.values() for p in command.params for option in (*p.opts, *p.secondary_opts)
+    }
     for page in PAGES:
         for line in page.read_text(encoding="utf-8").splitlines():
             if re.search(r"snakemake|pip |make |mkdocs|git ", line):
