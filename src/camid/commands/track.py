@@ -60,7 +60,7 @@ def track(
     start, end : float, optional
         Seconds: which part of the clip is used.
     longest_gap : int
-        Frames in a row that may be without the marker.
+        Consecutive frames that may be without the marker.
     allow_truncated : bool
         Take what can be read of a file that ends in the middle.
     threads : int
