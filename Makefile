@@ -19,7 +19,7 @@ FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 export STARTED := $(shell date +%s)
 
 .DEFAULT_GOAL := all
-.PHONY: all env development test test-slow test-workflow lint format check readme bench slurm lock clean help
+.PHONY: all env development docs test test-slow test-workflow lint format check bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	@installed=$$(date +%s); \
@@ -58,7 +58,7 @@ test-slow: development ## run the tests with large samples, many seeds and the w
 test-workflow: development ## run the whole workflow in fresh copies, and what it promises
 	$(BIN)/python -m pytest -m workflow
 
-lint: development ## ruff, snakefmt, mypy, import-linter
+lint: development docs ## ruff, snakefmt, mypy, import-linter, and the documentation built strictly
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check $(FORMATTED_RULES)
@@ -73,9 +73,9 @@ format: development ## let the formatters rewrite the sources
 check: env ## draw every figure from nothing, then compare with config/tolerances.yaml
 	$(SNAKEMAKE) --forceall check
 
-readme: development ## put the tables that the workflow made into README.md
-	$(SNAKEMAKE) claims ablations $(CACHE)
-	$(BIN)/python workflow/scripts/update_readme.py
+docs: development ## build the documentation into results/site, with the committed claims, ablations and proof
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo 'The documentation is in results/site/index.html.'
 
 bench: $(BENCHMARK_ENVIRONMENT)/.installed ## compare speed and error with other tools, side by side; writes docs/benchmarks.md
 	$(BENCHMARK_BIN)/python -m benchmarks

@@ -15,7 +15,7 @@ from camid.effects.base import Effect
 
 SOURCE = Path(camid.__file__).parent
 # What makes recordings with known effects, and what judges the tool by them, has to name them.
-NAMES_EFFECTS = {"effects", "proof", "paper", "ablations", "real_recordings", "concealed", "experiments", "figures"}
+NAMES_EFFECTS = {"effects", "proof", "paper", "ablations", "real_recordings"}
 # An exposure is also what a simulation declares of its camera.
 DECLARED = {field.name for field in fields(Acquisition)}
 

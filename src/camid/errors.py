@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from importlib.util import find_spec
 
 
 class InputError(ValueError):
@@ -33,3 +34,38 @@ def nearest_match(name: str, known: Iterable[str]) -> str:
     lower = {k.lower(): k for k in reversed(known)}
     near = get_close_matches(str(name).lower(), lower, n=1, cutoff=0.5)
     return f"did you mean '{lower[near[0]]}'?" if near else f"known here: {', '.join(known)}"
+
+
+# What an extra of pyproject.toml brings: the names of its modules, as people call them.
+EXTRAS = {
+    "plots": {"matplotlib": "matplotlib", "schemdraw": "schemdraw", "latex2mathml": "latex2mathml"},
+    "video": {"cv2": "OpenCV", "av": "PyAV", "matplotlib": "matplotlib"},
+    "formats": {"pyarrow": "PyArrow", "h5py": "h5py", "pymatreader": "pymatreader"},
+    "control": {"control": "python-control"},
+}
+
+
+def need(purpose: str, extra: str, *modules: str, hint: str | None = None) -> None:
+    """Refuse a feature whose extra is not installed, before its work is done.
+
+    Parameters
+    ----------
+    purpose : str
+        What needs it, for instance ``tracking a video``.
+    extra : str
+        In pyproject.toml.
+    modules : str
+        Modules of the extra that are needed; all of them by default.
+    hint : str, optional
+        How to do without.
+
+    Raises
+    ------
+    InputError
+        If a module is missing: one line with the command that installs it.
+    """
+    names = EXTRAS[extra]
+    missing = [names[m] for m in modules or names if find_spec(m) is None]
+    if missing:
+        listed = " and ".join([", ".join(missing[:-1]), missing[-1]] if len(missing) > 1 else missing)
+        raise InputError(f"{purpose} needs {listed}: pip install 'camid[{extra}]'", hint=hint)

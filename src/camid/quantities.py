@@ -67,16 +67,17 @@ def with_deviation(value: Any, deviation: Any, unit: str = "") -> str:
         return f"{plain(value, 4)}{after} (undetermined)"
     if deviation == 0.0:
         return f"{plain(value, 6)}{after} (fixed)"
-    if deviation < SMALLEST_RELATIVE_DEVIATION * abs(value):
-        return f"{plain(value, 12)} ± {number(deviation, 2)}{after}"
-    if not LIMITS[0] < deviation < LIMITS[1]:  # where powers of ten overflow
-        return f"{number(value, 4)} ± {number(deviation, 2)}{after}"
     return _estimate(value, deviation) + after
 
 
 def _estimate(value: float, deviation: float) -> str:
+    """Value and deviation, both finite and the second positive, with two significant digits of the deviation."""
     from uncertainties import ufloat  # type: ignore[import-untyped]
 
+    if deviation < SMALLEST_RELATIVE_DEVIATION * abs(value):
+        return f"{plain(value, 12)} ± {number(deviation, 2)}"
+    if not LIMITS[0] < deviation < LIMITS[1]:  # where powers of ten overflow
+        return f"{number(value, 4)} ± {number(deviation, 2)}"
     # .2u: two significant digits of the deviation; P: superscripts and × instead of e.
     text = f"{ufloat(value, deviation):.2uP}"
     text = re.sub(r"-(?=0(?:\.0*)?±)", "", text)  # minus zero

@@ -9,17 +9,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camid.errors import InputError
+from camid.errors import InputError, need
 
 if TYPE_CHECKING:
     import pandas as pd
+
+PARQUET = {".parquet", ".pq"}
 
 
 def write_table(table: pd.DataFrame, path: str | os.PathLike[str]) -> None:
     """Write CSV or Parquet, whole or not at all."""
 
     def write(temporary: Path) -> None:
-        if Path(path).suffix.lower() in {".parquet", ".pq"}:
+        if Path(path).suffix.lower() in PARQUET:
             table.to_parquet(temporary, index=False)
         else:
             table.to_csv(temporary, index=False, na_rep="nan")  # no blanks
@@ -40,6 +42,8 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise InputError("this is a folder", where=str(path), hint="name a file to write")
     if not target.parent.is_dir():
         raise InputError("no such folder", where=str(target.parent), hint="make it, or write somewhere else")
+    if target.suffix.lower() in PARQUET:
+        need("writing a Parquet file", "formats", "pyarrow", hint="or write CSV")
     if target.exists() and not target.is_file():
         raise InputError("this is a device or a pipe", where=str(path), hint="name a file to write")
 

@@ -4,7 +4,6 @@ import pandas as pd
 import pytest
 
 from camid.paper.claims import CAVEAT, NOT_REPRODUCED, REPRODUCED, ambiguities, claims, to_markdown
-from tests.support import ROOT
 
 
 @pytest.fixture
@@ -114,9 +113,3 @@ def test_markdown_has_a_row_for_each_claim_and_question(quantities):
     table, questions = claims(quantities()), ambiguities(quantities())
     text = to_markdown(table, questions)
     assert sum(line.startswith("|") for line in text.splitlines()) == len(table) + len(questions) + 4
-
-
-def test_readme_shows_the_claims_that_the_workflow_wrote():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    written = (ROOT / "paper_figs/claims.md").read_text(encoding="utf-8")
-    assert written.strip() in readme, "README.md is behind paper_figs/claims.md; run `make readme`"

@@ -43,9 +43,9 @@ def cut(source, share, target):
     ("name", "content", "said"),
     [
         ("none.mp4", None, "none.mp4: no such file"),
-        ("text.mp4", b"hello " * 100, "text.mp4: this is no video"),
-        ("text.txt", b"hello\n" * 100, "text.txt: this is no video (text)"),
-        ("empty.mp4", b"", "empty.mp4: this is no video"),
+        ("text.mp4", b"hello " * 100, "text.mp4: this is not a video"),
+        ("text.txt", b"hello\n" * 100, "text.txt: this is not a video (text)"),
+        ("empty.mp4", b"", "empty.mp4: this is not a video"),
     ],
 )
 def test_no_video(bench, capsys, name, content, said):
@@ -197,8 +197,8 @@ def test_a_motion_smaller_than_the_marker_needs_a_choice(bench, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--colour", "rde"], "--colour: there is no colour 'rde'; did you mean 'red'?"),
-        (["--colour", "#12345g"], "--colour: '#12345g' is no colour"),
+        (["--colour", "rde"], "--colour: there is not a colour 'rde'; did you mean 'red'?"),
+        (["--colour", "#12345g"], "--colour: '#12345g' is not a colour"),
         (["--colour", "white"], "--colour: white has no hue; say --bright or --dark"),
         (["--bright", "--dark"], "--bright and --dark contradict each other"),
         (["--bright", "--scale", "2"], "--scale without --unit"),
@@ -234,7 +234,7 @@ def images(folder, frames, names):
 
 def test_folders(bench, capsys, frames):
     (bench / "empty").mkdir()
-    assert "empty: no PNG image in this folder" in refusal(capsys, "empty", "--frame-rate", "60")
+    assert "empty: not a PNG image in this folder" in refusal(capsys, "empty", "--frame-rate", "60")
     images(bench / "good", frames, ["1.png", "2.png", "3.png", "4.png"])
     assert "good: images have no time stamps; say --frame-rate" in refusal(capsys, "good", "--bright")
     images(bench / "unnumbered", frames, ["a.png", "b.png"])
@@ -246,7 +246,7 @@ def test_folders(bench, capsys, frames):
     assert "3.png: 160 × 100 px where the first image has 160 × 120" in said
     images(bench / "broken", frames, ["1.png", "2.png", "3.png"])
     (bench / "broken" / "2.png").write_bytes(b"nothing")
-    assert "2.png: this is no PNG image" in refusal(capsys, "broken", "--bright", "--frame-rate", "60")
+    assert "2.png: this is not a PNG image" in refusal(capsys, "broken", "--bright", "--frame-rate", "60")
 
 
 @pytest.mark.parametrize(

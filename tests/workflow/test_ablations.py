@@ -37,17 +37,6 @@ def test_nothing_is_committed_that_is_no_ablation():
     assert committed == names
 
 
-def test_readme_shows_the_conclusions_that_the_workflow_wrote():
-    written = (ROOT / "paper_figs/ablations.md").read_text(encoding="utf-8")
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert written.strip() in readme, "README.md is behind paper_figs/ablations.md; run `make readme`"
-
-
-def test_readme_quotes_the_whole_monte_carlo():
-    written = (ROOT / "paper_figs/monte_carlo.txt").read_text(encoding="utf-8")
-    assert written.strip() in " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-
-
 @pytest.mark.workflow
 def test_new_ablation_is_one_new_folder(fresh):
     folder = fresh.folder / "src/camid/ablations/brand_new"

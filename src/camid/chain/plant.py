@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from camid.errors import need
+
 if TYPE_CHECKING:
     import control
 
@@ -104,6 +106,7 @@ class TransferFunction:
 
     def to_control(self) -> control.TransferFunction:
         """The same plant as a continuous-time python-control transfer function."""
+        need("a plant for python-control", "control")
         import control
 
         return control.tf(list(self.numerator), list(self.denominator))

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from camid.cli.shared import progress_display, warn
+from camid.errors import need
 
 
 @click.command(short_help="Find, name and model what a simulation leaves out.")
@@ -29,6 +30,8 @@ def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, rep
     from camid.diagnosis.results_folder import check_folder, write_diagnosis
     from camid.writing import without_infinities
 
+    if report:
+        need("report.html", "plots", hint="or say --no-report")
     check_folder(output, [*recording, simulation])
     with progress_display(as_json) as progress:
         result = run(list(recording), simulation, progress=progress)

@@ -53,11 +53,7 @@ Examples:
 @click.option("--end", type=float, help="Last time used, in s.")
 @click.option("--frame-rate", type=float, help="Frames per second, for images and streams without time stamps.")
 @click.option(
-    "--longest-gap",
-    type=int,
-    default=30,
-    show_default=True,
-    help="Most consecutive frames without the marker.",
+    "--longest-gap", type=int, default=30, show_default=True, help="Consecutive frames that may be without the marker."
 )
 @click.option("--allow-truncated", is_flag=True, help="Take what can be read of a file that ends in the middle.")
 @click.option("--threads", type=int, default=1, show_default=True, help="Threads that decode.")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis
-from camid.errors import InputError
+from camid.errors import InputError, need
 from camid.simulation.file import simulation_text
 from camid.writing import check_writable, without_infinities, write_whole
 
@@ -57,6 +57,8 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
     """
     folder = Path(folder)
     check_folder(folder)
+    if report:
+        need("report.html", "plots", hint="or leave it out with report=False")
     contents = {
         FILES[0]: json.dumps(without_infinities(diagnosis.to_mapping()), indent=2, ensure_ascii=False) + "\n",
         FILES[1]: simulation_text(

@@ -1,8 +1,8 @@
 """The form of every effect: one class with its equation, parameters, first guesses and contribution to the chain.
 
 An effect is an instance with values. What it does is said by the hooks below; a class overrides those it needs and is
-then known everywhere: catalogue, simulation files, engine, diagnosis, report and documentation. docs/effects.md shows
-how one is added.
+then known everywhere: catalogue, simulation files, engine, diagnosis, report and documentation.
+docs/adding_an_effect.md shows how one is added.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.errors import InputError
+from camid.errors import InputError, need
 from camid.recording.options import Reading
 from camid.recording.table import Table
 
@@ -70,6 +70,7 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     _refuse_keys(f"a {kind} file", reading, *TEXT_KEYS, *(["group"] if kind == "Parquet" else []))
     try:
         if kind == "Parquet":
+            need("reading a Parquet file", "formats", "pyarrow")
             return [_of_frame(pd.read_parquet(path), name)]
         from camid.recording.mat_hdf5 import read_hdf5, read_mat, tables_of
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from camid.errors import InputError, nearest_match
+from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
 from camid.recording.table import Table
 
@@ -22,6 +22,7 @@ KINDS = {"b": "made of truth values", "c": "complex", "S": "text", "U": "text", 
 
 def read_mat(path: Path) -> dict[str, Any]:
     """Variables of a MAT file of version 4, 5 to 7.2, or 7.3; structures are dictionaries."""
+    need("reading a MAT file", "formats", "pymatreader", "h5py")
     import pymatreader
 
     with warnings.catch_warnings():  # what it cannot read turns up as a variable that is no column
@@ -35,6 +36,7 @@ def read_mat(path: Path) -> dict[str, Any]:
 
 def read_hdf5(path: Path) -> dict[str, Any]:
     """Datasets of an HDF5 file, read at once; groups are dictionaries, and so are compound datasets."""
+    need("reading an HDF5 file", "formats", "h5py")
     import h5py  # type: ignore[import-untyped]
 
     def content(node: Any) -> Any:

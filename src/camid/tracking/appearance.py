@@ -77,7 +77,7 @@ class Colour:
 
     The likeness of a pixel is its colour difference along the wanted hue: the whole of it up to 26.6° beside the hue,
     falling to nothing at 45°, and nothing for greys. It is linear in the light mixed from marker and grey background,
-    so that a blurred edge counts with its share. It is made at the resolution of the colour samples, every second
+    so a blurred edge counts with its share. It is made at the resolution of the colour samples, every second
     pixel for most videos.
 
     Parameters
@@ -101,7 +101,7 @@ class Colour:
         try:
             rgb = np.array(colors.to_rgb(name.lower()))
         except ValueError:
-            raise InputError(f"'{name}' is no colour", where="--colour", hint="say e.g. red or #ff0000") from None
+            raise InputError(f"'{name}' is not a colour", where="--colour", hint="say e.g. red or #ff0000") from None
         direction = np.array([rgb @ BLUE_DIFFERENCE, rgb @ RED_DIFFERENCE])
         strength = float(np.hypot(*direction))
         if strength < LEAST_COLOUR:
@@ -136,7 +136,7 @@ class Moving:
     background : ndarray of float32, shape (height, width)
         Grey levels.
     sign : {1, -1, 0}
-        Whether the marker is brighter, darker, or (0) to be found out.
+        Whether the marker is brighter, darker, or (0) to be determined.
     """
 
     def __init__(self, background: NDArray[np.float32], sign: int = 0) -> None:
@@ -162,12 +162,12 @@ class Moving:
         return cv2.subtract(first, second, dtype=cv2.CV_32F)
 
     def signed(self, picture: Picture, region: RegionOfInterest) -> Moving:
-        """The same, brighter or darker as what is in ``region`` is.
+        """The same, brighter or darker according to what is in ``region``.
 
         Raises
         ------
         InputError
-            If it is both: it moves by less than its own size, and the median holds it, too.
+            If it is both: it moves by less than its own size, and is part of the median as well.
         """
         behind = self.background[region.top : region.top + region.height, region.left : region.left + region.width]
         difference = picture.grey(region).astype(np.float32) - behind

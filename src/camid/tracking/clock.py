@@ -16,7 +16,7 @@ REGULAR_STEP, REGULAR_SHARE = 0.1, 0.9
 # A frame that differs from the one before by less than this share of the usual difference, while the marker's step is
 # below this share of its steps before and after, is a copy that a lossy codec has encoded again.
 COPY_DIFFERENCE, COPY_STEP = 0.5, 0.25
-# More frames in a row are a pause of the marker.
+# More consecutive copies are a pause of the marker.
 MOST_COPIES = 3
 # The motion is certain if it is this many standard deviations.
 CERTAIN = 5.0
@@ -71,8 +71,8 @@ def clock_of(times: Array) -> Clock:
 def scatter(time: Array, values: Array, period: float) -> float:
     """Standard deviation of what changes from frame to frame, from the fourth differences of the positions.
 
-    A smooth motion drops out of them, so that noise of every origin is left, the codec's errors, too; a motion that is
-    fast for the frame rate is left, as well. NaN where no five rows follow one another without a gap.
+    A smooth motion vanishes in them, which leaves noise of every origin, the codec's errors included, and any motion
+    that is fast for the frame rate. NaN where no five consecutive rows are without a gap.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def repeated_frames(difference: Array, x: Array, y: Array, deviation: Array) -> 
     """Frames that are copies of the one before: 1 for a copy, 0 for others.
 
     Bit for bit, or at the level of the codec: nearly no pixel has changed, and the marker stands still where it moves
-    in the frames about it. A lossy codec also stores a scene at rest as copies; these count, too.
+    in the neighbouring frames. A lossy codec also stores a scene at rest as copies; these also count.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def repeated_frames(difference: Array, x: Array, y: Array, deviation: Array) -> 
         if end - first > MOST_COPIES or before < 1 or after >= len(x):
             continue
         about = min(length[before], length[after])
-        # The motion goes on after a copy in the direction of before; where the marker turns round it does not.
+        # After a copy the motion goes on in the same direction; where the marker turns round it does not.
         if step[before] @ step[after] > 0.0 and about > CERTAIN * deviation[first]:
             copies[first:end] |= length[first:end] < COPY_STEP * about
     return copies.astype(np.int64)

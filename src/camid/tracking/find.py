@@ -1,4 +1,4 @@
-"""Finding the marker where nothing is known of its position."""
+"""Finding the marker without knowing its position."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from camid.tracking.picture import Image
 
 # What belongs to the marker is brighter than this share of the brightest.
 SHARE_OF_PEAK = 0.5
-# Pieces that are nearer than this many pixels are one thing.
+# Pieces closer than this many pixels are one thing.
 GAP = 4
-# A thing this large a share of the image is a change of the light, and no marker.
+# A thing this large a share of the image is a change of the light, not a marker.
 LARGEST_SHARE = 0.25
-# Another thing with this share of the strongest one's grey levels may as well be the marker.
+# Another thing with this share of the strongest one's grey levels may equally be the marker.
 EQUALLY_LIKELY = 0.5
 
 
@@ -30,7 +30,7 @@ class Candidate:
     x, y : float
         Centre.
     left, top, width, height : int
-        Box about it.
+        Box around it.
     mass : float
         Sum of its grey levels above the background.
     at_border : bool
@@ -48,7 +48,7 @@ class Candidate:
 
 
 def candidates(image: Image, left: int = 0, top: int = 0) -> list[Candidate]:
-    """What stands out of an image, the strongest first.
+    """What stands out from an image, the strongest first.
 
     Parameters
     ----------

@@ -13,16 +13,16 @@ from camid.tracking.measure import Measurement, measure
 from camid.tracking.picture import Grid, Picture
 from camid.tracking.video import Frame
 
-# Room about the marker: samples, share of its size, share of its path in a frame.
+# Room around the marker: samples, share of its size, share of its path in a frame.
 MARGIN, MARGIN_SHARE, MARGIN_OF_STEP = 5, 0.3, 0.5
-# How often a region is made anew in a frame because the marker reaches its border.
+# How often a region is moved within a frame because the marker reaches its border.
 ATTEMPTS = 4
 # The sum of the grey levels of one marker stays within this factor from frame to frame, whatever the motion blur.
 MASS_FACTOR = 2.5
 # Weight of a new frame in the running mean of that sum.
 MEMORY = 0.1
 LONGEST_GAP = 30
-# A marker that would be outside the image within this many frames has left it; later on that is a guess.
+# A marker that would be outside the image within this many frames has left it; beyond that it is a guess.
 SURE_PREDICTIONS = 2
 
 
@@ -74,7 +74,7 @@ class Follower:
         self._last: Measurement | None = None
         self._velocity: tuple[float, float] | None = None
         self._mass = 0.0
-        self.lost = 0  # frames in a row
+        self.lost = 0  # consecutive frames
         self._lost_since: Frame | None = None
 
     def step(self, frame: Frame) -> Position | None:
@@ -132,7 +132,9 @@ class Follower:
             return None
         best = whole[0]
         if len(whole) > 1 and whole[1].mass > EQUALLY_LIKELY * best.mass:
-            if isinstance(self.appearance, Moving):  # where a marker is now, and where it mostly is, are no two markers
+            if isinstance(
+                self.appearance, Moving
+            ):  # where a marker is now, and where it mostly is, are not two markers
                 self.appearance.signed(picture, _around(whole[0], whole[1]).clip(*image.shape))
             self._refuse(
                 f"two things may be the marker: {_at(best, grid)} and {_at(whole[1], grid)}",
@@ -179,7 +181,7 @@ class Follower:
         return None
 
     def _measure(self, frame: Frame, region: RegionOfInterest) -> tuple[Measurement, RegionOfInterest] | None:
-        """Measure in a region, made anew while the marker reaches its border; None if that does not help."""
+        """Measure in a region, moved while the marker reaches its border; None if that does not help."""
         shape = _shape(self.appearance, frame.picture)
         for _ in range(ATTEMPTS):
             try:
@@ -203,7 +205,7 @@ class Follower:
         return None
 
     def _about(self, box: RegionOfInterest, step: tuple[float, float]) -> RegionOfInterest:
-        """Region of a box with a margin for the noise and for a change of the velocity."""
+        """Region around a box with a margin for the noise and for a change of the velocity."""
         width, height = (
             size + 2 * round(MARGIN + MARGIN_SHARE * size + MARGIN_OF_STEP * abs(path))
             for size, path in ((box.width, step[0]), (box.height, step[1]))

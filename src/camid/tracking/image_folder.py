@@ -29,8 +29,8 @@ class ImageFolder:
     Raises
     ------
     InputError
-        If there are no images, names without a number, two of the same number, neither ``timestamps.csv`` (column
-        ``t`` in seconds, one row an image) nor a frame rate, or both.
+        If there are no images, names without a number, two with the same number, neither ``timestamps.csv`` (column
+        ``t`` in seconds, one row per image) nor a frame rate, or both.
     """
 
     def __init__(self, folder: Path, *, frame_rate: float | None = None) -> None:
@@ -81,10 +81,10 @@ class ImageFolder:
             table = pd.read_csv(path)
             times = table["t"].to_numpy(dtype=float)
         except (KeyError, ValueError, pd.errors.ParserError):
-            raise InputError("no column t of numbers", where=str(path), hint="one row an image, in seconds") from None
+            raise InputError("no column t of numbers", where=str(path), hint="one row per image, in seconds") from None
         if len(times) != len(self.files):
             raise InputError(
-                f"{len(times)} rows for {len(self.files)} images", where=str(path), hint="it needs one row an image"
+                f"{len(times)} rows for {len(self.files)} images", where=str(path), hint="it needs one row per image"
             )
         wrong = np.flatnonzero(~np.isfinite(times) | np.append(False, np.diff(times) <= 0.0))
         if wrong.size:
@@ -124,7 +124,7 @@ def _read(file: Path) -> Picture:
 
     image = cv2.imdecode(np.fromfile(file, np.uint8), cv2.IMREAD_UNCHANGED) if file.stat().st_size else None
     if image is None:
-        raise InputError("this is no PNG image", where=str(file), hint="remove it or write it anew")
+        raise InputError("this is not a PNG image", where=str(file), hint="remove it, or write it again")
     full_scale = FULL_SCALE if image.dtype == np.uint8 else 65535.0
     if image.ndim == 2:
         return Picture((image,), full_scale=full_scale)

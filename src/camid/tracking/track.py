@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camid.errors import InputError
+from camid.errors import InputError, need
 from camid.tracking.clock import clock_of, repeated_frames
 from camid.tracking.follow import Follower, Position, nowhere
 from camid.tracking.options import PIXELS, Options
@@ -28,6 +28,7 @@ def track_video(
     path: Path, options: Options, *, preview: Path | None = None, progress: Callable[[str], None] | None = None
 ) -> Track:
     """Follow the marker through a video and draw the preview; see :func:`camid.track`."""
+    need("tracking a video", "video")
     if preview is not None:
         check_writable(preview)
     result = track_marker(path, options, progress)

@@ -65,7 +65,7 @@ class VideoFile:
     Raises
     ------
     InputError
-        If the file is no video, lacks its index, or its codec is not known.
+        If the file is not a video, lacks its index, or its codec is not known.
     """
 
     def __init__(
@@ -95,10 +95,10 @@ class VideoFile:
                     hint="close the recording properly, or repair it (untrunc)",
                 ) from None
             reason = getattr(error, "strerror", None) or "unreadable"
-            raise InputError(f"this is no video ({reason})", where=self.name, hint=NAME_A_VIDEO) from None
+            raise InputError(f"this is not a video ({reason})", where=self.name, hint=NAME_A_VIDEO) from None
         problem = ""
         if container.format.name in TEXT_FORMATS:
-            problem = "this is no video (text)"
+            problem = "this is not a video (text)"
         elif not container.streams.video:
             problem = "there is no video in the file"
         elif container.streams.video[0].codec_context is None:
@@ -128,7 +128,7 @@ class VideoFile:
                     raise InputError(
                         f"the time stamps do not increase ({last:.6g} s, then {time:.6g} s)",
                         where=f"{self.name}, frame {count}",
-                        hint="write the file anew, e.g. ffmpeg -i FILE -fps_mode cfr NEW.mp4",
+                        hint="rewrite the file, e.g. ffmpeg -i FILE -fps_mode cfr NEW.mp4",
                     )
                 if end is not None and time > end:
                     return
@@ -207,6 +207,6 @@ class VideoFile:
         # Matroska and others announce a duration; the sound may last longer than the video.
         if last is None or container.duration is None or len(container.streams) != 1 or count < 2:
             return False
-        begin = (container.start_time or 0) / 1e6
+        beginning = (container.start_time or 0) / 1e6
         duration = container.duration / 1e6
-        return begin + duration - last > max(3.0 * (last - begin) / (count - 1), DURATION_TOLERANCE * duration)
+        return beginning + duration - last > max(3.0 * (last - beginning) / (count - 1), DURATION_TOLERANCE * duration)
