@@ -70,6 +70,8 @@ def test_no_output_goes_unchecked():
         text = page.read_text(encoding="utf-8")
         languages = set(re.findall(r"^ *```(\w*)", text, flags=re.MULTILINE)) - {""}
         assert languages <= known, f"{name(page)}: {languages - known}"
+        if page.name == "real_recordings.md":
+            continue  # written by the target `recordings`, which runs its commands
         for line in (line for block in blocks(page, "sh") for line in block.text.splitlines()):
             assert LONG.match(line.strip()) or not line.strip(), f"{name(page)}: make this a console block: {line}"
 
