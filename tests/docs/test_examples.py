@@ -70,6 +70,8 @@ def test_no_output_goes_unchecked():
         text = page.read_text(encoding="utf-8")
         languages = set(re.findall(r"^ *```(\w*)", text, flags=re.MULTILINE)) - {""}
         assert languages <= known, f"{name(page)}: {languages - known}"
+        if page.name == "real_recordings.md":
+            continue  # written by the target `recordings`, which runs its commands
         for line in (line for block in blocks(page, "sh") for line in block.text.splitlines()):
             assert LONG.match(line.strip()) or not line.strip(), f"{name(page)}: make this a console block: {line}"
 
@@ -93,7 +95,7 @@ def test_options_exist():
     known = {
         option for command in cli.commands.values() for p in command.params for option in (*p.opts, *p.secondary_opts)
     }
-    for page in PAGES:
+    for page in (page for page in PAGES if page.name != "workflow.md"):  # its options are those of Snakemake
         for line in page.read_text(encoding="utf-8").splitlines():
             if re.search(r"snakemake|pip |make |mkdocs|git ", line):
                 continue

@@ -197,7 +197,7 @@ def test_a_motion_smaller_than_the_marker_needs_a_choice(bench, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--colour", "rde"], "--colour: there is not a colour 'rde'; did you mean 'red'?"),
+        (["--colour", "rde"], "--colour: there is no colour 'rde'; did you mean 'red'?"),
         (["--colour", "#12345g"], "--colour: '#12345g' is not a colour"),
         (["--colour", "white"], "--colour: white has no hue; say --bright or --dark"),
         (["--bright", "--dark"], "--bright and --dark contradict each other"),
@@ -234,7 +234,7 @@ def images(folder, frames, names):
 
 def test_folders(bench, capsys, frames):
     (bench / "empty").mkdir()
-    assert "empty: not a PNG image in this folder" in refusal(capsys, "empty", "--frame-rate", "60")
+    assert "empty: no PNG image in this folder" in refusal(capsys, "empty", "--frame-rate", "60")
     images(bench / "good", frames, ["1.png", "2.png", "3.png", "4.png"])
     assert "good: images have no time stamps; say --frame-rate" in refusal(capsys, "good", "--bright")
     images(bench / "unnumbered", frames, ["a.png", "b.png"])
