@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from camid.simulation.checked_yaml import read_yaml
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
@@ -17,6 +16,7 @@ from camid.chain.excitation import pseudo_random_binary_sequence
 from camid.chain.plant import TransferFunction
 from camid.paper.cases import parameter_vector
 from camid.paper.datasets import believed_plant, noise_level, with_closing_frame
+from camid.simulation.yaml_file import read_yaml
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from camid.recording.units import Conversion
 from camid.simulation.file import load_simulation, simulation_text
 from camid.simulation.model import DeclaredEffect, Simulation
 from camid.simulation.schema import JSON_SCHEMA, SimulationFile, json_schema
-from tests import rig
+from tests.support import linear_rig as rig
 
 SCHEMA = json.loads(files("camid").joinpath(JSON_SCHEMA).read_text(encoding="utf-8"))
 
