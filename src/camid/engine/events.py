@@ -21,7 +21,6 @@ MOST_EVENTS = 12
 SHORTEST_PART = 1e-9
 # Share of a step over which the slope of a switch is taken.
 PROBE = 1e-4
-NO_EVENT, BREAKAWAY, REVERSAL, KINK = 0, 1, 2, 3
 
 
 @njit
@@ -149,147 +148,13 @@ def _crossing(
 
 
 @njit
-def _held_or_slipping(
-    m: Mechanics,
-    time: float,
-    state: Array,
-    signal: float,
-    memory: Array,
-    direction: float,
-    stuck: bool,
-    dry: bool,
-    work: Array,
-) -> tuple[float, bool]:
-    """Direction of slip and whether the body sticks, at the start of a part of a step."""
-    if dry and not stuck and direction == 0.0:
-        velocity = free_velocity(m, state, signal)
-        if velocity == 0.0:
-            return settle(m, time, state, signal, memory, work)
-        return (1.0 if velocity > 0.0 else -1.0), stuck
-    if stuck:
-        # The input may have jumped since.
-        hold = _holding_force(m, time, state, signal, memory, work)
-        if abs(hold) > friction_level(m.forces, time, dot(m.position, state), 0.0, signal) * (1.0 + 1e-12):
-            return (m.forces.along if hold > 0.0 else -m.forces.along), False
-    return direction, stuck
-
-
-@njit
-def _breakaway(
-    m: Mechanics,
-    time: float,
-    ending: float,
-    state: Array,
-    result: Array,
-    signal: float,
-    last: float,
-    memory: Array,
-    remembered: Array,
-    work: Array,
-) -> float:
-    """Share of a step after which the force on a body that sticks exceeds the level of friction; 2 if it does not."""
-    hold_end = _holding_force(m, ending, result, last, remembered, work)
-    level = friction_level(m.forces, ending, dot(m.position, result), 0.0, last)
-    if abs(hold_end) <= level:
-        return 2.0
-    hold = _holding_force(m, time, state, signal, memory, work)
-    sign = 1.0 if hold_end > 0.0 else -1.0
-    reserve = max(friction_level(m.forces, time, dot(m.position, state), 0.0, signal) - sign * hold, 0.0)
-    return reserve / (reserve + sign * hold_end - level)
-
-
-@njit
-def _reversal(
-    m: Mechanics,
-    time: float,
-    left: float,
-    state: Array,
-    result: Array,
-    signal: float,
-    last: float,
-    memory: Array,
-    remembered: Array,
-    direction: float,
-    work: Array,
-) -> float:
-    """Share of a step of scaled length ``left`` after which a body that slips reverses; 2 if it does not."""
-    velocity_end = dot(m.velocity, result)
-    if not direction * velocity_end < 0.0:
-        return 2.0
-    velocity = dot(m.velocity, state)
-    # A body that has just started to slip leaves zero in its direction; anything else is a reversal.
-    if not direction * velocity > 0.0:
-        return 0.0
-    _slope(m, time, state, signal, memory, direction, False, work)
-    slope_start = left * dot(m.velocity, work)
-    _slope(m, time + left * m.time_unit, result, last, remembered, direction, False, work)
-    return _first_root(velocity, slope_start, velocity_end, left * dot(m.velocity, work))
-
-
-@njit
-def _after_event(
-    m: Mechanics,
-    time: float,
-    state: Array,
-    signal: float,
-    memory: Array,
-    event: int,
-    direction: float,
-    stuck: bool,
-    work: Array,
-) -> tuple[float, bool]:
-    """Direction of slip and whether the body sticks, once an event has happened; a reversal ends at rest."""
-    if event == BREAKAWAY:
-        hold = _holding_force(m, time, state, signal, memory, work)
-        return (m.forces.along if hold > 0.0 else -m.forces.along), False
-    if event == REVERSAL:
-        # The rest of the velocity is the error of the root; it would count as a direction.
-        correction = dot(m.velocity, state) / dot(m.velocity, m.force_vector)
-        for i in range(len(state)):
-            state[i] -= m.force_vector[i] * correction
-        return settle(m, time, state, signal, memory, work)
-    return direction, stuck
-
-
-@njit
 def _copy(source: Array, target: Array) -> None:
     for i in range(len(source)):
         target[i] = source[i]
 
 
 @njit
-def _first_kink(
-    m: Mechanics,
-    time: float,
-    left: float,
-    state: Array,
-    memory: Array,
-    first: float,
-    result: Array,
-    remembered: Array,
-    last: float,
-    direction: float,
-    stuck: bool,
-    before: Array,
-    after: Array,
-    work: Array,
-) -> tuple[float, int]:
-    """Share of a step at which the first switch changes its sign, and which one; 2 if none does. Fills ``after``."""
-    switches(m, time + left * m.time_unit, result, last, remembered, direction, after)
-    share, which = 2.0, 0
-    for i in range(len(before)):
-        if before[i] * after[i] < 0.0:
-            crossing = _crossing(
-                m, i, time, left, state, memory, first, result, remembered, last, direction, stuck, before[i], after[i],
-                work,
-            )  # fmt: skip
-            if crossing < share:
-                share, which = crossing, i
-    return share, which
-
-
-@njit
-def careful_step(  # noqa: PLR0912 - the parts of a step and its events follow each other
+def careful_step(  # noqa: C901, PLR0912, PLR0915 - each call counts references to ten arrays: in parts, twice the time
     m: Mechanics,
     time: float,
     step: float,
@@ -311,38 +176,69 @@ def careful_step(  # noqa: PLR0912 - the parts of a step and its events follow e
     ``tried`` says that ``result`` and ``remembered`` hold what a step without events led to. ``work`` has ten rows.
     """
     size, count = len(state), len(memory)
-    spare, before, after = work[7, :size], work[8, : count + 2], work[9, : count + 2]
+    spare = work[7, :size]
+    before, after = work[8, : count + 2], work[9, : count + 2]
     done = 0.0
     if kinks:
         switches(m, time, state, first, memory, direction, before)
-    for attempt in range(MOST_EVENTS):
+    for _ in range(MOST_EVENTS):
         left = step - done
         if left <= SHORTEST_PART * step:
             return direction, stuck
         signal = first + (last - first) * done / step
         now = time + done * m.time_unit
-        direction, stuck = _held_or_slipping(m, now, state, signal, memory, direction, stuck, dry, spare)
-        if attempt > 0 or not tried:
+        hold = 0.0
+        if dry and not stuck and direction == 0.0:
+            velocity = free_velocity(m, state, signal)
+            if velocity == 0.0:
+                direction, stuck = settle(m, now, state, signal, memory, spare)
+            else:
+                direction = 1.0 if velocity > 0.0 else -1.0
+        elif stuck:
+            # The input may have jumped since.
+            hold = _holding_force(m, now, state, signal, memory, spare)
+            if abs(hold) > friction_level(m.forces, now, dot(m.position, state), 0.0, signal) * (1.0 + 1e-12):
+                stuck, direction = False, (m.forces.along if hold > 0.0 else -m.forces.along)
+        if not tried:
             _runge_kutta(m, now, left, state, memory, signal, last, direction, stuck, result, remembered, work)
-        share, event, which, found = 1.0, NO_EVENT, 0, 2.0
+        tried = False
+        ending = now + left * m.time_unit
+        share, event, which = 1.0, 0, 0
         if stuck:
-            ending = now + left * m.time_unit
-            found = _breakaway(m, now, ending, state, result, signal, last, memory, remembered, spare)
+            hold_end = _holding_force(m, ending, result, last, remembered, spare)
+            level = friction_level(m.forces, ending, dot(m.position, result), 0.0, last)
+            if abs(hold_end) > level:
+                hold = _holding_force(m, now, state, signal, memory, spare)
+                sign = 1.0 if hold_end > 0.0 else -1.0
+                reserve = max(friction_level(m.forces, now, dot(m.position, state), 0.0, signal) - sign * hold, 0.0)
+                share, event = reserve / (reserve + sign * hold_end - level), 1
         elif dry:
-            found = _reversal(m, now, left, state, result, signal, last, memory, remembered, direction, spare)
-        if found != 2.0:
-            share, event = found, BREAKAWAY if stuck else REVERSAL
+            velocity_end = dot(m.velocity, result)
+            if direction * velocity_end < 0.0:
+                velocity = dot(m.velocity, state)
+                # A body that has just started to slip leaves zero in its direction; anything else is a reversal.
+                share, event = 0.0, 2
+                if direction * velocity > 0.0:
+                    _slope(m, now, state, signal, memory, direction, False, spare)
+                    slope_start = left * dot(m.velocity, spare)
+                    _slope(m, ending, result, last, remembered, direction, False, spare)
+                    share = _first_root(velocity, slope_start, velocity_end, left * dot(m.velocity, spare))
         if kinks:
-            found, which = _first_kink(
-                m, now, left, state, memory, signal, result, remembered, last, direction, stuck, before, after, work
-            )
-            if found < share:
-                share, event = found, KINK
-        if event == NO_EVENT:
+            switches(m, ending, result, last, remembered, direction, after)
+            for i in range(count + 2):
+                if before[i] * after[i] < 0.0:
+                    crossing = _crossing(
+                        m, i, now, left, state, memory, signal, result, remembered, last, direction, stuck, before[i],
+                        after[i], work,
+                    )  # fmt: skip
+                    if crossing < share:
+                        share, event, which = crossing, 3, i
+        if event == 0:
             _copy(result, state)
             _copy(remembered, memory)
             return direction, stuck
-        part, side = share * left, after[which]
+        part = share * left
+        side = after[which]
         if share > SHORTEST_PART:
             middle = signal + (last - signal) * share
             _runge_kutta(m, now, part, state, memory, signal, middle, direction, stuck, result, remembered, work)
@@ -351,15 +247,26 @@ def careful_step(  # noqa: PLR0912 - the parts of a step and its events follow e
         done += part
         signal = first + (last - first) * done / step
         now = time + done * m.time_unit
-        direction, stuck = _after_event(m, now, state, signal, memory, event, direction, stuck, spare)
+        if event == 1:
+            stuck = False
+            hold = _holding_force(m, now, state, signal, memory, spare)
+            direction = m.forces.along if hold > 0.0 else -m.forces.along
+        elif event == 2:
+            # The rest of the velocity is the error of the root; it would count as a direction.
+            correction = dot(m.velocity, state) / dot(m.velocity, m.force_vector)
+            for i in range(size):
+                state[i] -= m.force_vector[i] * correction
+            direction, stuck = settle(m, now, state, signal, memory, spare)
         if kinks:
             switches(m, now, state, signal, memory, direction, before)
-            if event == KINK:
+            if event == 3:
                 # The rounding of the root must not lead to the same kink again.
                 before[which] = 1e-300 if side > 0.0 else -1e-300
     # More events than that are chatter: the rest of the step as it goes.
-    signal, now = first + (last - first) * done / step, time + done * m.time_unit
-    _runge_kutta(m, now, step - done, state, memory, signal, last, direction, stuck, result, remembered, work)
+    left = step - done
+    signal = first + (last - first) * done / step
+    now = time + done * m.time_unit
+    _runge_kutta(m, now, left, state, memory, signal, last, direction, stuck, result, remembered, work)
     _copy(result, state)
     _copy(remembered, memory)
     if dry and not stuck and direction * dot(m.velocity, state) < 0.0:

@@ -223,141 +223,6 @@ class Feedback(NamedTuple):
     control: Array
 
 
-class _Kinds(NamedTuple):
-    """What the forces of a chain ask of the integrator.
-
-    ``dry`` friction that can hold the body, ``kinks`` that a step must not cross, forces that ``remember``, any force.
-    """
-
-    dry: bool
-    kinks: bool
-    remembers: bool
-    forced: bool
-
-
-@njit
-def _kinds(m: Mechanics) -> _Kinds:
-    functions = m.forces.functions
-    dry, kinks, remembers, forced = False, m.forces.implicit, False, False
-    for i in range(functions.shape[1]):
-        dry = dry or (functions[1, i] != 0 and m.sticks)
-        kinks = kinks or functions[3, i] != 0
-        remembers = remembers or functions[2, i] != 0
-        forced = forced or functions[0, i] != 0 or functions[1, i] != 0
-    return _Kinds(dry, kinks, remembers, forced)
-
-
-@njit
-def _free_step(c: _Smooth, first: float, last: float, state: Array, following: Array) -> None:
-    """Step without forces, in place."""
-    whole, input_columns, size = c.whole, c.input_columns, len(state)
-    for i in range(size):
-        total = input_columns[i, 0] * first + input_columns[i, 1] * (last - first)
-        for j in range(size):
-            total += whole[i, j] * state[j]
-        following[i] = total
-    for i in range(size):
-        state[i] = following[i]
-
-
-@njit
-def _switched(
-    m: Mechanics,
-    time: float,
-    step: float,
-    state: Array,
-    following: Array,
-    memory: Array,
-    remembered: Array,
-    first: float,
-    last: float,
-    halfway: float,
-    speed: float,
-    direction: float,
-    known: bool,
-    before: Array,
-    between: Array,
-    after: Array,
-) -> tuple[bool, bool]:
-    """Whether a step holds a kink, and whether it holds two of one force; ``before`` is filled unless it is known."""
-    if not known:
-        switches(m, time, state, first, memory, direction, before)
-    switches(m, time + step, following, last, remembered, direction, after)
-    switches_at(m.forces, time + 0.5 * step, halfway, speed, 0.5 * (first + last), memory, direction, between)
-    once, twice = False, False
-    for i in range(len(before)):
-        once = once or before[i] * after[i] < 0.0
-        twice = twice or (before[i] * after[i] > 0.0 and before[i] * between[i] < 0.0)
-    return once, twice
-
-
-class _Jumps(NamedTuple):
-    """Sorted times in seconds at which forces jump, and of impulses with their sizes in units of u times seconds."""
-
-    breaks: Array
-    impulse_times: Array
-    impulse_sizes: Array
-
-
-@njit
-def _split_step(
-    m: Mechanics,
-    kinds: _Kinds,
-    jumps: _Jumps,
-    next_break: int,
-    next_impulse: int,
-    time: float,
-    step: float,
-    first: float,
-    last: float,
-    twice: bool,
-    tried: bool,
-    breaking: bool,
-    direction: float,
-    stuck: bool,
-    state: Array,
-    memory: Array,
-    following: Array,
-    remembered: Array,
-    work: Array,
-) -> tuple[float, bool, int, int]:
-    """Step cut where forces jump and impulses strike: direction, stuck, the next jump and the next impulse after it.
-
-    ``tried`` says that ``following`` and ``remembered`` hold what the whole step without events led to.
-    """
-    finish = time + step
-    at, value = time, first
-    # Two events of one kind in a step: each half has one of them.
-    part = 0.5 * step if twice else step
-    whole = tried and not twice
-    while True:
-        until, kind = min(at + part, finish), 0
-        if finish - until < 0.25 * step:
-            until = finish
-        if next_break < len(jumps.breaks) and jumps.breaks[next_break] <= until:
-            until, kind = jumps.breaks[next_break], 1
-        if next_impulse < len(jumps.impulse_times) and jumps.impulse_times[next_impulse] < until:
-            until, kind = jumps.impulse_times[next_impulse], 2
-        until_value = first + (last - first) * (until - time) / step
-        if until > at:
-            # Times just inside the part, so that a force which jumps at its ends is taken from within.
-            margin = 1e-9 * (until - at) if breaking else 0.0
-            direction, stuck = careful_step(
-                m, at + margin, (until - at - 2.0 * margin) / m.time_unit, state, memory, value, until_value,
-                direction, stuck, kinds.dry, kinds.kinks, whole, following, remembered, work,
-            )  # fmt: skip
-        at, value = until, until_value
-        if kind == 1:
-            next_break += 1
-        elif kind == 2:
-            for i in range(len(state)):
-                state[i] += m.force_vector[i] * jumps.impulse_sizes[next_impulse] / m.time_unit
-            next_impulse += 1
-            stuck, direction = False, 0.0
-        elif until >= finish:
-            return direction, stuck, next_break, next_impulse
-
-
 @njit
 def _passed(times: Array, now: float, inclusive: bool) -> int:
     """How many of sorted times lie before now, or at it."""
@@ -384,7 +249,7 @@ def _controlled(feedback: Feedback, sample: int, position: float, speed: float) 
 
 
 @njit(nogil=True)
-def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a dozen values that a call would copy
+def integrate(  # noqa: C901, PLR0912, PLR0915 - each call counts references to ten arrays: in parts, twice the time
     m: Mechanics,
     initial: Array,
     start: Array,
@@ -425,8 +290,14 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a
         largest force or input.
     """
     size, count, steps = len(initial), m.forces.functions.shape[1], len(start)
-    c, kinds, jumps = _smooth(m, step / m.time_unit), _kinds(m), _Jumps(breaks, impulse_times, impulse_sizes)
-    dry, kinks, remembers, forced = kinds.dry, kinds.kinks, kinds.remembers, kinds.forced
+    scaled = step / m.time_unit
+    c = _smooth(m, scaled)
+    dry, kinks, remembers, forced = False, m.forces.implicit, False, False
+    for i in range(count):
+        dry = dry or (m.forces.functions[1, i] != 0 and m.sticks)
+        kinks = kinks or m.forces.functions[3, i] != 0
+        remembers = remembers or m.forces.functions[2, i] != 0
+        forced = forced or m.forces.functions[0, i] != 0 or m.forces.functions[1, i] != 0
     row = m.state_matrix[size - 1].copy()  # the integral grows by the measured motion
     derivative = np.zeros(size)
     for j in range(size):
@@ -471,10 +342,11 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a
             rate[k] = slope + _direct_rate(m, time, state, first, memory, direction, direct_input, direct_force)
             if k > 0:
                 rate_end[k - 1] = rate[k]
-                signal = end[k - 1] + held_before
-                if signal != first:
-                    change = _direct_rate(m, time, state, signal, memory, direction, direct_input, direct_force)
-                    rate_end[k - 1] = slope + change
+                if end[k - 1] + held_before != first:
+                    signal = end[k - 1] + held_before
+                    rate_end[k - 1] = slope + _direct_rate(
+                        m, time, state, signal, memory, direction, direct_input, direct_force
+                    )
         elif k > 0:
             rate_end[k - 1] = rate[k]
         if k == steps:
@@ -485,7 +357,13 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a
         breaking = next_break < len(breaks) and breaks[next_break] <= finish
         striking = next_impulse < len(impulse_times) and impulse_times[next_impulse] < finish
         if not (forced or breaking or striking):
-            _free_step(c, first, last, state, following)
+            for i in range(size):
+                total = c.input_columns[i, 0] * first + c.input_columns[i, 1] * (last - first)
+                for j in range(size):
+                    total += c.whole[i, j] * state[j]
+                following[i] = total
+            for i in range(size):
+                state[i] = following[i]
             continue
         tried = not (breaking or striking) and not stuck and not (dry and direction == 0.0)
         twice = False
@@ -496,16 +374,21 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a
             event = dry and direction * dot(m.velocity, following) < 0.0
             twice = dry and not event and direction * speed < 0.0
             if kinks:
-                kink, double = _switched(
-                    m, time, step, state, following, memory, remembered, first, last, halfway, speed, direction,
-                    known and not direct, before, between, after,
-                )  # fmt: skip
-                event, twice = event or kink, twice or double
+                if not known or direct:
+                    switches(m, time, state, first, memory, direction, before)
+                switches(m, finish, following, last, remembered, direction, after)
+                middle = 0.5 * (first + last)
+                switches_at(m.forces, time + 0.5 * step, halfway, speed, middle, memory, direction, between)
+                for i in range(count + 2):
+                    event = event or before[i] * after[i] < 0.0
+                    twice = twice or (before[i] * after[i] > 0.0 and before[i] * between[i] < 0.0)
                 known = not (event or twice)
                 if known:
-                    before, after = after, before
+                    for i in range(count + 2):
+                        before[i] = after[i]
             if not (event or twice):
-                largest, doubt = max(largest, size_of_force), max(doubt, difference)
+                largest = max(largest, size_of_force)
+                doubt = max(doubt, difference)
                 for i in range(size):
                     state[i] = following[i]
                 if remembers:
@@ -513,8 +396,34 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - the loop over the steps keeps a
                         memory[i] = remembered[i]
                 continue
         known = False
-        direction, stuck, next_break, next_impulse = _split_step(
-            m, kinds, jumps, next_break, next_impulse, time, step, first, last, twice, tried, breaking, direction,
-            stuck, state, memory, following, remembered, work,
-        )  # fmt: skip
+        at, value = time, first
+        # Two events of one kind in a step: each half has one of them.
+        part = 0.5 * step if twice else step
+        whole = tried and not twice
+        while True:
+            until, kind = min(at + part, finish), 0
+            if finish - until < 0.25 * step:
+                until = finish
+            if next_break < len(breaks) and breaks[next_break] <= until:
+                until, kind = breaks[next_break], 1
+            if next_impulse < len(impulse_times) and impulse_times[next_impulse] < until:
+                until, kind = impulse_times[next_impulse], 2
+            until_value = first + (last - first) * (until - time) / step
+            if until > at:
+                # Times just inside the part, so that a force which jumps at its ends is taken from within.
+                margin = 1e-9 * (until - at) if breaking else 0.0
+                direction, stuck = careful_step(
+                    m, at + margin, (until - at - 2.0 * margin) / m.time_unit, state, memory, value, until_value,
+                    direction, stuck, dry, kinks, whole, following, remembered, work,
+                )  # fmt: skip
+            at, value = until, until_value
+            if kind == 1:
+                next_break += 1
+            elif kind == 2:
+                for i in range(size):
+                    state[i] += m.force_vector[i] * impulse_sizes[next_impulse] / m.time_unit
+                next_impulse += 1
+                stuck, direction = False, 0.0
+            elif until >= finish:
+                break
     return measured, rate, integral, rate_end, doubt / largest if largest > 0.0 else 0.0
