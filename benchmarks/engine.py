@@ -13,7 +13,7 @@ from benchmarks.timing import alternate
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
 from camid.effects import plant as physics
-from camid.engine.run import Chain
+from camid.engine.mechanics import Chain
 from camid.engine.run import run as simulate
 
 FRAMES, PERIOD, ROUNDS = 2000, 0.02, 15

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_HOMES = {
+_MODULE_OF = {
     "Diagnosis": "diagnosis.diagnosis",
     "Identification": "identification.identification",
     "InputError": "errors",
@@ -61,9 +61,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name not in _MODULE_OF:
         raise AttributeError(f"module 'camid' has no attribute '{name}'")
-    return getattr(import_module(f"camid.{_HOMES[name]}"), name)
+    return getattr(import_module(f"camid.{_MODULE_OF[name]}"), name)
 
 
 def __dir__() -> list[str]:

@@ -28,9 +28,11 @@ def engine() -> None:
     from camid.chain.acquisition import Acquisition
     from camid.chain.plant import second_order
     from camid.effects import known_effects
-    from camid.engine.run import Chain, run
+    from camid.engine.mechanics import Chain
+    from camid.engine.run import run
 
-    friction = known_effects()["coulomb-friction"](force=0.1)
+    kind = next(e for e in known_effects().values() if e.friction_level is not None)
+    friction = kind(**{parameter.name: 0.1 for parameter in kind.parameters})
     run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (friction,)), _signal(30), _time(30))
 
 
@@ -38,16 +40,17 @@ def effects() -> None:
     """The forces of all effects, and the actuators that remember."""
     from camid.effects import known_effects
     from camid.effects.base import Compiled
-    from camid.effects.pendulum import PendulumPlant
+    from camid.effects.pendulum import SineRestoringForce
 
-    for kind in (*known_effects().values(), PendulumPlant):
+    for kind in (*known_effects().values(), SineRestoringForce):
         for name in dir(kind):
             part = getattr(kind, name)
             if isinstance(part, Compiled):
                 _ = part.address
     signal = _signal(30)
-    for identifier, value in (("backlash", {"half_width": 0.1}), ("rate-limit", {"rate": 1.0})):
-        known_effects()[identifier](**value).transform(signal, signal, PERIOD)
+    for kind in known_effects().values():
+        if kind.transforms_by_compiled_code:
+            kind(**{parameter.name: 0.1 for parameter in kind.parameters}).transform(signal, signal, PERIOD)
 
 
 def identification() -> None:

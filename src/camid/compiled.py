@@ -46,7 +46,7 @@ LOAD_GLOBAL = opmap["LOAD_GLOBAL"]
 # Versions of one function that the folder keeps: those of a few branches or installed releases.
 VERSIONS_KEPT = 12
 # What a reader who waits is told, by package or module; a longer name goes before a shorter one.
-ROOMS = {
+PURPOSES = {
     "camid.chain": "the exact simulation",
     "camid.proof": "the generator of concealed recordings",
     "camid.effects": "the effects",
@@ -234,7 +234,7 @@ _announced: set[str] = set()
 
 def announce(module: str) -> None:
     """Say on standard error, once per process and room, what the reader waits for."""
-    room = next((words for name, words in ROOMS.items() if module.startswith(f"{name}.")), module)
+    room = next((words for name, words in PURPOSES.items() if module.startswith(f"{name}.")), module)
     if room not in _announced:
         _announced.add(room)
         print(f"camid: compiling {room}, once per installation", file=sys.stderr, flush=True)
@@ -242,7 +242,7 @@ def announce(module: str) -> None:
 
 def keep_quiet() -> None:
     """Compile without saying so, in a process that says it in its own way."""
-    _announced.update(ROOMS.values())
+    _announced.update(PURPOSES.values())
 
 
 # -- what a function compiles to, as a digest -------------------------------------------------------------------------

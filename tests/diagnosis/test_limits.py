@@ -8,7 +8,8 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
 from camid.effects import known_effects
-from camid.engine.run import Chain, run
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
 
 COUNT, PERIOD, NOISE = 600, 0.05, 0.03
 # A few of each place.

@@ -16,7 +16,7 @@ from camid.diagnosis.report import page as report
 from camid.diagnosis.report import pictures, summary
 from camid.effects import known_effects
 from camid.errors import InputError
-from camid.quantities import SPACE
+from camid.number_text import SPACE
 from tests.support import written_diagnoses
 
 SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]

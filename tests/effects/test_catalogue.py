@@ -9,7 +9,8 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
 from camid.effects import PLACES, Situation, known_effects
-from camid.engine.run import Chain, run
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
 
 PERIOD = 0.02
 PLANT = second_order(1.0, 10.0, 0.1)

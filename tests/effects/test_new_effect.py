@@ -12,7 +12,8 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
 from camid.diagnosis.screening import screen
 from camid.effects import known_effects
-from camid.engine.run import Chain, run
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
 from camid.fitting.model import Model
 from camid.fitting.plants.linear import LinearPlant
 from camid.fitting.problem import Problem

@@ -13,7 +13,8 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
 from camid.effects import actuator, disturbance, sensor
 from camid.effects import plant as physics
-from camid.engine.run import Chain, NotApplicable, move, run
+from camid.engine.mechanics import Chain, NotApplicable
+from camid.engine.run import move, run
 from camid.fitting.initial_motion import companion_state
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
@@ -313,7 +314,8 @@ def test_free_decay_under_friction_falls_by_the_same_amount_each_half_period():
 CACHE_CHECK = """
 import numpy as np
 from camid.chain.acquisition import Acquisition
-from camid.engine.run import Chain, run
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
 from camid.engine.integrator import integrate
 from camid.effects.plant import Hysteresis
 from camid.chain.plant import second_order

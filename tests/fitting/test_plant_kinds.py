@@ -9,7 +9,7 @@ from camid.fitting.from_simulation import kind_of
 from camid.fitting.model import Model
 from camid.fitting.plants.closed_loop import ClosedLoop
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
-from camid.fitting.plants.pendulum import Pendulum
+from camid.fitting.plants.pendulum import PendulumKind
 from camid.identification.from_recordings import load_recordings
 from camid.simulation.file import load_simulation
 
@@ -34,9 +34,9 @@ def pendulum(free, signal=DRIVEN, **more):
     [
         (simulation(LINEAR), LinearPlant(), False),
         (simulation(LINEAR, None), FreeDecay(), True),
-        (pendulum({}), Pendulum(0.2, True, None), True),
-        (pendulum({"rest": False, "gain": False}), Pendulum(0.2, False, 0.5), True),
-        (pendulum({}, None), Pendulum(0.2, True, 0.5), True),  # a free decay says nothing of the gain
+        (pendulum({}), PendulumKind(0.2, True, None), True),
+        (pendulum({"rest": False, "gain": False}), PendulumKind(0.2, False, 0.5), True),
+        (pendulum({}, None), PendulumKind(0.2, True, 0.5), True),  # a free decay says nothing of the gain
     ],
     ids=["linear", "free decay", "pendulum", "pendulum partly known", "swinging pendulum"],
 )
@@ -51,7 +51,7 @@ def test_any_kind_may_stand_in_a_closed_loop():
     believed = pendulum({}, controller=CONTROLLER)
     loop = kind_of(believed, load_recordings(table, believed, output_needed=True))
     assert isinstance(loop, ClosedLoop)
-    assert loop.plant == Pendulum(0.2, True, None)
+    assert loop.plant == PendulumKind(0.2, True, None)
     assert loop.constants() == {"rest": 0.2}
     assert loop.phases_add_up
     model = Model(np.zeros(3), constants={"rest": 0.3})
@@ -71,6 +71,6 @@ def test_a_closed_loop_shows_nothing_of_the_camera():
 
 def test_a_known_gain_follows_the_natural_frequency():
     coefficients = np.array([1.0, 2.0, 8.0])
-    np.testing.assert_array_equal(Pendulum(0.0, True, 0.5).completed(coefficients), [4.0, 2.0, 8.0])
-    np.testing.assert_array_equal(Pendulum(0.0).completed(coefficients), coefficients)
-    np.testing.assert_array_equal(Pendulum(0.0, True, 0.5).all_fixed().completed(coefficients), coefficients)
+    np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).completed(coefficients), [4.0, 2.0, 8.0])
+    np.testing.assert_array_equal(PendulumKind(0.0).completed(coefficients), coefficients)
+    np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).all_fixed().completed(coefficients), coefficients)

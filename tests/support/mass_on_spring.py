@@ -8,7 +8,8 @@ import pandas as pd
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects import known_effects
-from camid.engine.run import Chain, run
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
 
 PERIOD, COUNT = 0.02, 700
 PLANT = TransferFunction((100.0,), (1.0, 2.0, 100.0))

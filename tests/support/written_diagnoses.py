@@ -13,7 +13,7 @@ from camid.diagnosis.diagnosis import (
     NormalisedErrors,
     ParameterEstimate,
     Signals,
-    Test,
+    StructureTest,
     Undetectable,
 )
 from camid.simulation.model import Simulation
@@ -179,10 +179,10 @@ def diagnosis(verdict, *, seed=7, **changes):
     after = 0.38 if verdict in {"adequate", "explained"} else 2e-9
     before = 0.38 if verdict == "adequate" else 0.0
     tests = [
-        Test("lack of fit", "Is the residual larger than the noise?", before, after),
-        Test("whiteness", "Does the residual depend on its own past?", before, after),
-        Test("independence", "Does the residual depend on the input?", 0.21, 0.4),
-        Test("non-repeatability", "Does the residual differ from one period of the input to the next?", None, None),
+        StructureTest("lack of fit", "Is the residual larger than the noise?", before, after),
+        StructureTest("whiteness", "Does the residual depend on its own past?", before, after),
+        StructureTest("independence", "Does the residual depend on the input?", 0.21, 0.4),
+        StructureTest("non-repeatability", "Does it differ between periods of the input?", None, None),
     ]
     coefficients = [
         Coefficient("b0", 100.0, 93.21, 1.1, 100.07, 0.42),

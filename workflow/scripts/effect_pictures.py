@@ -15,7 +15,8 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import second_order
 from camid.effects import Effect, Situation, known_effects
-from camid.engine.run import Chain, run
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
 
 PERIOD, FRAMES, SHOWN, FINE = 0.02, 400, 150, 10
 PLANT = second_order(1.0, 10.0, 0.1)

@@ -18,12 +18,6 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
 
-HOLDS = ("zoh", "foh", "band-limited")
-SENSORS = ("camera", "instant")
-# Times that differ by less than this share of the period are the same instant.
-SAME_INSTANT = 1e-9
-PERIOD_TOLERANCE = 1e-6
-
 Array = NDArray[np.float64]
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.quantities import percentage, plain, probability, with_deviation
+from camid.number_text import percentage, plain, probability, with_deviation
 
 if TYPE_CHECKING:
     from camid.chain.pendulum import Pendulum

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from camid.cli.shared import check_output, progress_display, warn
-from camid.quantities import number, percentage
+from camid.number_text import number, percentage
 
 if TYPE_CHECKING:
     from pandas import Series

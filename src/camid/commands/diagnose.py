@@ -12,7 +12,7 @@ from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_few_rows, with_validation
 from camid.effects.declared import effects_of
-from camid.engine.run import NotApplicable
+from camid.engine.mechanics import NotApplicable
 from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of

@@ -9,7 +9,7 @@ import numpy as np
 
 from camid.diagnosis.diagnosis import Undetectable
 from camid.diagnosis.effect_selection import FALSE_ALARM
-from camid.diagnosis.screening import Candidate, Metric, metrics, signature, trials
+from camid.diagnosis.screening import Metric, ScreenedEffect, metrics, signature, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
@@ -34,7 +34,7 @@ def needed(problem: Problem, effect: type[Effect]) -> float:
 
 
 def undetectable(
-    problem: Problem, fitted: Fitted, screened: Sequence[Candidate], found: set[str]
+    problem: Problem, fitted: Fitted, screened: Sequence[ScreenedEffect], found: set[str]
 ) -> list[Undetectable]:
     """Every effect of the catalogue that was not found, with its smallest detectable size.
 
@@ -43,14 +43,14 @@ def undetectable(
     problem : Problem
     fitted : Fitted
         The improved model.
-    screened : sequence of Candidate
+    screened : sequence of ScreenedEffect
         Of the refitted nominal model.
     found : set of str
         Identifiers of the effects that were found.
     """
     situation = problem.situation(fitted.model)
     view = metrics(problem, fitted)[-1]
-    shapes: dict[str, list[Candidate]] = {}
+    shapes: dict[str, list[ScreenedEffect]] = {}
     for candidate in screened:
         shapes.setdefault(candidate.effect.identifier, []).append(candidate)
 
@@ -85,7 +85,7 @@ def _visible(problem: Problem, fitted: Fitted, view: Metric, effect: Effect) -> 
     return size / float(np.sqrt(max(view.variance, 1e-300))), 1.0 - (size / whole) ** 2 if whole > 0.0 else 1.0
 
 
-def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Candidate) -> Undetectable:
+def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: ScreenedEffect) -> Undetectable:
     """Size of an effect of one shape at which it is detected in 95 % of the recordings."""
     effect, kind = candidate.effect, type(candidate.effect)
     wanted = needed(problem, kind)

@@ -227,7 +227,7 @@ class Signals:
 
 
 @dataclass(frozen=True)
-class Test:
+class StructureTest:
     """One of the tests for structure: what it asks, and its p-value before and after the effects were modelled."""
 
     name: str
@@ -249,7 +249,7 @@ class Diagnosis:
     fit : NormalisedErrors
     undetectable : list of Undetectable
     coefficients : list of Coefficient
-    tests : list of Test
+    tests : list of StructureTest
     signals : Signals
     improved : Simulation
     recordings : list of str
@@ -272,7 +272,7 @@ class Diagnosis:
     fit: NormalisedErrors
     undetectable: list[Undetectable]
     coefficients: list[Coefficient]
-    tests: list[Test]
+    tests: list[StructureTest]
     signals: Signals
     improved: Simulation
     recordings: list[str] = field(default_factory=list)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.hypothesis import Hypothesis, refuted
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses
-from camid.diagnosis.screening import Candidate, screen, trials
+from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.model import Model
@@ -30,7 +30,7 @@ FALSE_ALARM = 0.002
 FALSE_ALARM_BESIDE_OTHERS = 1e-4
 MOST_EFFECTS = 3
 MOST_SWAPS = 4
-WORTH_A_SWAP = 2.0
+SWAP_MARGIN = 2.0
 # Error beside effects found already, as a share of the output's spread, from which fits start from the nominal
 # coefficients, too.
 NOMINAL_START_ERROR = 0.1
@@ -77,7 +77,7 @@ def searched(problem: Problem, identifier: str) -> float:
 def select_effects(
     problem: Problem,
     base: Fitted,
-    screened: Sequence[Candidate] | None = None,
+    screened: Sequence[ScreenedEffect] | None = None,
     validation: Sequence[NDArray[np.bool_]] | None = None,
     progress: Progress = None,
     nominal: Model | None = None,
@@ -89,7 +89,7 @@ def select_effects(
     problem : Problem
     base : Fitted
         The refitted nominal model.
-    screened : sequence of Candidate, optional
+    screened : sequence of ScreenedEffect, optional
         Of the base, where it was screened already.
     validation : sequence of ndarray of bool, optional
         Rows of each recording on which an effect must not make the errors larger.
@@ -184,7 +184,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, progress: Progress
                 break
             ranked = hypotheses(problem, others, screen(problem, others), effort=RIVALS)
             ranked = sorted([own, *(h for h in ranked if h.identifier != identifier)], key=lambda h: h.criterion)
-            if ranked[0].criterion < own.criterion - WORTH_A_SWAP:
+            if ranked[0].criterion < own.criterion - SWAP_MARGIN:
                 current, changed = ranked[0].fitted, True
                 break
             rivals.append(ranked)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, Test
+from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, StructureTest
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.mismatch_location import PlaceTest
 from camid.fitting.fit import Fitted
@@ -107,12 +107,12 @@ def tests_of(
     final: Fitted,
     before: Sequence[PlaceTest],
     after: Sequence[PlaceTest],
-) -> list[Test]:
+) -> list[StructureTest]:
     """Tests of whiteness and of every place, before and after."""
     white = problem.whiteness(base.residual, base.sensitivities)
     still = white if final is base else problem.whiteness(final.residual, final.sensitivities)
-    rows = [Test("whiteness", "Does the residual depend on its own past?", white, still)]
-    rows += [Test(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
+    rows = [StructureTest("whiteness", "Does the residual depend on its own past?", white, still)]
+    rows += [StructureTest(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
     return rows
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.screening import Candidate, screen, trials
+from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
@@ -71,7 +71,7 @@ def first_effort(kind: PlantKind) -> SearchEffort:
 def hypotheses(
     problem: Problem,
     base: Fitted,
-    screened: Sequence[Candidate],
+    screened: Sequence[ScreenedEffect],
     nominal: Model | None = None,
     *,
     effort: SearchEffort,
@@ -83,7 +83,7 @@ def hypotheses(
     starts = _shortlist(problem, screened, effort)
     from_nominal = [] if nominal is None else _from_nominal(problem, nominal, screened)
 
-    def fitted(candidate: Candidate, steps: int) -> Hypothesis | None:
+    def fitted(candidate: ScreenedEffect, steps: int) -> Hypothesis | None:
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
         return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
 
@@ -122,7 +122,7 @@ def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort)
     return [h for h in ranked[:MOST_THOROUGH] if h.criterion <= best + largest_gap]
 
 
-def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[Candidate]) -> list[Effect]:
+def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Effect]:
     """Effects that a fit should start with from the nominal coefficients, which they may have bent beyond repair.
 
     Those without parameters, and those that the residual of the nominal model speaks for.
@@ -189,7 +189,7 @@ def _fitted(
     return Hypothesis(identifier, result, result.criterion + penalty)
 
 
-def _shortlist(problem: Problem, screened: Sequence[Candidate], effort: SearchEffort) -> list[Candidate]:
+def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:
     """The likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
     from scipy.stats import chi2
 
@@ -197,7 +197,7 @@ def _shortlist(problem: Problem, screened: Sequence[Candidate], effort: SearchEf
         return []
     least = effort.least_share * screened[0].gain
     count = len({c.effect.identifier for c in screened})
-    shapes: dict[str, list[Candidate]] = {}
+    shapes: dict[str, list[ScreenedEffect]] = {}
     for candidate in screened:
         chance = float(chi2.sf(candidate.gain, 1)) * trials(type(candidate.effect), problem) * count
         if candidate.gain >= least and chance < MOST_CHANCE:

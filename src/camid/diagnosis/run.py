@@ -24,7 +24,7 @@ from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import reasons_for_structure, unlisted_weight
-from camid.diagnosis.screening import Candidate, screen
+from camid.diagnosis.screening import ScreenedEffect, screen
 from camid.diagnosis.simplest_effects import simplest
 from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
 from camid.effects import known_effects
@@ -76,7 +76,7 @@ class Setting:
         As the simulation says; and without effects on the noise, with the initial states that suit it.
     base : Fitted
         The nominal structure re-estimated.
-    screened : list of Candidate
+    screened : list of ScreenedEffect
         Of the base.
     validation : sequence of ndarray of bool
         Rows of each recording that judge.
@@ -92,7 +92,7 @@ class Setting:
     nominal: Model
     start: Model
     base: Fitted
-    screened: list[Candidate]
+    screened: list[ScreenedEffect]
     validation: Sequence[NDArray[np.bool_]]
     chosen: bool
     settled: bool

@@ -30,7 +30,7 @@ ROUNDING = 1e-7
 
 
 @dataclass(frozen=True)
-class Candidate:
+class ScreenedEffect:
     """An effect of one shape, and what the residual says of it.
 
     Attributes
@@ -136,19 +136,19 @@ def metrics(problem: Problem, base: Fitted) -> list[Metric]:
     return found
 
 
-def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list[Candidate]:
+def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list[ScreenedEffect]:
     """Every first guess with its gain, the highest first."""
     views = metrics(problem, base)
     spread = float(np.std(problem.output)) or 1.0
     imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
 
-    def judge(effect: Effect) -> Candidate | None:
+    def judge(effect: Effect) -> ScreenedEffect | None:
         change = signature(problem, base, effect)
         if change is None:
             return None
         if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * spread:
-            return Candidate(effect, 0.0, 0.0, 0.0, 1.0)
-        best = Candidate(effect, 0.0, 0.0, 0.0, 1.0)
+            return ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
+        best = ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
         for view in views:
             rest, whole = view.left(problem, change)
             size = float(np.linalg.norm(rest))
@@ -162,7 +162,7 @@ def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list
                 gain = 0.0
             noise = max(view.variance - gain / len(rest), 1e-300)
             if gain / remaining >= best.gain:
-                best = Candidate(
+                best = ScreenedEffect(
                     effect, gain / remaining, factor, size / float(np.sqrt(noise)), 1.0 - (size / whole) ** 2
                 )
         return best

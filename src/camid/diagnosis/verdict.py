@@ -16,7 +16,7 @@ from camid.effects.base import Effect, Recognition
 from camid.effects.separating_experiment import advice
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
-from camid.quantities import SPACE, number, percentage, plain, with_deviation
+from camid.number_text import SPACE, number, percentage, plain, with_deviation
 
 Array = NDArray[np.float64]
 

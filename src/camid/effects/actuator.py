@@ -113,6 +113,7 @@ class Backlash(Effect):
     equation = r"u'_k = \min(\max(u'_{k-1},\ u_k - b),\ u_k + b)"
     reference = "Nordin & Gutman (2002), Automatica 38, 1633-1649"
     parameters = (Parameter("half_width", "u", "half b of the gap", 0.0),)
+    transforms_by_compiled_code = True
     separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.FREE_DECAY)
     strength = "half_width"
     keeps_hold = True
@@ -174,6 +175,7 @@ class RateLimit(Effect):
     equation = r"|\dot u'| \leq r"
     reference = "Khalil (2002), Nonlinear Systems, 3rd ed.; Franklin, Powell & Emami-Naeini, Feedback Control"
     parameters = (Parameter("rate", "u/s", "largest rate r", 0.0),)
+    transforms_by_compiled_code = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:

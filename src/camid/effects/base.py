@@ -174,6 +174,8 @@ class Effect:
         Whether a held input is still held after the effect.
     noise_like : bool
         Whether the effect changes the noise and not the expected output, so that no simulation shows it.
+    transforms_by_compiled_code : bool
+        Whether :meth:`transform` calls compiled code, which is then compiled with the rest (camid.compile_all).
     uses_velocity : bool
         Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
     separated_by : tuple of SeparatingExperiment
@@ -210,6 +212,7 @@ class Effect:
     trials: ClassVar[str] = "shapes"
     keeps_hold: ClassVar[bool] = False
     noise_like: ClassVar[bool] = False
+    transforms_by_compiled_code: ClassVar[bool] = False
     uses_velocity: bool = False
     separated_by: ClassVar[tuple[SeparatingExperiment, ...]] = ()
     corrects_declaration: ClassVar[bool] = False
@@ -326,7 +329,7 @@ class Effect:
         """Linear dynamics between hold and plant."""
         return None
 
-    def behind_plant(self) -> TransferFunction | None:
+    def after_plant(self) -> TransferFunction | None:
         """Linear dynamics between plant and sensor."""
         return None
 

@@ -14,7 +14,7 @@ from camid.effects.plant import PendulumGravity, static_stiffness
 Array = NDArray[np.float64]
 
 
-class PendulumPlant(PendulumGravity):
+class SineRestoringForce(PendulumGravity):
     """What makes of a linear plant the pendulum ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u (design, section 2).
 
     It belongs to the declared plant and is no effect of the catalogue. Forces see the angle from rest, the sensor the
@@ -31,7 +31,7 @@ class PendulumPlant(PendulumGravity):
         """Angles count from where the sensor has its zero."""
         return output + float(self.values["rest"])
 
-    def scaled(self, factor: float) -> PendulumPlant:
+    def scaled(self, factor: float) -> SineRestoringForce:
         """It has no size."""
         return self
 

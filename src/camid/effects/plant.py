@@ -334,7 +334,7 @@ class ExtraMode(Effect):
     )
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
-    def behind_plant(self) -> TransferFunction | None:
+    def after_plant(self) -> TransferFunction | None:
         """The mode, with a static gain of one."""
         return second_order(1.0, self.values["natural_frequency"], self.values["damping"])
 

@@ -19,8 +19,6 @@ from camid.compiled import njit
 from camid.engine.events import careful_step
 from camid.engine.forces import Mechanics, dot, force_at, force_in, remember, switches, switches_at
 
-__all__ = ["Feedback", "Mechanics", "integrate"]
-
 Array = NDArray[np.float64]
 
 

@@ -81,7 +81,7 @@ class Chain:
         """Plant with the linear dynamics before and behind it."""
         plant = self.plant
         for effect in self.effects:
-            for part in (effect.before_plant(), effect.behind_plant()):
+            for part in (effect.before_plant(), effect.after_plant()):
                 if part is not None:
                     plant = plant * part
         return plant
@@ -123,7 +123,7 @@ class _Line(NamedTuple):
 
 def _line(chain: Chain, unit: float) -> _Line:
     before = [p for e in chain.effects if (p := e.before_plant()) is not None]
-    behind = [p for e in chain.effects if (p := e.behind_plant()) is not None]
+    behind = [p for e in chain.effects if (p := e.after_plant()) is not None]
     blocks = [companion_block(p, unit) for p in (*before, chain.plant, *behind)]
     size = sum(len(b[0]) for b in blocks)
     matrix = np.zeros((size + 1, size + 1))

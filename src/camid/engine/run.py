@@ -18,9 +18,7 @@ from camid.effects.base import Effect
 from camid.engine.forces import Mechanics
 from camid.engine.input import feedback_of, grid_input
 from camid.engine.integrator import integrate
-from camid.engine.mechanics import Chain, NotApplicable, companion_block, jump_of, mechanics_of
-
-__all__ = ["Chain", "NotApplicable", "companion_block", "move", "observed", "run", "steps_of"]
+from camid.engine.mechanics import Chain, jump_of, mechanics_of
 
 Array = NDArray[np.float64]
 

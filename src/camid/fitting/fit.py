@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.engine.run import NotApplicable
+from camid.engine.mechanics import NotApplicable
 from camid.fitting.model import Model
 from camid.fitting.packing import Packing
 from camid.fitting.problem import Noise, Problem

@@ -15,7 +15,7 @@ from camid.fitting.model import Model
 from camid.fitting.plants.closed_loop import ClosedLoop
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
-from camid.fitting.plants.pendulum import Pendulum
+from camid.fitting.plants.pendulum import PendulumKind
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
@@ -64,7 +64,7 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
     pendulum = believed.pendulum
     if pendulum is not None:
         gain_free = bool(_free_numerator(believed)[0])
-        return Pendulum(pendulum.rest, pendulum.is_free("rest"), None if gain_free else pendulum.gain)
+        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), None if gain_free else pendulum.gain)
     return FreeDecay() if believed.input_column is None else LinearPlant()
 
 

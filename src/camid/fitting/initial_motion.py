@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.exact import companion, time_scale
-from camid.engine.run import companion_block
+from camid.engine.mechanics import companion_block
 from camid.fitting.model import Model
 from camid.fitting.problem import Problem
 from camid.identification.structure import Structure

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Situation
-from camid.engine.run import Chain, move, run, steps_of
+from camid.engine.mechanics import Chain
+from camid.engine.run import move, run, steps_of
 from camid.fitting.model import Model
 from camid.identification.experiment import Experiment
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from camid.effects.base import Effect
 from camid.effects.declared import effects_of
-from camid.engine.run import Chain
+from camid.engine.mechanics import Chain
 from camid.errors import InputError
 from camid.fitting.exact_output import from_first_known, refuse_few_rows
 from camid.fitting.fit import fit

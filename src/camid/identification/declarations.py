@@ -32,7 +32,7 @@ LATENCIES = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 REFINEMENTS = ((1e-3, np.inf), (1e-6, 1e-2))
 # Residual, as a share of the output's spread, that the refinement of a number leaves.
 NEGLIGIBLE = 1e-6
-WORTHLESS = 1e300
+FAILED_COST = 1e300
 # Rows from the start of a recording on which they are refined.
 REFINEMENT_ROWS = 20_000
 # A step that promises less than this share of the sum of squares is not taken.
@@ -276,7 +276,7 @@ class _Family:
             try:
                 tried[value] = refitted(structure, start, [_declared(e, self.make(value)) for e in experiments])
             except (ValueError, ArithmeticError):  # no plant fits there
-                tried[value] = (WORTHLESS, start)
+                tried[value] = (FAILED_COST, start)
             return tried[value][0]
 
         place = int(np.argmin([cost(v) for v in self.grid]))

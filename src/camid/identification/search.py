@@ -21,7 +21,7 @@ from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.selection import Optimum, Rival, conclusive, plausible_cost, rivals, select
 from camid.identification.starts import (
-    Candidate,
+    StartCandidate,
     discrete_time_candidates,
     evaluate,
     filter_candidates,
@@ -95,7 +95,7 @@ class Search:
         """
         found = False
         if self.believed is not None:
-            found = self.refine([Candidate(self.believed, np.nan)])
+            found = self.refine([StartCandidate(self.believed, np.nan)])
         if not found or self.structure.order > SINGLE_MODE:
             self.tell("starting values: discrete-time models")
             candidates = discrete_time_candidates(self.structure, self.windows, self.records)
@@ -108,7 +108,7 @@ class Search:
             found = self.refine(filter_candidates(self.structure, self.windows, self.records)[:REFINED_STARTS])
         if not found:
             self.refine_grid()
-        self.hear_aliases()
+        self.refine_aliases()
         best = self.best()
         if best is None:
             raise ValueError("no starting value leads to a stable model of this order")
@@ -119,7 +119,7 @@ class Search:
         best = self.best()
         return best is not None and conclusive(best, self.unpredictable)
 
-    def refine(self, candidates: Sequence[Candidate]) -> bool:
+    def refine(self, candidates: Sequence[StartCandidate]) -> bool:
         """Iterate from candidates, with a single mode until one ends the search; whether the search may end."""
         for candidate in candidates:
             self.optima.append(self.optimum(candidate))
@@ -133,7 +133,7 @@ class Search:
         candidates = grid_candidates(self.structure, self.windows, self.records)
         self.optima += [self.optimum(c) for c in candidates[:REFINED_GRID_STARTS]]
 
-    def hear_aliases(self) -> None:
+    def refine_aliases(self) -> None:
         """Iterate from the modes with the same sampled poles that come near enough to be rivals.
 
         Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too: modes of one
@@ -152,7 +152,7 @@ class Search:
         if chosen is not None and (chosen.past_shannon or rivals(chosen, self.optima)):
             self.refine_grid()
 
-    def optimum(self, candidate: Candidate) -> Optimum:
+    def optimum(self, candidate: StartCandidate) -> Optimum:
         """Where the iteration leads from a candidate."""
         structure = self.structure
         # Coefficients that are not free keep their value.

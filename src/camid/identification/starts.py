@@ -31,7 +31,7 @@ GRID_STEP = 1.25
 
 
 @dataclass(frozen=True)
-class Candidate:
+class StartCandidate:
     """A start and its output error.
 
     Attributes
@@ -74,7 +74,7 @@ def _activity(experiment: Experiment, part: slice) -> float:
     return float(len(output) * np.var(output)) if len(output) else 0.0
 
 
-def evaluate(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[Candidate]:
+def evaluate(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[StartCandidate]:
     """Output errors of monic denominators in SI units, numerator and initial states solved for."""
     if not denominators:
         return []
@@ -85,7 +85,7 @@ def evaluate(structure: Structure, records: Records, denominators: Sequence[Arra
         structure.order * int(records.initial.sum()),
         records,
     )
-    return [Candidate(d, float(c)) for d, c in zip(denominators, costs, strict=True)]
+    return [StartCandidate(d, float(c)) for d, c in zip(denominators, costs, strict=True)]
 
 
 # -- state-variable filters -------------------------------------------------------------------------------------------
@@ -162,7 +162,9 @@ def from_grid(structure: Structure, experiments: list[Experiment], records: Reco
 # -- all together -----------------------------------------------------------------------------------------------------
 
 
-def discrete_time_candidates(structure: Structure, experiments: list[Experiment], records: Records) -> list[Candidate]:
+def discrete_time_candidates(
+    structure: Structure, experiments: list[Experiment], records: Records
+) -> list[StartCandidate]:
     """Starts from discrete-time models and their aliases, best first."""
     denominators: list[Array] = []
     for experiment in experiments:
@@ -172,17 +174,17 @@ def discrete_time_candidates(structure: Structure, experiments: list[Experiment]
     return rank(structure, records, denominators)
 
 
-def filter_candidates(structure: Structure, experiments: list[Experiment], records: Records) -> list[Candidate]:
+def filter_candidates(structure: Structure, experiments: list[Experiment], records: Records) -> list[StartCandidate]:
     """Starts from state-variable filters, best first."""
     return rank(structure, records, from_state_variable_filters(structure, experiments, records))
 
 
-def grid_candidates(structure: Structure, experiments: list[Experiment], records: Records) -> list[Candidate]:
+def grid_candidates(structure: Structure, experiments: list[Experiment], records: Records) -> list[StartCandidate]:
     """Starts from the grid, best first."""
     return rank(structure, records, from_grid(structure, experiments, records))
 
 
-def rank(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[Candidate]:
+def rank(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[StartCandidate]:
     """Candidates of the right order in ascending output error, near duplicates left out."""
     candidates = evaluate(
         structure,
@@ -193,7 +195,7 @@ def rank(structure: Structure, records: Records, denominators: Sequence[Array]) 
             if len(d) == structure.order + 1 and np.all(np.isfinite(d)) and np.isfinite(time_scale(d))
         ],
     )
-    distinct: list[Candidate] = []
+    distinct: list[StartCandidate] = []
     for candidate in sorted(candidates, key=lambda c: c.cost):
         same = any(
             np.all(np.abs(candidate.denominator - other.denominator) <= 1e-3 * np.abs(other.denominator))

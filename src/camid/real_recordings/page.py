@@ -23,7 +23,7 @@ THESIS_COULOMB, THESIS_VISCOUS = 4.1e-3, 0.5e-3  # N m, N m s
 
 
 @dataclass(frozen=True)
-class Line:
+class TableLine:
     """A line of a table.
 
     Attributes
@@ -45,44 +45,44 @@ def _thesis(value: float) -> str:
     return f"{value:.3g}"
 
 
-LINES: dict[str, list[Line]] = {
+LINES: dict[str, list[TableLine]] = {
     "silverbox": [
-        Line("natural frequency (Hz)", "natural_frequency"),
-        Line("damping ratio", "damping_ratio"),
-        Line("cubic stiffness (V/V³)", "cubic-stiffness_coefficient"),
-        Line("offset of the input (V)", "input-bias_bias"),
-        Line("rms error, test multisine (mV)", "multisine", "6.95 linear; 0.301 best there (GP NARX)", BASELINES),
-        Line("rms error, test arrow (mV)", "arrow", "14.2 linear; 0.60 (GP NARX)", BASELINES),
+        TableLine("natural frequency (Hz)", "natural_frequency"),
+        TableLine("damping ratio", "damping_ratio"),
+        TableLine("cubic stiffness (V/V³)", "cubic-stiffness_coefficient"),
+        TableLine("offset of the input (V)", "input-bias_bias"),
+        TableLine("rms error, test multisine (mV)", "multisine", "6.95 linear; 0.301 best there (GP NARX)", BASELINES),
+        TableLine("rms error, test arrow (mV)", "arrow", "14.2 linear; 0.60 (GP NARX)", BASELINES),
     ],
     "emps": [
-        Line("mass (kg)", "mass", "95.11", DRIVE),
-        Line("viscous friction (N s/m)", "viscous_friction", "203.5", DRIVE),
-        Line("Coulomb friction (N)", "coulomb-friction_force", "20.39", DRIVE),
-        Line("offset of the force (N)", "input-bias_bias", "−3.165, subtracted", DRIVE),
-        Line("error of the force, rows not fitted (%)", "held_out_error", "4.08 of the norm, fitted rows", DRIVE),
-        Line("error of the position, rows not fitted (%)", "position_error"),
+        TableLine("mass (kg)", "mass", "95.11", DRIVE),
+        TableLine("viscous friction (N s/m)", "viscous_friction", "203.5", DRIVE),
+        TableLine("Coulomb friction (N)", "coulomb-friction_force", "20.39", DRIVE),
+        TableLine("offset of the force (N)", "input-bias_bias", "−3.165, subtracted", DRIVE),
+        TableLine("error of the force, rows not fitted (%)", "held_out_error", "4.08 of the norm, fitted rows", DRIVE),
+        TableLine("error of the position, rows not fitted (%)", "position_error"),
     ],
     "pendulum_decay": [
-        Line(
+        TableLine(
             "natural frequency (rad/s)", "natural_frequency", _thesis((THESIS_GRAVITY / THESIS_LENGTH) ** 0.5), THESIS
         ),
-        Line(
+        TableLine(
             "viscous damping (1/s)", "viscous_damping", _thesis(THESIS_VISCOUS / THESIS_MASS / THESIS_LENGTH**2), THESIS
         ),
-        Line(
+        TableLine(
             "Coulomb friction (rad of static deflection)",
             "coulomb-friction_force",
             _thesis(THESIS_COULOMB / THESIS_MASS / THESIS_GRAVITY / THESIS_LENGTH),
             THESIS,
         ),
-        Line("error, fitted rows, 16 to 42.5 s (%)", "fitted_error"),
-        Line("error, rows not fitted, 42.5 to 47.5 s (%)", "held_out_error"),
+        TableLine("error, fitted rows, 16 to 42.5 s (%)", "fitted_error"),
+        TableLine("error, rows not fitted, 42.5 to 47.5 s (%)", "held_out_error"),
     ],
     "pendulum_clip": [
-        Line("period (s)", "period"),
-        Line("length (m)", "length", "1.7", REPORT),
-        Line("rms residual, all frames (px)", "residual"),
-        Line("error, frames not fitted (%)", "held_out_error"),
+        TableLine("period (s)", "period"),
+        TableLine("length (m)", "length", "1.7", REPORT),
+        TableLine("rms residual, all frames (px)", "residual"),
+        TableLine("error, frames not fitted (%)", "held_out_error"),
     ],
 }
 

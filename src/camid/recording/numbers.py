@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
-Rows = NDArray[np.intp]
+RowNumbers = NDArray[np.intp]
 
 # Cells that hold nothing, as they look in a message.
 EMPTY = {"", "nan", "<na>", "none", "nat"}
 
 
-def numbers(table: Table, column: str, rows: Rows, name: str, *, empty_allowed: bool = False) -> Array:
+def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_allowed: bool = False) -> Array:
     """Numbers of some rows of a column, shape (len(rows),).
 
     Parameters
@@ -86,7 +86,7 @@ def _as_floats(values: pd.Series) -> Array:
     return values.to_numpy(dtype=float, na_value=np.nan)
 
 
-def common_rows(table: Table, columns: list[str]) -> Rows:
+def common_rows(table: Table, columns: list[str]) -> RowNumbers:
     """Numbers of the rows that the columns of a table have in common.
 
     Raises
@@ -106,7 +106,7 @@ def common_rows(table: Table, columns: list[str]) -> Rows:
     return np.arange(lengths[first])
 
 
-def runs(table: Table, column: str, rows: Rows) -> list[tuple[str, Rows]]:
+def runs(table: Table, column: str, rows: RowNumbers) -> list[tuple[str, RowNumbers]]:
     """Runs of equal values in a column: their names and their rows.
 
     Raises

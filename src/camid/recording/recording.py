@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.recording.files import read_tables
-from camid.recording.numbers import Rows, common_rows, numbers, runs
+from camid.recording.numbers import RowNumbers, common_rows, numbers, runs
 from camid.recording.options import Reading
 from camid.recording.table import Table
 from camid.recording.time_grid import Grid, check_order, grid_of
@@ -45,7 +45,7 @@ class Recording:
     period_uncertainty : float
         Seconds by which rounded or irregular times may have falsified the period; 0 where the steps are equal.
     missing : ndarray of bool, shape (N,)
-        Rows without recorded output near, which are not compared.
+        RowNumbers without recorded output near, which are not compared.
     recorded_time : ndarray, shape (M,)
         Seconds: the times in the file.
     recorded_columns : dict of str to ndarray, each of shape (M,)
@@ -174,10 +174,10 @@ def _seconds(value: float | None, word: str) -> str:
 
 @dataclass(frozen=True)
 class _Piece:
-    """Rows of a table that are one experiment."""
+    """RowNumbers of a table that are one experiment."""
 
     table: Table
-    rows: Rows
+    rows: RowNumbers
     name: str
     reading: Reading
     holds: Mapping[str, str]
@@ -230,7 +230,7 @@ class _Piece:
             warnings=tuple(self._warnings(grid, missing, values, bool(driven))),
         )
 
-    def _values(self, column: str, rows: Rows) -> Array:
+    def _values(self, column: str, rows: RowNumbers) -> Array:
         optional = self.reading.missing == "leave-out" and column not in self.holds
         cells = numbers(self.table, column, rows, self.name, empty_allowed=optional)
         return self.conversions.get(column, Conversion())(cells)

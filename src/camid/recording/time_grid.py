@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 PERIOD_TOLERANCE = 1e-6
 # Rounding of the times, as a share of the period, that still tells a missing row from a rounded one.
 COARSEST_RESOLUTION = 0.5
-# Rows that are farther apart, in periods, have a gap between them, over which nothing is interpolated.
+# RowNumbers that are farther apart, in periods, have a gap between them, over which nothing is interpolated.
 LARGEST_STEP = 1.5
 # A row of the grid beyond the last row before a gap is still known if it is that near, in periods.
 REACH = 0.1
@@ -87,7 +87,7 @@ class Grid:
         return np.pad(inner, (rows[0], len(result) - 1 - rows[-1]), mode="reflect"), ~found
 
     def _near(self, part: NDArray[np.intp]) -> slice:
-        """Rows of the grid between the first and the last of some recorded rows, and hardly farther."""
+        """RowNumbers of the grid between the first and the last of some recorded rows, and hardly farther."""
         if part.size == 0:
             return slice(0, 0)
         margin = REACH * self.period

@@ -13,17 +13,17 @@ from camid.simulation.model import default_freedom
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
-    from camid.simulation.schema import PendulumPlant, TransferFunctionPlant
+    from camid.simulation.schema import PendulumPart, TransferFunctionPart
 
 POLYNOMIALS = ("numerator", "denominator")
 
 
-def declared_plant(written: TransferFunctionPlant | PendulumPlant, where: Where) -> dict[str, Any]:
+def declared_plant(written: TransferFunctionPart | PendulumPart, where: Where) -> dict[str, Any]:
     """What a file says of the plant, as arguments of :class:`camid.simulation.model.Simulation`.
 
     Parameters
     ----------
-    written : TransferFunctionPlant or PendulumPlant
+    written : TransferFunctionPart or PendulumPart
         The key ``plant``.
     where : callable
         Gives file, line and key of a path of keys.
@@ -33,12 +33,12 @@ def declared_plant(written: TransferFunctionPlant | PendulumPlant, where: Where)
     InputError
         If the plant is improper or unstable, or accuracies have another shape than it.
     """
-    from camid.simulation.schema import PendulumPlant
+    from camid.simulation.schema import PendulumPart
 
-    return _pendulum(written, where) if isinstance(written, PendulumPlant) else _transfer_function(written, where)
+    return _pendulum(written, where) if isinstance(written, PendulumPart) else _transfer_function(written, where)
 
 
-def _pendulum(written: PendulumPlant, where: Where) -> dict[str, Any]:
+def _pendulum(written: PendulumPart, where: Where) -> dict[str, Any]:
     if written.pendulum.gain == 0.0:
         raise InputError("gain = 0: no input moves it", where=where("plant", "pendulum", "gain"), hint="give it")
     if written.covariance is not None:
@@ -60,7 +60,7 @@ def _pendulum(written: PendulumPlant, where: Where) -> dict[str, Any]:
     }
 
 
-def _transfer_function(written: TransferFunctionPlant, where: Where) -> dict[str, Any]:
+def _transfer_function(written: TransferFunctionPart, where: Where) -> dict[str, Any]:
     plant = _stable_plant(written, where)
     raw = written.transfer_function
     leading_zeros = len(raw.numerator) - len(plant.numerator)
@@ -89,7 +89,7 @@ def _transfer_function(written: TransferFunctionPlant, where: Where) -> dict[str
     }
 
 
-def _stable_plant(written: TransferFunctionPlant, where: Where) -> TransferFunction:
+def _stable_plant(written: TransferFunctionPart, where: Where) -> TransferFunction:
     coefficients = written.transfer_function
     if coefficients.denominator[0] == 0.0:
         raise InputError(
@@ -113,7 +113,7 @@ def _stable_plant(written: TransferFunctionPlant, where: Where) -> TransferFunct
     return plant
 
 
-def _check_shape(written: TransferFunctionPlant, key: str, where: Where) -> None:
+def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
     for name in POLYNOMIALS:
         count = len(getattr(written.transfer_function, name))
         if len(getattr(getattr(written, key), name)) != count:

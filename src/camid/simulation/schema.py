@@ -51,7 +51,7 @@ def _no_truth_value(value: Any) -> Any:
     return value
 
 
-Optional = Annotated[Value | None, _NotNull]
+NotNull = Annotated[Value | None, _NotNull]
 Text = StrictStr
 NonEmptyText = Annotated[StrictStr, StringConstraints(min_length=1)]
 _PLAIN = BeforeValidator(plain_truth_value)
@@ -68,7 +68,7 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
-class Experiment(Part):
+class ExperimentPart(Part):
     """The column that tells several experiments in one table apart."""
 
     column: Text = Field(description="Name of the column.")
@@ -77,25 +77,23 @@ class Experiment(Part):
 class RecordingPart(Part):
     """How the file of a recording is read; see docs/recordings.md."""
 
-    separator: Optional[Annotated[StrictStr, StringConstraints(min_length=1, max_length=1)]] = Field(
+    separator: NotNull[Annotated[StrictStr, StringConstraints(min_length=1, max_length=1)]] = Field(
         default=None,
         description="One character between the cells of a text file; a blank stands for any number of blanks.",
     )
-    decimal: Optional[Literal[".", ","]] = Field(
-        default=None, description="Decimal mark of the numbers in a text file."
-    )
+    decimal: NotNull[Literal[".", ","]] = Field(default=None, description="Decimal mark of the numbers in a text file.")
     header: TruthValue = Field(default=True, description="true or false: whether a text file has a line with names.")
-    columns: Optional[Annotated[list[Text], Field(min_length=1)]] = Field(
+    columns: NotNull[Annotated[list[Text], Field(min_length=1)]] = Field(
         default=None, description="Names of the columns of a file without a header line; put quotes around numbers."
     )
-    group: Optional[NonEmptyText] = Field(
+    group: NotNull[NonEmptyText] = Field(
         default=None, description="HDF5 group or MAT structure that holds the columns."
     )
-    experiment: Optional[Experiment] = Field(
+    experiment: NotNull[ExperimentPart] = Field(
         default=None, description="{column: name}, which tells several experiments in one table apart."
     )
-    start: Optional[Number] = Field(default=None, description="Seconds of the time column; earlier rows are not read.")
-    end: Optional[Number] = Field(default=None, description="Seconds of the time column; later rows are not read.")
+    start: NotNull[Number] = Field(default=None, description="Seconds of the time column; earlier rows are not read.")
+    end: NotNull[Number] = Field(default=None, description="Seconds of the time column; later rows are not read.")
     leave_out: NonNegative = Field(
         default=0.0, description="Seconds at the start of each experiment that are simulated but not compared."
     )
@@ -110,9 +108,9 @@ class RecordingPart(Part):
 class TimePart(Part):
     """The time column and its unit, or the period in seconds where the file has no time column."""
 
-    column: Optional[Text] = Field(default=None, description="Name of the time column.")
-    unit: Optional[Text] = Field(default=None, description="Unit of the time column, seconds by default.")
-    period: Optional[Positive] = Field(
+    column: NotNull[Text] = Field(default=None, description="Name of the time column.")
+    unit: NotNull[Text] = Field(default=None, description="Unit of the time column, seconds by default.")
+    period: NotNull[Positive] = Field(
         default=None, description="Sampling period in seconds, where there is no time column."
     )
 
@@ -120,7 +118,7 @@ class TimePart(Part):
 class Converted(Part):
     """Unit, scale and offset of a column."""
 
-    unit: Optional[Text] = Field(default=None, description="Unit of the cells, such as mm, deg or mV; SI by default.")
+    unit: NotNull[Text] = Field(default=None, description="Unit of the cells, such as mm, deg or mV; SI by default.")
     scale: Number = Field(default=1.0, description="value = scale · (cell in SI units) + offset.")
     offset: Number = Field(default=0.0, description="value = scale · (cell in SI units) + offset.")
 
@@ -137,7 +135,7 @@ class SensorPart(Converted):
 
     column: Text = Field(description="Name of the output column.")
     kind: Literal["camera", "instant"] = Field(description="Mean over the exposure, or the value at one instant.")
-    exposure: Optional[Positive] = Field(
+    exposure: NotNull[Positive] = Field(
         default=None, description="τ in seconds, at most the period, which is the default."
     )
     latency: NonNegative = Field(default=0.0, description="ℓ in seconds, default 0.")
@@ -149,7 +147,7 @@ class ControllerPart(Converted):
     reference: Text = Field(description="Name of the reference column.")
     position_gain: Number = Field(description="kp in 1/s.")
     velocity_gain: Number = Field(description="kv in units of u per (unit of y per second).")
-    limit: Optional[Positive] = Field(default=None, description="Largest |u|.")
+    limit: NotNull[Positive] = Field(default=None, description="Largest |u|.")
 
 
 class Polynomials(Part):
@@ -175,17 +173,17 @@ class PolynomialsDeviations(Part):
     )
 
 
-class TransferFunctionPlant(Part):
+class TransferFunctionPart(Part):
     """A linear plant."""
 
     transfer_function: Polynomials = Field(description="B(s)/A(s), coefficients in descending powers of s.")
-    free: Optional[PolynomialsFree] = Field(
+    free: NotNull[PolynomialsFree] = Field(
         default=None, description="What may be re-estimated, in the shape of the coefficients."
     )
-    standard_deviations: Optional[PolynomialsDeviations] = Field(
+    standard_deviations: NotNull[PolynomialsDeviations] = Field(
         default=None, description="Standard deviations in the shape of the coefficients."
     )
-    covariance: Optional[list[list[Number]]] = Field(
+    covariance: NotNull[list[list[Number]]] = Field(
         default=None,
         description="Covariance of all coefficients: numerator first, then the denominator without its first.",
     )
@@ -212,23 +210,21 @@ class PendulumFree(Part):
 class PendulumDeviations(Part):
     """One standard deviation per parameter."""
 
-    natural_frequency: Optional[NonNegative] = Field(default=None, description="Standard deviation of ω in rad/s.")
-    damping: Optional[NonNegative] = Field(default=None, description="Standard deviation of ξ.")
-    gain: Optional[NonNegative] = Field(default=None, description="Standard deviation of the static gain.")
-    rest: Optional[NonNegative] = Field(default=None, description="Standard deviation of the position of rest.")
+    natural_frequency: NotNull[NonNegative] = Field(default=None, description="Standard deviation of ω in rad/s.")
+    damping: NotNull[NonNegative] = Field(default=None, description="Standard deviation of ξ.")
+    gain: NotNull[NonNegative] = Field(default=None, description="Standard deviation of the static gain.")
+    rest: NotNull[NonNegative] = Field(default=None, description="Standard deviation of the position of rest.")
 
 
-class PendulumPlant(Part):
+class PendulumPart(Part):
     """A pendulum of any amplitude."""
 
     pendulum: PendulumParameters = Field(description="ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u.")
-    free: Optional[PendulumFree] = Field(
-        default=None, description="What may be re-estimated; what is not named may be."
-    )
-    standard_deviations: Optional[PendulumDeviations] = Field(
+    free: NotNull[PendulumFree] = Field(default=None, description="What may be re-estimated; what is not named may be.")
+    standard_deviations: NotNull[PendulumDeviations] = Field(
         default=None, description="Standard deviations of the parameters; 0 where one was not estimated."
     )
-    covariance: Optional[list[list[Number]]] = Field(
+    covariance: NotNull[list[list[Number]]] = Field(
         default=None, description="Covariance of natural_frequency, damping, gain and rest, in this order."
     )
 
@@ -239,7 +235,7 @@ def _kind_of_plant(written: Any) -> str:
 
 
 Plant = Annotated[
-    Annotated[TransferFunctionPlant, Tag("transfer_function")] | Annotated[PendulumPlant, Tag("pendulum")],
+    Annotated[TransferFunctionPart, Tag("transfer_function")] | Annotated[PendulumPart, Tag("pendulum")],
     Discriminator(_kind_of_plant),
 ]
 
@@ -256,7 +252,7 @@ class EffectPart(Part):
 
     id: Text = Field(description="Identifier from the catalogue.")
     parameters: dict[str, JsonValue] = Field(description="Values in SI units, by name.")
-    standard_deviations: Optional[dict[str, JsonValue]] = Field(
+    standard_deviations: NotNull[dict[str, JsonValue]] = Field(
         default=None, description="Standard deviations of the parameters, by name."
     )
 
@@ -267,7 +263,7 @@ class SimulationFile(Part):
     version: Annotated[Literal[1], BeforeValidator(_no_truth_value)] = Field(
         alias="schema", description="Version of this format."
     )
-    recording: Optional[RecordingPart] = Field(
+    recording: NotNull[RecordingPart] = Field(
         default=None, description="How the file of a recording is read; see docs/recordings.md."
     )
     time: TimePart = Field(
@@ -277,7 +273,7 @@ class SimulationFile(Part):
     plant: Plant = Field(
         description="Exactly one of transfer_function and pendulum, and what is known of its accuracy."
     )
-    controller: Optional[ControllerPart] = Field(
+    controller: NotNull[ControllerPart] = Field(
         default=None, description="Closed loop: u = clip(velocity_gain (position_gain (reference − y) − ẏ))."
     )
     sensor: SensorPart = Field(description="The output column and the sensor that measures it.")
@@ -285,8 +281,8 @@ class SimulationFile(Part):
         default="zero",
         description="zero: at rest, u = 0 before the first sample (default); estimate: fitted to the recorded output.",
     )
-    validation: Optional[Validation] = Field(default=None, description="Rows that are not fitted, by time in seconds.")
-    remainder: Optional[Positive] = Field(
+    validation: NotNull[Validation] = Field(default=None, description="Rows that are not fitted, by time in seconds.")
+    remainder: NotNull[Positive] = Field(
         default=None,
         description="Root mean square, in units of the output (of the input in a closed loop), of what an earlier "
         "diagnosis left unexplained.",

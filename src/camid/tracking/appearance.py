@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camid.errors import InputError, nearest_match
 from camid.images.centroids import RegionOfInterest
-from camid.tracking.picture import BLUE_DIFFERENCE, FULL_SCALE, RED_DIFFERENCE, Grid, Image, Picture
+from camid.tracking.picture import BLUE_DIFFERENCE, FULL_SCALE, RED_DIFFERENCE, Image, Picture, PixelGrid
 from camid.tracking.video import Source
 
 # Colour differences of black, grey and white are zero; below this (of 0.5) there is no hue to look for.
@@ -34,8 +34,8 @@ class Appearance(Protocol):
 
     sentence: str
 
-    def grid(self, picture: Picture) -> Grid:
-        """Grid of the images that are made from this picture."""
+    def grid(self, picture: Picture) -> PixelGrid:
+        """PixelGrid of the images that are made from this picture."""
         ...
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
@@ -48,9 +48,9 @@ class Bright:
 
     sentence = "the brightest thing"
 
-    def grid(self, picture: Picture) -> Grid:
-        """Grid of the pixels."""
-        return Grid()
+    def grid(self, picture: Picture) -> PixelGrid:
+        """PixelGrid of the pixels."""
+        return PixelGrid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
         """Grey levels as they are."""
@@ -62,9 +62,9 @@ class Dark:
 
     sentence = "the darkest thing"
 
-    def grid(self, picture: Picture) -> Grid:
-        """Grid of the pixels."""
-        return Grid()
+    def grid(self, picture: Picture) -> PixelGrid:
+        """PixelGrid of the pixels."""
+        return PixelGrid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
         """White minus the grey levels."""
@@ -111,8 +111,8 @@ class Colour:
         self._blue, self._red = (float(v) for v in direction / strength)
         self.sentence = f"the colour {name}"
 
-    def grid(self, picture: Picture) -> Grid:
-        """Grid of the colour samples."""
+    def grid(self, picture: Picture) -> PixelGrid:
+        """PixelGrid of the colour samples."""
         return picture.colour_grid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
@@ -144,9 +144,9 @@ class Moving:
         how = {1: " (brighter than what is behind it)", -1: " (darker than what is behind it)", 0: ""}
         self.sentence = f"what moves{how[sign]}"
 
-    def grid(self, picture: Picture) -> Grid:
-        """Grid of the pixels."""
-        return Grid()
+    def grid(self, picture: Picture) -> PixelGrid:
+        """PixelGrid of the pixels."""
+        return PixelGrid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
         """Difference from the background, with the sign that makes the marker bright."""

@@ -22,7 +22,7 @@ EQUALLY_LIKELY = 0.5
 
 
 @dataclass(frozen=True)
-class Candidate:
+class MarkerCandidate:
     """Something that stands out, in the grid of the image.
 
     Attributes
@@ -47,7 +47,7 @@ class Candidate:
     at_border: bool
 
 
-def candidates(image: Image, left: int = 0, top: int = 0) -> list[Candidate]:
+def candidates(image: Image, left: int = 0, top: int = 0) -> list[MarkerCandidate]:
     """What stands out from an image, the strongest first.
 
     Parameters
@@ -59,7 +59,7 @@ def candidates(image: Image, left: int = 0, top: int = 0) -> list[Candidate]:
 
     Returns
     -------
-    list of Candidate
+    list of MarkerCandidate
         Empty if nothing is brighter than the background by `LEAST_CONTRAST` grey levels and five standard deviations
         of the noise.
     """
@@ -84,7 +84,7 @@ def candidates(image: Image, left: int = 0, top: int = 0) -> list[Candidate]:
         if len(rows) > LARGEST_SHARE * height * width:
             continue
         found.append(
-            Candidate(
+            MarkerCandidate(
                 left + x0 + float(columns @ weights / weights.sum()),
                 top + y0 + float(rows @ weights / weights.sum()),
                 left + x0 + int(columns.min()),

@@ -8,9 +8,9 @@ from typing import NoReturn
 from camid.errors import InputError
 from camid.images.centroids import MarkerNotFound, RegionOfInterest
 from camid.tracking.appearance import Appearance, Moving
-from camid.tracking.find import EQUALLY_LIKELY, Candidate, candidates
+from camid.tracking.find import EQUALLY_LIKELY, MarkerCandidate, candidates
 from camid.tracking.measure import Measurement, measure
-from camid.tracking.picture import Grid, Picture
+from camid.tracking.picture import Picture, PixelGrid
 from camid.tracking.video import Frame
 
 # Room around the marker: samples, share of its size, share of its path in a frame.
@@ -114,7 +114,7 @@ class Follower:
             measurement.noise,
         )
 
-    def _find_first(self, frame: Frame, grid: Grid) -> tuple[Measurement, RegionOfInterest] | None:
+    def _find_first(self, frame: Frame, grid: PixelGrid) -> tuple[Measurement, RegionOfInterest] | None:
         picture = frame.picture
         where = None if self.first_region is None else grid.region(self.first_region)
         image = self.appearance.image(picture, where)
@@ -146,7 +146,7 @@ class Follower:
             self.appearance = self.appearance.signed(picture, self._about(box, (0.0, 0.0)).clip(*image.shape))
         return self._measure(frame, self._about(box, (0.0, 0.0)))
 
-    def _find_next(self, frame: Frame, grid: Grid) -> tuple[Measurement, RegionOfInterest] | None:
+    def _find_next(self, frame: Frame, grid: PixelGrid) -> tuple[Measurement, RegionOfInterest] | None:
         assert self._last is not None
         box, elapsed = self._last.box, frame.time - self._time
         if self._velocity is not None:
@@ -259,7 +259,7 @@ def nowhere(appearance: Appearance, source: str, frames: int) -> InputError:
 def _shape(appearance: Appearance, picture: Picture) -> tuple[int, int]:
     """Height and width of the appearance's whole image."""
     grid = appearance.grid(picture)
-    height, width = picture.planes[1].shape if grid != Grid() else picture.shape
+    height, width = picture.planes[1].shape if grid != PixelGrid() else picture.shape
     return height, width
 
 
@@ -267,7 +267,7 @@ def _centre(box: RegionOfInterest) -> tuple[float, float]:
     return box.left + 0.5 * (box.width - 1), box.top + 0.5 * (box.height - 1)
 
 
-def _around(first: Candidate, second: Candidate) -> RegionOfInterest:
+def _around(first: MarkerCandidate, second: MarkerCandidate) -> RegionOfInterest:
     """Smallest region with both."""
     left, top = min(first.left, second.left), min(first.top, second.top)
     right = max(first.left + first.width, second.left + second.width)
@@ -279,6 +279,6 @@ def _moved(box: RegionOfInterest, step: tuple[float, float]) -> RegionOfInterest
     return RegionOfInterest(box.top + round(step[1]), box.left + round(step[0]), box.height, box.width)
 
 
-def _at(candidate: Candidate, grid: Grid) -> str:
+def _at(candidate: MarkerCandidate, grid: PixelGrid) -> str:
     x, y = grid.to_image(candidate.x, candidate.y)
     return f"at x = {x:.0f}, y = {y:.0f} px"

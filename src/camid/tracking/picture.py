@@ -24,7 +24,7 @@ RED_DIFFERENCE = (0.5, -0.418688, -0.081312)
 
 
 @dataclass(frozen=True)
-class Grid:
+class PixelGrid:
     """Where the samples of a plane lie in the image: x = ``scale_x`` column + ``offset_x`` px, y likewise."""
 
     scale_x: float = 1.0
@@ -87,18 +87,18 @@ class Picture:
         view = _cut(self.planes[0], region)
         return view if view.dtype == np.uint8 else view.astype(np.float32) * np.float32(FULL_SCALE / self.full_scale)
 
-    def colour_grid(self) -> Grid:
-        """Grid of the colour differences, each in the middle of the pixels that share it.
+    def colour_grid(self) -> PixelGrid:
+        """PixelGrid of the colour differences, each in the middle of the pixels that share it.
 
         That is how JPEG and FFmpeg average colours. H.264 files may mean the left one of two pixels, which few writers
         heed and FFmpeg does not tell: x is then off by half a pixel, the same in all frames.
         """
         if self.is_rgb or not self.has_colour:
-            return Grid()
+            return PixelGrid()
         height, width = self.shape
         rows, columns = self.planes[1].shape
         scale_x, scale_y = float(round(width / columns)), float(round(height / rows))
-        return Grid(scale_x, scale_y, 0.5 * (scale_x - 1.0), 0.5 * (scale_y - 1.0))
+        return PixelGrid(scale_x, scale_y, 0.5 * (scale_x - 1.0), 0.5 * (scale_y - 1.0))
 
     def colour_differences(self, region: RegionOfInterest | None = None) -> tuple[Image, Image]:
         """Blue and red difference about zero on the `colour_grid`, float32; ``region`` counts in that grid."""

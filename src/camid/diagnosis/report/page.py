@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from camid import quantities
+from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
@@ -95,9 +95,9 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     sensor = "instant"
     if simulation.sensor == "camera":
         exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
-        sensor = f"camera, exposure {quantities.plain(1e3 * exposure, unit='ms')}"
+        sensor = f"camera, exposure {number_text.plain(1e3 * exposure, unit='ms')}"
     if simulation.latency:
-        sensor += f", latency {quantities.plain(1e3 * simulation.latency, unit='ms')}"
+        sensor += f", latency {number_text.plain(1e3 * simulation.latency, unit='ms')}"
 
     def box(place: str, detail: str, kind: str = "box") -> Box:
         return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
@@ -105,7 +105,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     order = simulation.plant.order
     held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
     return [
-        Box(quantities.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
+        Box(number_text.printable(simulation.input_column or "no input"), "command", "signal", area="command"),
         Box("hold", held, "box", None, flags.get("hold", ""), "hold"),
         box("actuator", "command to force"),
         box("disturbance", "force from outside", "source"),
@@ -114,7 +114,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         box("sensor", sensor),
         box("noise", "of the measurement", "source"),
         Box("+", "", "sum", area="added"),
-        Box(quantities.printable(simulation.output_column), "recorded", "signal", area="recorded"),
+        Box(number_text.printable(simulation.output_column), "recorded", "signal", area="recorded"),
     ]
 
 
@@ -128,16 +128,16 @@ def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, st
     names = diagnosis.improved.input_column, diagnosis.improved.output_column
     rows = []
     for name, parameter in finding.parameters.items():
-        unit = quantities.unit_of(parameter.unit, *names)
+        unit = number_text.unit_of(parameter.unit, *names)
         if isinstance(parameter.value, str):
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
         elif isinstance(parameter.value, list | tuple):
-            value, interval = quantities.with_deviation(parameter.value, parameter.standard_deviation), "–"
+            value, interval = number_text.with_deviation(parameter.value, parameter.standard_deviation), "–"
         else:
-            value = quantities.with_deviation(parameter.value, parameter.standard_deviation)
-            interval = quantities.interval(parameter.value, parameter.standard_deviation)
+            value = number_text.with_deviation(parameter.value, parameter.standard_deviation)
+            interval = number_text.interval(parameter.value, parameter.standard_deviation)
             if unit == "rad/s":
-                unit += f" ({quantities.plain(parameter.value / (2.0 * np.pi), unit='Hz')})"
+                unit += f" ({number_text.plain(parameter.value / (2.0 * np.pi), unit='Hz')})"
         rows.append({"name": name.replace("_", " "), "value": value, "interval": interval, "unit": unit})
     return rows
 
@@ -149,12 +149,12 @@ def _coefficient_row(coefficient: Coefficient) -> dict[str, str]:
     spread = float(np.hypot(c.refitted_deviation, c.improved_deviation))
     return {
         "name": c.name,
-        "nominal": quantities.plain(c.nominal, 6),
-        "refitted": quantities.with_deviation(c.refitted, c.refitted_deviation),
-        "improved": quantities.with_deviation(c.improved, c.improved_deviation),
+        "nominal": number_text.plain(c.nominal, 6),
+        "refitted": number_text.with_deviation(c.refitted, c.refitted_deviation),
+        "improved": number_text.with_deviation(c.improved, c.improved_deviation),
         "nominal_off": _change(c.nominal - c.improved, c.improved),
         "bend": _change(bend, c.improved),
-        "bend_deviations": quantities.number(abs(bend) / spread, 2) if spread > 0.0 else "–",
+        "bend_deviations": number_text.number(abs(bend) / spread, 2) if spread > 0.0 else "–",
     }
 
 
@@ -163,9 +163,9 @@ def _change(difference: float, reference: float) -> str:
         return "–"
     sign = "+" if difference * reference > 0.0 else ""
     return (
-        f"{sign}{quantities.number(100.0 * difference / abs(reference), 2)}{quantities.SPACE}%"
+        f"{sign}{number_text.number(100.0 * difference / abs(reference), 2)}{number_text.SPACE}%"
         if difference
-        else f"0{quantities.SPACE}%"
+        else f"0{number_text.SPACE}%"
     )
 
 
@@ -211,21 +211,21 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "state": state and summary.state_text(state, *names),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
-        "seen": [(u, quantities.unit_of(u.unit, *names)) for u in seen],
+        "seen": [(u, number_text.unit_of(u.unit, *names)) for u in seen],
         "unseen": unseen,
-        "input_name": quantities.printable(names[0]) if names[0] else None,
-        "output_name": quantities.printable(names[1]),
-        "compared_name": quantities.printable(diagnosis.compared),
-        "recordings": [quantities.printable(name) for name in diagnosis.recordings],
+        "input_name": number_text.printable(names[0]) if names[0] else None,
+        "output_name": number_text.printable(names[1]),
+        "compared_name": number_text.printable(diagnosis.compared),
+        "recordings": [number_text.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
         "version": camid.__version__,
         "structure_below": STRUCTURE_BELOW,
         "likely": summary.LIKELY,
-        "number": quantities.number,
-        "plain": quantities.plain,
-        "span": quantities.span,
-        "percentage": quantities.percentage,
-        "probability": quantities.probability,
+        "number": number_text.number,
+        "plain": number_text.plain,
+        "span": number_text.span,
+        "percentage": number_text.percentage,
+        "probability": number_text.probability,
         "title_of": summary.title_of,
     }
 

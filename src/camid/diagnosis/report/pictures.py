@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, NormalisedErrors, Signals
-from camid.quantities import percentage, plain, printable
+from camid.number_text import percentage, plain, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ FONTS = "'DejaVu Sans', Verdana, sans-serif"  # Verdana has the widths of DejaVu
 
 
 @dataclass(frozen=True)
-class Picture:
+class Panel:
     """A panel of the page.
 
     Attributes
@@ -312,41 +312,41 @@ def _spectrum(diagnosis: Diagnosis, output: str, named: bool) -> Axes:
     return axes
 
 
-def draw(diagnosis: Diagnosis) -> dict[str, list[Picture]]:
+def draw(diagnosis: Diagnosis) -> dict[str, list[Panel]]:
     """Draw all panels.
 
     Returns
     -------
-    dict of str to list of Picture
+    dict of str to list of Panel
         ``fit`` (before and after) and ``structure`` (where the mismatch sits).
     """
     with _look():
         return {"fit": list(_fit_pictures(diagnosis)), "structure": list(_structure_pictures(diagnosis))}
 
 
-def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
+def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     output = _short(diagnosis.compared)
     named = bool(diagnosis.findings)
     drawn = _errors(diagnosis.fit, named)
-    yield Picture(
+    yield Panel(
         "Error on rows that were not fitted",
         "Logarithmic. The dashed line is what a perfect model would leave: the noise.",
         _svg(drawn, "Errors on held-out rows"),
     )
-    yield Picture(
+    yield Panel(
         "Spectrum of the residual",
         "A flat line is noise; a hump or a line is structure.",
         _svg(_spectrum(diagnosis, output, named), "Residual spectrum before and after"),
     )
     drawn, unseen = _overlay(diagnosis.signals, output, named)
     where = "rows that were not fitted" if unseen else "the first recording (all of it was fitted)"
-    yield Picture(
+    yield Panel(
         f"Recorded and simulated {diagnosis.residual_of}",
         f"The stretch of {where} on which the re-estimated simulation errs most.",
         _svg(drawn, "Recorded and simulated output, zoomed"),
         wide=True,
     )
-    yield Picture(
+    yield Panel(
         "Residual over time",
         "Recorded minus simulated output. Grey: rows that were not fitted."
         + (" Between the vertical lines: where the mismatch sits." if diagnosis.location.time else ""),
@@ -360,7 +360,7 @@ def _short(name: str, longest: int = 22) -> str:
     return name if len(name) <= longest else name[: longest - 1] + "…"
 
 
-def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
+def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     signals, names, state = diagnosis.signals, diagnosis.improved, diagnosis.location.state
     output, source = _short(names.output_column), _short(names.input_column or "u")
     region = {} if state is None else {state[0]: (state[1], state[2])}
@@ -387,4 +387,4 @@ def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Picture]:
         title = f"{across.split(',')[0].capitalize()} against {variable}"
         axes = _against(x, y, (label, across), region.get(variable))
         located = place == diagnosis.location.place and (state is None or state[0] in {variable, seen_as.get(variable)})
-        yield Picture(title, caption, _svg(axes, title), located=located)
+        yield Panel(title, caption, _svg(axes, title), located=located)

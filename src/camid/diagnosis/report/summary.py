@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
-from camid.quantities import number, percentage, printable, probability, span, unit_of, with_deviation
+from camid.number_text import number, percentage, printable, probability, span, unit_of, with_deviation
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from camid.chain.controller import Loop
 from camid.effects.base import Effect, Parameter, Situation
-from camid.engine.run import Chain, move, observed
+from camid.engine.mechanics import Chain
+from camid.engine.run import move, observed
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import STEPS
 from camid.fitting.initial_motion import recorded_start

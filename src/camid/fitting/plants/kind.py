@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from camid.chain.controller import Loop
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect, Parameter, Situation
-from camid.engine.run import Chain, run, steps_of
+from camid.engine.mechanics import Chain
+from camid.engine.run import run, steps_of
 from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identified_by_simulation import identify_by_simulation

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camid.chain.exact import time_scale
 from camid.effects.base import Effect, Parameter
-from camid.effects.pendulum import PendulumPlant
+from camid.effects.pendulum import SineRestoringForce
 from camid.fitting.fit import Fitted
 from camid.fitting.initial_motion import FEWEST_SMOOTHED, MOST_SMOOTHED, SMOOTHED, recorded_start
 from camid.fitting.model import Model
@@ -20,11 +20,11 @@ from camid.identification.structure import Structure
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
-(REST,) = PendulumPlant.parameters
+(REST,) = SineRestoringForce.parameters
 
 
 @dataclass(frozen=True)
-class Pendulum(PlantKind):
+class PendulumKind(PlantKind):
     """ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u: its coefficients are those of small motions.
 
     Attributes
@@ -68,7 +68,7 @@ class Pendulum(PlantKind):
 
     def forces(self, model: Model) -> tuple[Effect, ...]:
         """What the sine takes off the linear restoring force."""
-        return (PendulumPlant(rest=model.constants[REST.name]),)
+        return (SineRestoringForce(rest=model.constants[REST.name]),)
 
     def at_plant(self, positions: Array, model: Model) -> Array:
         """Angles from rest."""

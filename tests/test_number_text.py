@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camid.quantities import (
+from camid.number_text import (
     SPACE,
     interval,
     number,
