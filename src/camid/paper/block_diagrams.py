@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import pandas as pd
 
 from camid import plotting as style
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # Lengths in inches, as the axes span the figure one to one; line widths and font sizes in points.
@@ -19,18 +17,16 @@ MIDLINE = 0.45  # height of the signal path
 MARGIN = 0.1
 BLOCK_HEIGHT = 0.52
 SIGNAL_LENGTH = 0.6  # at most; a fuller row has shorter signals
-SWITCH_LENGTH, SWITCH_RISE = 0.3, 0.16
-CONTACT_RADIUS = 0.02
+SWITCH_LENGTH = 0.3
 HEAD_LENGTH, HEAD_WIDTH = 0.08, 0.056
 LABEL_RISE = 0.075  # from the signal path to the label's baseline
-PERIOD_DROP = 0.19
+PERIOD_DROP = 0.06  # from the switch's contacts to its label
 LINE_WIDTH = 0.8
 FONT_SIZE = 9.0
 BLOCK_FACE = "#F5F5F5"
 
 
-@dataclass(frozen=True)
-class _Element:
+class _Element(NamedTuple):
     """One element of a diagram, from left to right; a signal's length follows from the room the others leave."""
 
     kind: str  # block, signal or sampler
@@ -39,12 +35,7 @@ class _Element:
     length: float = 0.0
 
 
-def _signal(mathtext: str, label: str) -> _Element:
-    return _Element("signal", mathtext, label)
-
-
-def _sampler() -> _Element:
-    return _Element("sampler", "$T$", "T", SWITCH_LENGTH)
+SAMPLER = _Element("sampler", "$T$", "T", SWITCH_LENGTH)
 
 
 def draw_first_version() -> tuple[Figure, pd.DataFrame]:
@@ -55,7 +46,7 @@ def draw_first_version() -> tuple[Figure, pd.DataFrame]:
     figure : Figure
         The diagram, one column wide.
     table : DataFrame
-        One row an element, from left to right: ``element`` (block, signal or sampler), ``label`` in plain ASCII, and
+        One row per element, from left to right: ``element`` (block, signal or sampler), ``label`` in plain ASCII, and
         ``x`` and ``y``, the centre of the element in inches from the lower left corner of the figure.
 
     Notes
@@ -64,13 +55,13 @@ def draw_first_version() -> tuple[Figure, pd.DataFrame]:
     """
     return _draw(
         [
-            _signal("$y(t)$", "y(t)"),
+            _Element("signal", "$y(t)$", "y(t)"),
             _Element("block", r"$\dfrac{1}{s}$", "1/s", 0.42),
-            _signal("$v(t)$", "v(t)"),
-            _sampler(),
-            _signal("$v_k$", "v_k"),
+            _Element("signal", "$v(t)$", "v(t)"),
+            SAMPLER,
+            _Element("signal", "$v_k$", "v_k"),
             _Element("block", r"$\dfrac{1-z^{-1}}{T}$", "(1 - z^-1)/T", 0.72),
-            _signal("$w_k$", "w_k"),
+            _Element("signal", "$w_k$", "w_k"),
         ]
     )
 
@@ -83,7 +74,7 @@ def draw_second_version() -> tuple[Figure, pd.DataFrame]:
     figure : Figure
         The diagram, one column wide.
     table : DataFrame
-        One row an element, from left to right: ``element`` (block, signal or sampler), ``label`` in plain ASCII, and
+        One row per element, from left to right: ``element`` (block, signal or sampler), ``label`` in plain ASCII, and
         ``x`` and ``y``, the centre of the element in inches from the lower left corner of the figure.
 
     Notes
@@ -92,20 +83,23 @@ def draw_second_version() -> tuple[Figure, pd.DataFrame]:
     """
     return _draw(
         [
-            _signal("$y(t)$", "y(t)"),
+            _Element("signal", "$y(t)$", "y(t)"),
             _Element("block", r"$\dfrac{1-e^{-Ts}}{Ts}$", "(1 - exp(-T s))/(T s)", 0.84),
-            _signal("$w(t)$", "w(t)"),
-            _sampler(),
-            _signal("$w_k$", "w_k"),
+            _Element("signal", "$w(t)$", "w(t)"),
+            SAMPLER,
+            _Element("signal", "$w_k$", "w_k"),
         ]
     )
 
 
 def _draw(elements: list[_Element]) -> tuple[Figure, pd.DataFrame]:
     """Draw the elements in one centred row and list where they are."""
+    style.apply()  # schemdraw asks for the backend when it is imported
     import matplotlib.pyplot as plt
+    import schemdraw
+    from schemdraw.elements import Arrow, Line, Switch
+    from schemdraw.flow import Box
 
-    style.apply()
     figure = plt.figure(figsize=(style.COLUMN_WIDTH, HEIGHT))
     figure.set_layout_engine("none")  # after creation: given to figure(), it would be lost at the first of two savefigs
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, style.COLUMN_WIDTH), ylim=(0.0, HEIGHT))
@@ -116,55 +110,23 @@ def _draw(elements: list[_Element]) -> tuple[Figure, pd.DataFrame]:
     stretch = min(SIGNAL_LENGTH, (style.COLUMN_WIDTH - 2 * MARGIN - fixed) / signals)
     left = (style.COLUMN_WIDTH - fixed - signals * stretch) / 2
 
+    drawing = schemdraw.Drawing(canvas=axes)
+    drawing.config(font="DejaVu Sans", mathfont="dejavusans", fontsize=FONT_SIZE, lw=LINE_WIDTH)
+    drawing.here = (left, MIDLINE)
     rows = []
     for element, following in zip(elements, [*elements[1:], None], strict=True):
-        right = left + (element.length or stretch)
+        length = element.length or stretch
         if element.kind == "block":
-            _draw_block(axes, left, right, element.mathtext)
+            drawing.add(Box(w=length, h=BLOCK_HEIGHT).fill(BLOCK_FACE).label(element.mathtext))
         elif element.kind == "sampler":
-            _draw_sampler(axes, left, right, element.mathtext)
+            switch = Switch().scale(length).length(length)  # drawn one unit long, with leads if it is to be longer
+            drawing.add(switch.label(element.mathtext, "bottom", ofst=PERIOD_DROP))
         else:
             # A sampler is a contact, so its input bears no head.
-            head = following is None or following.kind != "sampler"
-            _draw_arrow(axes, left, right, element.mathtext, head=head)
-        rows.append((element.kind, element.label, round((left + right) / 2, 4), MIDLINE))
-        left = right
+            signal = Line() if following is SAMPLER else Arrow(arrowlength=HEAD_LENGTH, arrowwidth=HEAD_WIDTH)
+            # From the centre, as labels at the top stand higher over an arrow than over a line.
+            drawing.add(signal.length(length).label(element.mathtext, "center", ofst=(0.0, LABEL_RISE), valign="base"))
+        rows.append((element.kind, element.label, round(left + length / 2, 4), MIDLINE))
+        left += length
+    drawing.draw(show=False)
     return figure, pd.DataFrame(rows, columns=["element", "label", "x", "y"])
-
-
-def _draw_block(axes: Axes, left: float, right: float, mathtext: str) -> None:
-    """Draw a transfer function in its frame."""
-    from matplotlib.patches import Rectangle
-
-    corner = (left, MIDLINE - BLOCK_HEIGHT / 2)
-    frame = Rectangle(
-        corner, right - left, BLOCK_HEIGHT, facecolor=BLOCK_FACE, edgecolor=style.BLACK, linewidth=LINE_WIDTH, zorder=2
-    )
-    axes.add_patch(frame)
-    axes.text((left + right) / 2, MIDLINE, mathtext, fontsize=FONT_SIZE, ha="center", va="center", zorder=3)
-
-
-def _draw_arrow(axes: Axes, left: float, right: float, mathtext: str, *, head: bool) -> None:
-    """Draw a signal: a line, its name above it and, with ``head``, a filled head whose tip is at ``right``."""
-    from matplotlib.patches import Polygon
-
-    end = right - HEAD_LENGTH if head else right
-    axes.plot([left, end], [MIDLINE, MIDLINE], color=style.BLACK, linewidth=LINE_WIDTH, zorder=1)
-    if head:
-        base = [(end, MIDLINE - HEAD_WIDTH / 2), (end, MIDLINE + HEAD_WIDTH / 2)]
-        axes.add_patch(Polygon([(right, MIDLINE), *base], facecolor=style.BLACK, edgecolor="none", zorder=3))
-    middle = (left + end) / 2
-    axes.text(middle, MIDLINE + LABEL_RISE, mathtext, fontsize=FONT_SIZE, ha="center", va="baseline", zorder=3)
-
-
-def _draw_sampler(axes: Axes, left: float, right: float, mathtext: str) -> None:
-    """Draw an open switch between two contacts, its period below it."""
-    from matplotlib.patches import Circle
-
-    axes.plot([left, right - 0.04], [MIDLINE, MIDLINE + SWITCH_RISE], color=style.BLACK, linewidth=LINE_WIDTH, zorder=2)
-    for x in (left, right):
-        contact = Circle((x, MIDLINE), CONTACT_RADIUS, facecolor="white", edgecolor=style.BLACK, linewidth=LINE_WIDTH)
-        contact.set_zorder(3)
-        axes.add_patch(contact)
-    middle = (left + right) / 2
-    axes.text(middle, MIDLINE - PERIOD_DROP, mathtext, fontsize=FONT_SIZE, ha="center", va="baseline", zorder=3)
