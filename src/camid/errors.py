@@ -38,7 +38,7 @@ def nearest_match(name: str, known: Iterable[str]) -> str:
 
 # What an extra of pyproject.toml brings: the names of its modules, as people call them.
 EXTRAS = {
-    "plots": {"matplotlib": "matplotlib", "schemdraw": "schemdraw", "latex2mathml": "latex2mathml"},
+    "plots": {"matplotlib": "matplotlib", "schemdraw": "schemdraw"},
     "video": {"cv2": "OpenCV", "av": "PyAV", "matplotlib": "matplotlib"},
     "formats": {"pyarrow": "PyArrow", "h5py": "h5py", "pymatreader": "pymatreader"},
     "control": {"control": "python-control"},

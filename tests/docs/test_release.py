@@ -125,7 +125,7 @@ def test_the_wheel_identifies_diagnoses_and_tracks_outside_of_the_tree(installed
 CALLS = {
     "plots": (
         ("diagnose", "slide.csv", "--simulation", "slide.yaml", "--output", "diagnosis"),
-        r"report.html needs matplotlib, schemdraw and latex2mathml: pip install 'camid\[plots\]'; or say --no-report",
+        r"report.html needs matplotlib and schemdraw: pip install 'camid\[plots\]'; or say --no-report",
     ),
     "video": (
         ("track", "pendulum.mp4", "--colour", "red", "--output", "clip.csv"),
