@@ -23,6 +23,8 @@ BLOCK = re.compile(r"^( *)```(\w+)[^\n]*\n(.*?)^\1```$", flags=re.DOTALL | re.MU
 LEFT_OUT = "…"
 NUMBER = re.compile(r"(?<![\w.])[-−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 COLUMNS = "100"
+# Said only where the machine code is not kept yet.
+COMPILING = "camid: compiling "
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,7 @@ class Session:
             check=False,
             timeout=600,
         )
-        lines = [line.rstrip() for line in done.stdout.splitlines()]
+        lines = [line.rstrip() for line in done.stdout.splitlines() if not line.startswith(COMPILING)]
         return lines if done.returncode == 0 else [*lines, f"[exit code {done.returncode}]"]
 
 

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from latex2mathml.converter import convert
 from mkdocs.structure.files import File, Files
 
+from camid.diagnosis.report.page import equation
 from camid.effects import PLACES, known_effects
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -108,7 +108,7 @@ def catalogue() -> str:
             parts += [
                 f"### {kind.title} {{#{kind.identifier}}}",
                 f"`{kind.identifier}` – {(kind.__doc__ or '').strip().splitlines()[0]}",
-                f'<div class="equation">{convert(kind.equation.replace(chr(10), " "), display="block")}</div>',
+                f'<div class="equation">{equation(kind.equation.replace(chr(10), " "))}</div>',
             ]
             if kind.parameters:
                 lines = ["| parameter | unit | meaning |", "|---|---|---|"]
