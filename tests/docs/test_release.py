@@ -100,7 +100,6 @@ def test_the_sdist_holds_no_results(built):
     assert not [n for n in names if n.startswith(("results", "paper_figs", ".venv", ".snakemake"))]
 
 
-@pytest.mark.slow  # a new place of installation compiles the engine anew
 def test_the_wheel_identifies_diagnoses_and_tracks_outside_of_the_tree(installed, folder):
     where = subprocess.run(
         [installed, "-P", "-c", "import camid; print(camid.__file__)"],
