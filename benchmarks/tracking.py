@@ -155,8 +155,8 @@ def run() -> Report:
         f"levels, H.264 (libx264, crf 20, 4:2:0). Whole runs from the file to the positions, decoding on one thread; "
         f"the tools take turns, median over {ROUNDS} runs. RMS error: of the distance from the mean position over the "
         "exposure. OpenCV decodes with the same library, turns frames to BGR and to grey, and measures whole frames; "
-        "it is told the wall's grey level, and finds neither copies nor gaps nor standard deviations. Without a choice, "
-        "camid decodes the clip twice.",
+        "it is told the wall's grey level, and finds neither copies nor gaps nor standard deviations. Without a "
+        "choice, camid decodes the clip twice.",
         table,
         shown,
         goals,

@@ -156,6 +156,8 @@ def on_page_markdown(markdown: str, *, page: Any, config: Any, files: Files) -> 
             return f"{match[1]}[{match[2]}]({posixpath.relpath(target, folder or '.')})"
         if not (ROOT / target).exists():
             return match[0]  # the strict build reports it
+        if match[2] == target:
+            return f"`{target}`"
         return match[2] if match[2].startswith("`") else f"{match[2]} (`{target}`)"
 
     return OUTSIDE.sub(on_site, markdown)
