@@ -1,4 +1,4 @@
-"""Figure of the benchmark: time of a fit against its error, a marker a tool."""
+"""Figure of the benchmark: time of a fit against its error, one marker per tool."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 PERIOD = 0.1  # s
 FONT_SIZE = 7.0
-# One look a tool, so that it is told apart without colour, too; labels stand beside the markers besides.
+# One marker shape per tool, so that tools can be told apart without colour; each marker also has a label.
 MARKERS = {
     "camid": ("o", style.BLUE),
     "scipy": ("s", style.VERMILION),
@@ -29,7 +29,7 @@ MARKERS = {
     "jax-sysid": ("X", style.GREEN),
     "sysidentpy": ("*", style.VERMILION),
 }
-# Where a label may stand, in points from its marker, the best first: offset and horizontal alignment.
+# Where a label may go, in points from its marker, best first: offset and horizontal alignment.
 PLACES = [
     (dx, dy, side)
     for reach, rise in ((7, 0), (7, 7), (12, 12), (20, 10), (16, 18), (26, 16), (16, 26))
@@ -37,7 +37,7 @@ PLACES = [
     for dx, side in ((reach, "left"), (-reach, "right"))
 ]
 
-# Where the line from a marker to its label is looked at, as shares of its length.
+# Points at which the line from a marker to its label is checked for obstacles, as shares of its length.
 WAY = np.linspace(0.3, 1.0, 8)
 
 
@@ -55,7 +55,7 @@ def labels(part: pd.DataFrame) -> list[str]:
 
 
 def contains(outer: BboxBase, inner: BboxBase) -> bool:
-    """Whether a box lies inside another one."""
+    """Whether a box lies inside another."""
     return bool(outer.x0 <= inner.x0 and inner.x1 <= outer.x1 and outer.y0 <= inner.y0 and inner.y1 <= outer.y1)
 
 
@@ -87,7 +87,7 @@ def place_labels(axes: Axes, texts: list[str], points: list[tuple[float, float]]
             if contains(frame, box) and box.count_overlaps(obstacles) == 0 and not (dy and crossed):
                 break
         taken.append(box)
-        if dy != 0:  # a line back to the marker, since another one may be as near
+        if dy != 0:  # a line back to the marker, since another marker may be as near
             axes.annotate(
                 "",
                 point,
@@ -109,7 +109,7 @@ def draw(table: pd.DataFrame, period: float = PERIOD) -> Figure:
         Seconds.
     """
     style.apply()
-    import matplotlib.pyplot as plt  # noqa: PLC0415 - behind the choice of the backend
+    import matplotlib.pyplot as plt  # noqa: PLC0415 - after the choice of the backend
 
     part = table[(table["period"] == period) & np.isfinite(table["milliseconds"]) & np.isfinite(table["to_bound"])]
     figure, axes = plt.subplots(figsize=(style.PAGE_WIDTH, 4.8))

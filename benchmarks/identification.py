@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 PERIODS = (0.02, 0.1, 0.3)  # s
 SEEDS = 60  # noise samples; slow peers get the first few of them
 GROSS = 0.5  # relative error of a parameter from which on a fit counts as failed
-FEW_FITS = 10  # fewer say little about an rms error
-EQUAL = 1.2  # rms errors up to this multiple of camid's count as equal accuracy
+FEW_FITS = 10  # fewer say little about an RMS error
+EQUAL = 1.2  # RMS errors up to this multiple of camid's count as equal accuracy
 CAMID = "camid"
 LARGEST_WARM_TIME = 1.0  # ms
 
@@ -83,7 +83,7 @@ def interleaved_fits(tools: tuple[Peer, ...], period: float, seeds: int) -> dict
             fit_once(tools[i], record(signal, period, generator(IDENTIFICATION, index, seeds)))
         for seed in range(seeds):
             recording = record(signal, period, generator(IDENTIFICATION, index, seed))
-            # Nobody always runs behind the same neighbour.
+            # No tool always runs after the same one.
             for i in present[seed % len(present) :] + present[: seed % len(present)]:
                 if seed < tools[i].most_seeds:
                     fits[i].append(fit_once(tools[i], recording))
@@ -146,9 +146,9 @@ def people_table(table: pd.DataFrame) -> pd.DataFrame:
                 "T in s": f"{row['period']:g}",
                 "tool": f"{row['tool']} {row['version']}".strip(),
                 "start": row["start"] if not bound else "",
-                "ms a fit": number(row["milliseconds"]) if ran else "",
+                "ms per fit": number(row["milliseconds"]) if ran else "",
                 "time / camid's": number(row["to_camid"], 2) if ran else "",
-                "rms error of b0 / a1 / a0 in %": " / ".join(number(row[f"rms_{p}"], 2) for p in PARAMETERS),
+                "RMS error of b0 / a1 / a0 in %": " / ".join(number(row[f"rms_{p}"], 2) for p in PARAMETERS),
                 "error / bound": number(row["to_bound"], 2),
                 "gross failures": f"{row['gross_failures']:.0f} of {row['fits']:.0f}" if ran else "",
                 "equal accuracy": f"yes{doubt}" if equal else "",
@@ -167,14 +167,14 @@ def run(periods: tuple[float, ...] = PERIODS, seeds: int = SEEDS, tools: tuple[P
     return Report(
         "identification",
         "One fit of the paper's task",
-        f"b0, a1 and a0 of G0 from {samples} PRBS samples in noise of 10 dB. Median wall time of a fit, first call "
-        "excluded, all tools in turn on each noise sample. Start *none*: the tool is told the order only; *nominal*: a "
-        "plant whose coefficients are 10 % off; the times are compared with camid's from the same start. The rms "
-        f"errors leave out gross failures (a parameter more than {100 * GROSS:.0f} % off, or an exception; most are "
-        "pairs of sampled poles that noise has moved onto the negative real axis, from where no continuous-time model "
-        "of second order leads back). Error / "
-        "bound: root mean square over the three parameters of rms error over Cramér–Rao bound. Equal accuracy: no rms "
-        f"error above {EQUAL:g} times camid's on the same noise samples, and no more gross failures.",
+        f"b0, a1 and a0 of G0 from {samples} PRBS samples in noise of 10 dB. Times are the median wall time per fit, "
+        "without the first call; the tools take turns on each noise sample. Start *none*: the tool is given the order "
+        "only; *nominal*: a plant whose coefficients are 10 % off. Times are compared with camid's from the same "
+        f"start. The RMS errors exclude gross failures (a parameter more than {100 * GROSS:.0f} % off, or an "
+        "exception; most are pairs of sampled poles that noise has moved onto the negative real axis, which no "
+        "second-order continuous-time model can have). Error / bound: root mean square, over the three parameters, of "
+        f"the ratio of RMS error to Cramér–Rao bound. Equal accuracy: no RMS error above {EQUAL:g} times camid's on "
+        "the same noise samples, and no more gross failures.",
         table,
         people_table(table),
         [

@@ -114,16 +114,16 @@ def run(positions: int = POSITIONS, rounds: int = ROUNDS) -> Report:
             "area in px": table["area"],
             "tool": table["tool"],
             "frames/s": [number(f) for f in table["frames_per_second"]],
-            "rms error in px": [number(e, 2) for e in table["rms_error"]],
+            "RMS error in px": [number(e, 2) for e in table["rms_error"]],
         }
     )
     return Report(
         "measurement",
         "Position of a marker in a frame",
         f"A motionless disk of {imaging['marker_diameter']:g} px at {positions} sub-pixel positions in 8-bit frames "
-        f"with pixel noise of {NOISE:g} grey levels, clipped at black and white; the tools in turn on the same frames, "
-        f"median over {rounds} frames. rms error: of the distance from the true position. Gradient: threshold of "
-        f"{imaging['threshold']:g} of the largest, in all tools.",
+        f"with pixel noise of {NOISE:g} grey levels, clipped at black and white; the tools take turns on the same "
+        f"frames, median over {rounds} frames. RMS error: of the distance from the true position. Gradient threshold: "
+        f"{imaging['threshold']:g} of the largest gradient, in all tools.",
         table,
         shown,
         [goal for area in areas.values() for goal in goals(table, areas, area)],
@@ -142,13 +142,13 @@ def goals(table: pd.DataFrame, areas: dict, region: RegionOfInterest | None) -> 
             1.0,
         ),
         Goal(
-            f"gradient centroid no worse than the plain OpenCV pipeline, {area} px (ratio of the rms errors)",
+            f"gradient centroid no worse than the plain OpenCV pipeline, {area} px (ratio of the RMS errors)",
             round(own["rms_error"] / plain["rms_error"], 6),
             1.0,
         ),
     ]
     grey = part[part.index.str.startswith("camid grey_level")]
     return result + [
-        Goal(f"{name}: rms error of {LARGEST_ERROR:g} px or less, {area} px", error, LARGEST_ERROR)
+        Goal(f"{name}: RMS error of {LARGEST_ERROR:g} px or less, {area} px", error, LARGEST_ERROR)
         for name, error in grey["rms_error"].items()
     ]

@@ -40,7 +40,7 @@ class Peer:
     Attributes
     ----------
     name : str
-        As it stands in the tables.
+        As shown in the tables.
     package, distribution : str
         What is imported and what is installed.
     start : {"none", "nominal"}

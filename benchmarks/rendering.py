@@ -35,7 +35,7 @@ def straight(start: tuple[float, float], shift: tuple[float, float], exposure: f
 
 
 def with_stop(exposure: float) -> Path:
-    """Back and forth along a line; stands still at 40 % of the exposure."""
+    """Back and forth along a line; rests at 40 % of the exposure."""
 
     def path(time: Array) -> Array:
         phase = np.pi * (np.asarray(time) / exposure - 0.4)
@@ -138,12 +138,11 @@ def run(frames: int = FRAMES) -> Report:
     return Report(
         "rendering",
         "Images by exposure",
-        f"One exposure of a disk of {diameter:g} px on {frame.height} × {frame.width} px, one core, the tools in "
-        f"turn, median over {frames} frames. Largest pixel error: against the mean of exactly covered areas at "
-        f"{INSTANTS} instants, by a program of its own. `camid.images.forming.expose` forms a grey "
-        "image, or three colours; "
-        f"OpenCV draws {SUB_INSTANTS} anti-aliased circles with sub-pixel coordinates, which are too large and so get "
-        f"a radius smaller by {EXCESS_RADIUS:g} px.",
+        f"One exposure of a disk of {diameter:g} px on {frame.height} × {frame.width} px, on one core; the tools take "
+        f"turns, median over {frames} frames. Largest pixel error: against the mean of exactly covered areas at "
+        f"{INSTANTS} instants, computed by an independent program. `camid.images.forming.expose` forms one grey image, "
+        f"or one with three colours; OpenCV draws {SUB_INSTANTS} anti-aliased circles with sub-pixel coordinates. Its "
+        f"circles come out too large, so their radius is reduced by {EXCESS_RADIUS:g} px.",
         table,
         shown,
         goals,

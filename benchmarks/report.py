@@ -1,4 +1,4 @@
-"""What a benchmark hands back, and how numbers are written for people."""
+"""What a benchmark returns, and how its numbers are written."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Goal:
         The goal in words.
     measured, limit : float
     larger_is_better : bool
-        Whether the measured number has to reach the limit from above.
+        Whether the measured number has to be at least the limit, instead of at most.
     """
 
     text: str
@@ -43,7 +43,7 @@ class Report:
     table : DataFrame
         All numbers, for the CSV.
     shown : DataFrame of str
-        The same for people.
+        The same, formatted for the page.
     goals : list of Goal
     """
 
@@ -56,7 +56,7 @@ class Report:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number with so many significant digits, without an exponent where people need none; a dash for none."""
+    """A number with this many significant digits, an exponent only where needed; a dash if not finite."""
     if not np.isfinite(value):
         return "–"
     if value == 0.0:

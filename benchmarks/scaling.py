@@ -48,18 +48,18 @@ def run(lengths: tuple[int, ...] = LENGTHS) -> Report:
         {
             "samples": [f"{n:,}".replace(",", " ") for n in table["samples"]],
             "fits": [str(n) for n in table["fits"]],
-            "ms a fit": [number(t) for t in table["milliseconds"]],
-            "µs a sample": [number(t) for t in table["microseconds_per_sample"]],
+            "ms per fit": [number(t) for t in table["milliseconds"]],
+            "µs per sample": [number(t) for t in table["microseconds_per_sample"]],
             "largest error / its bound": [number(e, 2) for e in table["largest_standardised_error"]],
         }
     )
     return Report(
         "scaling",
         "Time of a fit against the number of samples",
-        f"camid, warm start with a nominal plant 10 % off, T = {PERIOD:g} s, noise of 10 dB, median over the fits; the "
-        "input is a PRBS long enough, cut to length. Largest error / its bound: of b0, a1 and a0, in standard "
-        f"deviations of the Cramér–Rao bound, one noise sample. "
-        f"**Over the last decade the time grows with N^{last:.2f}.**",
+        f"camid, started from a nominal plant 10 % off, T = {PERIOD:g} s, noise of 10 dB, median over the fits; the "
+        "input is a sufficiently long PRBS, cut to length. Largest error / its bound: the largest of b0, a1 and a0, in "
+        "standard deviations by the Cramér–Rao bound, for one noise sample. "
+        f"**Over the last decade the time grows as N^{last:.2f}.**",
         table.assign(exponent_of_last_decade=last),
         shown,
     )

@@ -117,7 +117,7 @@ def run() -> Report:
             "tool": table["tool"],
             "frames/s": [number(f) for f in table["frames_per_second"]],
             "bias in px": [number(b, 2) for b in table["bias"]],
-            "rms error in px": [number(e, 2) for e in table["rms_error"]],
+            "RMS error in px": [number(e, 2) for e in table["rms_error"]],
         }
     )
     found = table.set_index("tool")
@@ -141,22 +141,22 @@ def run() -> Report:
             1.0,
         ),
         Goal(
-            "gradient centroid no worse than the plain OpenCV pipeline (ratio of the rms errors)",
+            "gradient centroid no worse than the plain OpenCV pipeline (ratio of the RMS errors)",
             gradient["rms_error"] / plain["rms_error"],
             1.05,
         ),
-        Goal("camid --dark: rms error of 0.1 px or less in H.264", own["rms_error"], 0.1),
+        Goal("camid --dark: RMS error of 0.1 px or less in H.264", own["rms_error"], 0.1),
     ]
     return Report(
         "tracking",
         "Positions from a video",
-        f"A red disk of {DIAMETER:g} px on a circle of {PATH_DIAMETER:g} px at {FREQUENCY:g} Hz before a grey wall, "
-        f"{FRAMES} frames of {WIDTH} × {HEIGHT} px, exposed for half of the period, noise of {NOISE:g} grey levels, "
-        f"H.264 (libx264, crf 20, 4:2:0). Whole runs from the file to the positions, decoding on one thread, the tools "
-        f"in turn, median over {ROUNDS} runs. rms error: of the distance from the mean position over the exposure. "
-        "OpenCV decodes with the same library, turns frames to BGR and to grey, and measures whole frames; it is told "
-        "the wall's grey level, and finds neither copies nor gaps nor standard deviations. Without a choice, camid "
-        "decodes the clip twice.",
+        f"A red disk of {DIAMETER:g} px on a circle of {PATH_DIAMETER:g} px at {FREQUENCY:g} Hz in front of a grey "
+        f"wall, {FRAMES} frames of {WIDTH} × {HEIGHT} px, exposed for half of the period, noise of {NOISE:g} grey "
+        f"levels, H.264 (libx264, crf 20, 4:2:0). Whole runs from the file to the positions, decoding on one thread; "
+        f"the tools take turns, median over {ROUNDS} runs. RMS error: of the distance from the mean position over the "
+        "exposure. OpenCV decodes with the same library, turns frames to BGR and to grey, and measures whole frames; "
+        "it is told the wall's grey level, and finds neither copies nor gaps nor standard deviations. Without a "
+        "choice, camid decodes the clip twice.",
         table,
         shown,
         goals,

@@ -26,6 +26,8 @@ ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "paper_figs"
 PICTURES = ROOT / "results" / "docs" / "effects"
 MARK = re.compile(r"<!-- generated: (\w+) -->")
+# What Sphinx would make a link of; mkdocstrings leaves the role in the text.
+ROLE = re.compile(r":(?:attr|class|func|meth|mod):(?=<code>)")
 OUTSIDE = re.compile(r"(!?)\[([^\]]*)\]\(((?:\.\./)+)([^)#\s]+)\)")
 CAPTIONS = {
     "fig1": "Fig. 1: image of the marker on a circle at 24 Hz, and its trajectory",
@@ -154,6 +156,13 @@ def on_page_markdown(markdown: str, *, page: Any, config: Any, files: Files) -> 
             return f"{match[1]}[{match[2]}]({posixpath.relpath(target, folder or '.')})"
         if not (ROOT / target).exists():
             return match[0]  # the strict build reports it
+        if match[2] == target:
+            return f"`{target}`"
         return match[2] if match[2].startswith("`") else f"{match[2]} (`{target}`)"
 
     return OUTSIDE.sub(on_site, markdown)
+
+
+def on_page_content(html: str, *, page: Any, config: Any, files: Files) -> str:
+    """Take the roles of reStructuredText out of the docstrings."""
+    return ROLE.sub("", html)
