@@ -70,7 +70,8 @@ def njit(function: Function | None = None, /, **options: Any) -> Function | Call
     """Compile a function when it is first called with arguments of certain types; numba's ``njit`` with its options."""
 
     def decorate(function: Function) -> Function:
-        dispatcher: Any = numba.njit(**options)(function)
+        # Nothing takes the address of these functions: an entry point for C would be compiled for nothing.
+        dispatcher: Any = numba.njit(no_cfunc_wrapper=True, **options)(function)
         if dispatcher is not function:  # as it is where NUMBA_DISABLE_JIT is set
             dispatcher._cache = CompiledCode(cast(FunctionType, function), options)
             dispatcher.get_call_template = _without_literals(dispatcher.get_call_template)

@@ -200,8 +200,8 @@ def _run(
             augmented[i, k] = state_matrix[i, k]
     augmented[order, order + 1] = 1.0
     transition, window, late_window = sampling_matrices(augmented, period, start, length, straddles)
-    first = selection @ np.ascontiguousarray(window[: order + 1])
-    second = selection @ np.ascontiguousarray(late_window[: order + 1])
+    first = selection @ window[: order + 1]
+    second = selection @ late_window[: order + 1]
 
     result = np.zeros((count, outputs))
     now = np.zeros(order + 2)

@@ -39,27 +39,26 @@ def inverse_information(sensitivities: Array, coefficients: int | None = None) -
         With infinite variances where the data determine nothing.
     determined : bool
     """
+    from scipy.linalg import svd
+
     number = sensitivities.shape[1] if coefficients is None else coefficients
-    inverse, determined = _inverse(np.ascontiguousarray(sensitivities, dtype=np.float64), number)
-    return inverse, bool(determined)
-
-
-@njit
-def _inverse(sensitivities: Array, coefficients: int) -> tuple[Array, bool]:
-    """See :func:`inverse_information`."""
-    columns = sensitivities.shape[1]
-    lengths = np.sqrt(np.sum(sensitivities * sensitivities, axis=0))
+    table = np.ascontiguousarray(sensitivities, dtype=np.float64)
+    columns = table.shape[1]
+    power = np.zeros(columns)
+    for row in table:
+        power += row * row
+    lengths = np.sqrt(power)
     if np.any(lengths == 0.0) or not np.all(np.isfinite(lengths)):
         return np.diag(np.where(lengths > 0.0, 0.0, np.inf)), False
-    _, singular, right = np.linalg.svd(sensitivities / lengths, False)
+    _, singular, right = svd(table / lengths, full_matrices=False)
     limit = singular[0] / LARGEST_CONDITION
     determined = True
     inverse = np.zeros((columns, columns))
-    for i in range(len(singular)):
+    for value, vector in zip(singular, right, strict=True):
         # A direction that the data do not determine may concern initial states alone.
-        if singular[i] <= limit and np.sum(right[i, :coefficients] ** 2) >= UNDETERMINED_SHARE**2:
+        if value <= limit and sum(float(each) ** 2 for each in vector[:number]) >= UNDETERMINED_SHARE**2:
             determined = False
-        direction = right[i] / (lengths * max(singular[i], limit))
+        direction = vector / (lengths * max(value, limit))
         inverse += np.outer(direction, direction)
     return inverse, determined
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import reduce
 from itertools import islice, product
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,61 +25,103 @@ SETTLED = 1e-5
 
 
 @njit
-def _steiglitz_mcbride(  # noqa: PLR0912 - compiled as one
+def _filter(
+    signal: Array, output: Array, denominator: Array, filtered_signal: Array, filtered_output: Array, order: int
+) -> None:
+    """Signal and output through the all-pole filter 1/A(z⁻¹), from rest, into the given arrays."""
+    for k in range(len(output)):
+        at_input, at_output = signal[k], output[k]
+        for i in range(1, min(order, k) + 1):
+            at_input -= denominator[i] * filtered_signal[k - i]
+            at_output -= denominator[i] * filtered_output[k - i]
+        filtered_signal[k], filtered_output[k] = at_input, at_output
+
+
+@njit
+def _regression(
+    signal: Array, output: Array, used: NDArray[np.bool_], order: int, first_lag: int, lags: int, triangle: Array
+) -> bool:
+    """Fold the regression of the output on its past and on lagged inputs into a triangle; whether that is finite."""
+    columns = order + lags
+    block = np.zeros((columns + 1, BLOCK))
+    filled = 0
+    for k in range(max(order, first_lag + lags - 1), len(output)):
+        if not used[k]:
+            continue
+        for i in range(order):
+            block[i, filled] = -output[k - 1 - i]
+        for i in range(lags):
+            block[order + i, filled] = signal[k - first_lag - i]
+        block[columns, filled] = output[k]
+        filled += 1
+        if filled == BLOCK:
+            fold(triangle, block, filled)
+            filled = 0
+    fold(triangle, block, filled)
+    for i in range(columns + 1):
+        for j in range(columns + 1):
+            if not np.isfinite(triangle[i, j]):
+                return False
+    return True
+
+
+def _steiglitz_mcbride(
     signal: Array, output: Array, used: NDArray[np.bool_], order: int, first_lag: int, lags: int, iterations: int
 ) -> Array:
     """Denominators in z⁻¹, shape (iterations done, n + 1): the first is ARX, the last Steiglitz–McBride's."""
-    count = len(output)
-    first = max(order, first_lag + lags - 1)
+    from scipy.linalg.lapack import dgelsd, dgelsd_lwork
+
     denominator = np.zeros(order + 1)
     denominator[0] = 1.0
-    found = np.zeros((iterations, order + 1))
+    found: list[Array] = []
     filtered_signal, filtered_output = signal.copy(), output.copy()
     columns = order + lags
-    for iteration in range(iterations):
-        for k in range(count):
-            at_input, at_output = signal[k], output[k]
-            for i in range(1, min(order, k) + 1):
-                at_input -= denominator[i] * filtered_signal[k - i]
-                at_output -= denominator[i] * filtered_output[k - i]
-            filtered_signal[k], filtered_output[k] = at_input, at_output
+    work, integer_work, _ = dgelsd_lwork(columns + 1, columns, 1, 1e-14)
+    for _ in range(iterations):
+        _filter(signal, output, denominator, filtered_signal, filtered_output, order)
         triangle = np.zeros((columns + 1, columns + 1))
-        block = np.zeros((columns + 1, BLOCK))
-        filled = 0
-        for k in range(first, count):
-            if not used[k]:
-                continue
-            for i in range(order):
-                block[i, filled] = -filtered_output[k - 1 - i]
-            for i in range(lags):
-                block[order + i, filled] = filtered_signal[k - first_lag - i]
-            block[columns, filled] = filtered_output[k]
-            filled += 1
-            if filled == BLOCK:
-                fold(triangle, block, filled)
-                filled = 0
-        fold(triangle, block, filled)
-        if not np.all(np.isfinite(triangle)):
-            return found[:iteration]
-        solution = np.linalg.lstsq(np.ascontiguousarray(triangle[:, :columns]), triangle[:, columns].copy(), 1e-14)[0]
-        matrix = np.zeros((order, order), dtype=np.complex128)
-        for i in range(order):
-            matrix[0, i] = -solution[i]
-            if i + 1 < order:
-                matrix[i + 1, i] = 1.0
-        polynomial = np.zeros(order + 1, dtype=np.complex128)
-        polynomial[0] = 1.0
-        for root in np.linalg.eigvals(matrix):
-            stable = 1.0 / np.conj(root) if abs(root) > 1.0 else root  # the filter must be stable
-            polynomial[1:] -= stable * polynomial[:-1].copy()
-        change = np.max(np.abs(polynomial.real - denominator))
-        denominator = polynomial.real.copy()
-        found[iteration] = denominator
+        if not _regression(filtered_signal, filtered_output, used, order, first_lag, lags, triangle):
+            break
+        solution, _, _, failed = dgelsd(triangle[:, :columns], triangle[:, columns], int(work), integer_work, 1e-14)
+        if failed:
+            raise np.linalg.LinAlgError("SVD did not converge.")
+        polynomial = _reflected(solution.ravel()[:order])
+        change = np.max(np.abs(polynomial - denominator))
+        denominator = polynomial
+        found.append(denominator)
         if not np.all(np.isfinite(denominator)):
-            return found[:iteration]
+            found.pop()
+            break
         if change < SETTLED:
-            return found[: iteration + 1]
-    return found
+            break
+    return np.array(found).reshape(len(found), order + 1)
+
+
+def _reflected(coefficients: Array) -> Array:
+    """Monic polynomial with the given lower coefficients, its roots outside the unit circle reflected into it.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If a coefficient is not finite, or the eigenvalues do not converge.
+    """
+    from scipy.linalg.lapack import zgeev
+
+    order = len(coefficients)
+    if not np.all(np.isfinite(coefficients)):
+        raise np.linalg.LinAlgError("Array must not contain infs or NaNs.")
+    matrix = np.zeros((order, order), dtype=np.complex128, order="F")
+    matrix[0] = -coefficients
+    for i in range(order - 1):
+        matrix[i + 1, i] = 1.0
+    roots, _, _, failed = zgeev(matrix, 0, 0, overwrite_a=1)
+    if failed:
+        raise np.linalg.LinAlgError("Eigenvalues did not converge.")
+    polynomial = [1.0 + 0.0j] + [0.0j] * order
+    for root in roots.tolist():
+        stable = 1.0 / root.conjugate() if hypot(root.real, root.imag) > 1.0 else root  # the filter must be stable
+        polynomial = [polynomial[0], *(polynomial[i] - stable * polynomial[i - 1] for i in range(1, order + 1))]
+    return np.array([each.real for each in polynomial])
 
 
 def discrete_time_poles(experiment: Experiment, order: int) -> list[ComplexArray]:

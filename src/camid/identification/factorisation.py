@@ -134,17 +134,27 @@ def _companion_system(
             rows[1 + j, size] = 1.0
         else:
             rows[1 + j, order - 1 - degree] = 1.0
-        rows[0] += numerator[j] * rows[1 + j]
+        for i in range(size + 2):
+            rows[0, i] += numerator[j] * rows[1 + j, i]
     if estimated:
         start[free] = 1.0
         for i in range(order):
             rows[0, free + i] = initial[i]
             rows[1 + split + order + i, free + i] = 1.0
     if sensitive:
-        augmented[order, :] += rows[0, :]
+        for i in range(size + 2):
+            augmented[order, i] += rows[0, i]
         for i in range(order):
             rows[1 + split + i, order + i] = -1.0
     return augmented, start, rows
+
+
+@njit
+def _clear(block: Array, first: int, last: int) -> None:
+    """Set rows to zero, from the first up to the last, which is left out."""
+    for i in range(first, last):
+        for j in range(block.shape[1]):
+            block[i, j] = 0.0
 
 
 @njit
@@ -200,13 +210,14 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
         straddles, first_order, delay = records.straddles[e], records.first_order[e], records.delay[e]
         begin, count = records.offsets[e], records.offsets[e + 1] - records.offsets[e]
         begins_moving = -delay if records.early[e] else 0
-        block[:] = 0.0
+        _clear(block, 0, columns + 1)
         now = np.zeros(size + 2)
         following = np.zeros(size + 2)
         outputs = 1 + split + (order if sensitive else 0)
         for j in range(-delay, count - delay):
             if estimated and j == begins_moving:
-                now[:size] += start[:size]
+                for row in range(size):
+                    now[row] += start[row]
             now[size], now[size + 1] = begin_interval(records.signal, begin, count, j, first_order, period)
             for row in range(size):
                 total = 0.0
@@ -241,7 +252,7 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
                 if filled == BLOCK:
                     fold(triangle, block, filled)
                     filled = 0
-                    block[split + order : columns] = 0.0
+                    _clear(block, split + order, columns)
             for row in range(size):
                 now[row] = following[row]
         # The columns of one experiment's initial state are zero in the rows of the others.
@@ -284,15 +295,24 @@ def output_error_costs(
     costs = np.empty(len(denominators))
     residual = np.empty(len(records.signal))
     initial = np.zeros(initial_count)
-    linear = np.concatenate((free_numerator, np.zeros(order, np.bool_), np.ones(initial_count, np.bool_)))
-    chosen = np.flatnonzero(linear)
+    chosen = np.empty(split + initial_count, np.int64)
+    number = 0
+    for i in range(split + order + initial_count):
+        if i >= split + order or (i < split and free_numerator[i]):
+            chosen[number] = i
+            number += 1
+    chosen = chosen[:number]
+    scaled, fixed = np.empty(order + 1), np.zeros(split)
     for k in range(len(denominators)):
         radius = 0.0
         for i in range(1, order + 1):
             radius = max(radius, abs(denominators[k, i]) ** (1.0 / i))
         unit = 1.0 / radius if radius > 0.0 else 1.0
-        scaled = denominators[k] * unit ** np.arange(order + 1)
-        fixed = np.where(free_numerator, 0.0, numerator * unit ** (order - split + 1.0 + np.arange(split)))
+        for i in range(order + 1):
+            scaled[i] = denominators[k, i] * unit**i
+        for i in range(split):
+            if not free_numerator[i]:
+                fixed[i] = numerator[i] * unit ** (order - split + 1.0 + i)
         triangle, _ = factorise(fixed, scaled, initial, records, unit, False, residual)
         costs[k] = solve(triangle, chosen)[1]
     return costs
@@ -318,9 +338,11 @@ def solve(  # noqa: PLR0912 - compiled as one
     """
     size, count = triangle.shape[0], len(chosen)
     table = np.empty((count, size))
-    for j in range(count):
-        table[j] = triangle[:, chosen[j]]
-    target = triangle[:, size - 1].copy()
+    target = np.empty(size)
+    for i in range(size):
+        for j in range(count):
+            table[j, i] = triangle[i, chosen[j]]
+        target[i] = triangle[i, size - 1]
     upper = np.zeros((count, count))
     projected = np.zeros(count)
     independence, effect = 1.0, 0.0

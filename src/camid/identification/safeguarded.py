@@ -31,9 +31,12 @@ REPORTED_ITERATIONS = 10
 @njit
 def _is_stable(denominator: Array) -> bool:
     """As :func:`camid.identification.iteration.has_stable`; non-negative coefficients suffice up to the order two."""
-    if not np.all(np.isfinite(denominator)):
-        return False
-    if len(denominator) <= 3 and np.all(denominator >= 0.0):
+    negative = False
+    for coefficient in denominator:
+        if not np.isfinite(coefficient):
+            return False
+        negative = negative or coefficient < 0.0
+    if len(denominator) <= 3 and not negative:
         return True
     order = len(denominator) - 1
     matrix = np.zeros((order, order), dtype=np.complex128)
@@ -41,24 +44,39 @@ def _is_stable(denominator: Array) -> bool:
         matrix[0, i] = -denominator[1 + i]
         if i + 1 < order:
             matrix[i + 1, i] = 1.0
-    roots = np.linalg.eigvals(matrix)
-    return bool(np.all(roots.real <= STABILITY_TOLERANCE * np.abs(roots)))
+    for root in np.linalg.eigvals(matrix):
+        if not root.real <= STABILITY_TOLERANCE * abs(root):
+            return False
+    return True
 
 
-@njit
+@njit(error_model="numpy")
 def _decomposed(triangle: Array, moving: NDArray[np.int64]) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
     """Singular values and right vectors of the column-scaled instruments that move, the scale and the projections."""
     size = triangle.shape[0]
     # A column of zeros stands for no parameter at all where all are held, which no factorisation takes.
-    table = np.zeros((size, max(len(moving), 1)))
-    for k in range(len(moving)):
-        table[:, k] = triangle[:, moving[k]]
-    lengths = np.sqrt(np.sum(table * table, axis=0))
-    lengths[lengths == 0.0] = 1.0
-    left, singular, right = np.linalg.svd(table / lengths, False)
-    # What the data do not determine at all must not move.
-    kept = singular > np.max(singular) / LARGEST_CONDITION
-    return singular, right, lengths, np.where(kept, left.T @ np.ascontiguousarray(triangle[:, size - 1]), 0.0), kept
+    columns = max(len(moving), 1)
+    table, lengths, target = np.zeros((size, columns)), np.zeros(columns), np.empty(size)
+    for i in range(size):
+        target[i] = triangle[i, size - 1]
+        for k in range(len(moving)):
+            table[i, k] = triangle[i, moving[k]]
+            lengths[k] += table[i, k] * table[i, k]
+    for k in range(columns):
+        lengths[k] = np.sqrt(lengths[k])
+        if lengths[k] == 0.0:
+            lengths[k] = 1.0
+        for i in range(size):
+            table[i, k] /= lengths[k]
+    left, singular, right = np.linalg.svd(table, False)
+    projected = left.T @ target
+    kept = np.empty(len(singular), np.bool_)
+    for k in range(len(singular)):
+        # What the data do not determine at all must not move.
+        kept[k] = singular[k] > singular[0] / LARGEST_CONDITION
+        if not kept[k]:
+            projected[k] = 0.0
+    return singular, right, lengths, projected, kept
 
 
 @njit
@@ -74,17 +92,60 @@ def _determined(right: Array, kept: NDArray[np.bool_], moving: NDArray[np.int64]
     return True
 
 
-@njit
+@njit(error_model="numpy")
 def _damped_step(
     singular: Array, right: Array, lengths: Array, projected: Array, kept: NDArray[np.bool_], damping: float
 ) -> tuple[Array, float]:
     """Damped step, and the decrease of the sum of squares that it promises."""
-    gain = np.where(kept, singular / (singular**2 + damping), 0.0)
-    effect = singular * gain * projected
-    step = np.zeros(len(lengths))
+    step, promised = np.zeros(len(lengths)), 0.0
     for i in range(len(singular)):
-        step += gain[i] * projected[i] * right[i]
-    return step / lengths, float(np.sum(2.0 * effect * projected - effect * effect))
+        gain = singular[i] / (singular[i] * singular[i] + damping) if kept[i] else 0.0
+        effect = singular[i] * gain * projected[i]
+        promised += 2.0 * effect * projected[i] - effect * effect
+        for k in range(len(lengths)):
+            step[k] += gain * projected[i] * right[i, k]
+    for k in range(len(lengths)):
+        step[k] /= lengths[k]
+    return step, promised
+
+
+@njit
+def _all_finite(triangle: Array) -> bool:
+    for i in range(triangle.shape[0]):
+        for j in range(triangle.shape[1]):
+            if not np.isfinite(triangle[i, j]):
+                return False
+    return True
+
+
+@njit
+def _moving(free: NDArray[np.bool_], held: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Places of the parameters that are free and not held."""
+    found = np.empty(len(free), np.int64)
+    count = 0
+    for j in range(len(free)):
+        if free[j] and not held[j]:
+            found[count] = j
+            count += 1
+    return found[:count]
+
+
+@njit(error_model="numpy")
+def _release(triangle: Array, held: NDArray[np.bool_], small: float) -> bool:
+    """Let go the held coefficients that would lower the output error if they were larger; whether there are any."""
+    last = triangle.shape[0] - 1
+    released = False
+    for j in range(last):
+        if held[j]:
+            power, slope = 0.0, 0.0
+            for i in range(last + 1):
+                power += triangle[i, j] * triangle[i, j]
+                slope += triangle[i, j] * triangle[i, last]
+            length = np.sqrt(power)
+            if slope / (length if length > 0.0 else 1.0) > small:
+                held[j] = False
+                released = True
+    return released
 
 
 @njit
@@ -104,8 +165,9 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
     """Parameters, cost, damping, whether converged, whether finished, iterations; ``held`` changes in place."""
     coefficients, count = split + order, len(parameters)
     residual = np.empty(len(records.signal))
-    denominator = np.ones(order + 1)
-    denominator[1:] = parameters[split:coefficients]
+    denominator, clipped = np.ones(order + 1), np.zeros(count, np.bool_)
+    for i in range(order):
+        denominator[1 + i] = parameters[split + i]
     triangle, cost = factorise(
         parameters[:split], denominator, parameters[coefficients:], records, time_unit, True, residual
     )
@@ -114,27 +176,22 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
     iteration = 0
     while iteration < maximum_iterations:
         iteration += 1
-        moving = np.flatnonzero(free & ~held)
-        if not np.all(np.isfinite(triangle)):
+        moving = _moving(free, held)
+        if not _all_finite(triangle):
             return parameters, cost, damping, False, True, iteration
-        target = np.ascontiguousarray(triangle[:, count])
         direct, left_over, offset, independence = solve(triangle, moving)
         sound = independence > SOUND and np.isfinite(left_over)
         determined = True
         if not sound or damping > 0.0:
             singular, right, lengths, projected, kept = _decomposed(triangle, moving)
-            offset = np.sqrt(np.sum(projected**2))  # effect of the undamped step on the simulated output
+            power = 0.0
+            for value in projected:
+                power += value * value
+            offset = np.sqrt(power)  # effect of the undamped step on the simulated output
             determined = _determined(right, kept, moving, coefficients)
         small = max(OFFSET_TOLERANCE * np.sqrt(cost), rounding)
         if offset <= small:
-            # A larger coefficient would lower the output error: a held one is then let go.
-            released = False
-            for j in np.flatnonzero(held):
-                length = np.sqrt(np.sum(triangle[:, j] ** 2))
-                if np.sum(triangle[:, j] * target) / (length if length > 0.0 else 1.0) > small:
-                    held[j] = False
-                    released = True
-            if released:
+            if _release(triangle, held, small):
                 continue
             return parameters, cost, damping, determined, True, iteration
         accepted = False
@@ -145,11 +202,15 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
                 singular, right, lengths, projected, kept = _decomposed(triangle, moving)
                 step, promised = _damped_step(singular, right, lengths, projected, kept, damping)
             trial = parameters.copy()
-            trial[moving] += step[: len(moving)]
-            clipped = bounded & (trial < 0.0)
-            trial[clipped] = 0.0
+            for k in range(len(moving)):
+                trial[moving[k]] += step[k]
+            for j in range(count):
+                clipped[j] = bounded[j] and trial[j] < 0.0
+                if clipped[j]:
+                    trial[j] = 0.0
             trial_cost = np.inf
-            denominator[1:] = trial[split:coefficients]
+            for i in range(order):
+                denominator[1 + i] = trial[split + i]
             if _is_stable(denominator):
                 trial_triangle, trial_cost = factorise(
                     trial[:split], denominator, trial[coefficients:], records, time_unit, True, residual
@@ -165,7 +226,8 @@ def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost mo
             # Only rounding was left to gain, or nothing that a step could do.
             return parameters, cost, damping, determined and offset <= 1e5 * rounding, True, iteration
         parameters, triangle, cost = trial, trial_triangle, trial_cost
-        held |= clipped
+        for j in range(count):
+            held[j] = held[j] or clipped[j]
     return parameters, cost, damping, False, False, iteration
 
 
