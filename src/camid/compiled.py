@@ -31,6 +31,7 @@ from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any, TypeVar, cast, overload
 
+import llvmlite.binding
 import numba
 import numpy as np
 from numba.core.caching import _Cache
@@ -55,6 +56,21 @@ PURPOSES = {
     "camid.images": "the images of markers",
 }
 
+# What every x86-64 processor of the last ten years has. Sums that may be taken in any order are taken in that of the
+# processor's vectors, so that one target makes the last digits the same on all of them; longer vectors gain nothing.
+COMMON_FEATURES = ("avx2", "bmi2", "fma")
+COMMON_TARGET = "haswell"
+
+
+def _fix_target() -> None:
+    """Compile for one kind of processor, unless the reader chose another one or the machine is not of that kind."""
+    available = llvmlite.binding.get_host_cpu_features()
+    if numba.config.CPU_NAME is None and all(available.get(feature) for feature in COMMON_FEATURES):
+        numba.config.CPU_NAME, numba.config.CPU_FEATURES = COMMON_TARGET, ""
+
+
+_fix_target()
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -71,7 +87,8 @@ def njit(function: Function | None = None, /, **options: Any) -> Function | Call
 
     def decorate(function: Function) -> Function:
         # Nothing takes the address of these functions: an entry point for C would be compiled for nothing.
-        dispatcher: Any = numba.njit(no_cfunc_wrapper=True, **options)(function)
+        decorator: Any = numba.njit
+        dispatcher: Any = decorator(no_cfunc_wrapper=True, **options)(function)
         if dispatcher is not function:  # as it is where NUMBA_DISABLE_JIT is set
             dispatcher._cache = CompiledCode(cast(FunctionType, function), options)
             dispatcher.get_call_template = _without_literals(dispatcher.get_call_template)

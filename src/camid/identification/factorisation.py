@@ -105,7 +105,7 @@ def fold(triangle: Array, block: Array, rows: int) -> None:
 
 
 @njit
-def _companion_system(
+def _companion_system(  # noqa: PLR0912 - loops over elements, which compile fastest
     numerator: Array, denominator: Array, initial: Array, estimated: bool, sensitive: bool
 ) -> tuple[Array, Array, Array]:
     """Augmented matrix, start and output rows of the chains z = u/A, z̃ = y/A and z_δ = δ/A (the last two as needed).
@@ -319,7 +319,7 @@ def output_error_costs(
 
 
 @njit
-def solve(  # noqa: PLR0912 - compiled as one
+def solve(  # noqa: C901, PLR0912 - compiled as one
     triangle: Array, chosen: NDArray[np.int64]
 ) -> tuple[Array, float, float, float]:
     """Least squares of the last column on the chosen ones, by modified Gram–Schmidt.

@@ -44,7 +44,7 @@ def _is_stable(denominator: Array) -> bool:
         matrix[0, i] = -denominator[1 + i]
         if i + 1 < order:
             matrix[i + 1, i] = 1.0
-    for root in np.linalg.eigvals(matrix):
+    for root in np.linalg.eigvals(matrix):  # noqa: SIM110 - compiled code has no generators in all()
         if not root.real <= STABILITY_TOLERANCE * abs(root):
             return False
     return True
@@ -149,7 +149,7 @@ def _release(triangle: Array, held: NDArray[np.bool_], small: float) -> bool:
 
 
 @njit
-def _iterate(  # noqa: PLR0912, PLR0915 - a call between the parts would cost more than some of them
+def _iterate(  # noqa: C901, PLR0912 - a call between the parts would cost more than some of them
     parameters: Array,
     free: NDArray[np.bool_],
     bounded: NDArray[np.bool_],

@@ -20,7 +20,7 @@ def reproducible_environment() -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        What numba compiles adds up in the order of the source on every processor, so that nothing is set for it. On
-        processors that are not x86-64 the digits are their own; they agree as tests/paper/test_arithmetic.py says.
+        :mod:`camid.compiled` compiles for one kind of processor itself. On processors that are not x86-64 the digits
+        are their own; they agree as tests/paper/test_arithmetic.py says.
     """
     return {**(X86_64 if platform.machine() in {"x86_64", "AMD64"} else {}), **ONE_THREAD}
