@@ -65,8 +65,9 @@ COMMON_TARGET = "haswell"
 def _fix_target() -> None:
     """Compile for one kind of processor, unless the reader chose another one or the machine is not of that kind."""
     available = llvmlite.binding.get_host_cpu_features()
-    if numba.config.CPU_NAME is None and all(available.get(feature) for feature in COMMON_FEATURES):
-        numba.config.CPU_NAME, numba.config.CPU_FEATURES = COMMON_TARGET, ""
+    configuration: Any = numba.config
+    if configuration.CPU_NAME is None and all(available.get(feature) for feature in COMMON_FEATURES):
+        configuration.CPU_NAME, configuration.CPU_FEATURES = COMMON_TARGET, ""
 
 
 _fix_target()
