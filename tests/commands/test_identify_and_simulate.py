@@ -335,7 +335,7 @@ def test_python_control_systems_that_are_no_plant_are_refused():
     refused = {
         "discrete time": control.tf([1.0], [1.0, -0.5], rig.PERIOD),
         "one pair": control.ss([[-1.0]], [[1.0, 2.0]], [[1.0]], [[0.0, 0.0]]),
-        "is no plant": control.frd([1.0, 2.0], [1.0, 2.0]),
+        "is not a plant": control.frd([1.0, 2.0], [1.0, 2.0]),
         "improper": control.tf([1.0, 0.0, 0.0], [1.0, 1.0]),
         "unstable": control.tf([1.0], [1.0, -1.0]),
     }

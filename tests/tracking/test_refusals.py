@@ -203,7 +203,7 @@ def test_a_motion_smaller_than_the_marker_needs_a_choice(bench, capsys):
         (["--bright", "--dark"], "--bright and --dark contradict each other"),
         (["--bright", "--scale", "2"], "--scale without --unit"),
         (["--bright", "--scale", "-1", "--unit", "m"], "--scale -1; it takes a positive number"),
-        (["--bright", "--scale", "2", "--unit", "s"], "--unit: 's' is no unit of length"),
+        (["--bright", "--scale", "2", "--unit", "s"], "--unit: 's' is not a unit of length"),
         (["--bright", "--scale", "2", "--unit", "foo"], "--unit: unknown unit 'foo'"),
         (["--bright", "--unit", "mm"], "--unit mm without --scale"),
         (["--bright", "--start", "1", "--end", "0.5"], "--start 1 is not before --end 0.5"),

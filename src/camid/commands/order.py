@@ -56,7 +56,7 @@ def select_order(
         )
     if believed.controller is not None:
         raise InputError(
-            "order compares plants behind an input that nothing feeds back to, and this one has a controller",
+            "order compares plants driven by an open-loop input, and this one has a controller",
             where=believed.source,
             hint="write the plant, and let identify or diagnose estimate it in its loop",
         )

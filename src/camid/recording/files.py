@@ -165,5 +165,5 @@ def _unpacked(path: Path, name: str, kind: str) -> bytes:
     except (OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"cannot be unpacked ({error})", where=name, hint="pack it again") from None
     if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in SIGNATURES.values()):
-        raise InputError("what is packed is no text file", where=name, hint="unpack it")
+        raise InputError("what is packed is not a text file", where=name, hint="unpack it")
     return data

@@ -26,7 +26,7 @@ def continuous_plant(system: Any, where: str) -> TransferFunction:
     )
     if not isinstance(system, kinds):
         raise InputError(
-            f"a {type(system).__name__} is no plant",
+            f"a {type(system).__name__} is not a plant",
             where=where,
             hint="give a continuous-time control.TransferFunction or control.StateSpace",
         )

@@ -118,7 +118,7 @@ def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
         count = len(getattr(written.transfer_function, name))
         if len(getattr(getattr(written, key), name)) != count:
             raise InputError(
-                f"'{name}' has not the {count} entries of the transfer function",
+                f"'{name}' does not have the {count} entries of the transfer function",
                 where=where("plant", key),
                 hint="give one value per coefficient",
             )
@@ -126,4 +126,4 @@ def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
 
 def _check_square(table: list[list[float]], size: int, rows: str, where: Where) -> None:
     if [len(row) for row in table] != [size] * size:
-        raise InputError(f"this is no table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows)
+        raise InputError(f"this is not a table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows)

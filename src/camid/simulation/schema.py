@@ -315,13 +315,13 @@ def validated(content: Mapping[str, Any], source: str) -> SimulationFile:
 _UNKNOWN_KEY = ("extra_forbidden", "invalid_key")
 # What is wrong, by pydantic's type of error; the message names the value first.
 _PROBLEMS = {
-    "model_type": "is no mapping of keys to values",
-    "dict_type": "is no mapping of keys to values",
-    "list_type": "is no list",
-    "string_type": "is no text",
+    "model_type": "is not a mapping of keys to values",
+    "dict_type": "is not a mapping of keys to values",
+    "list_type": "is not a list",
+    "string_type": "is not text",
     "bool_type": "is neither true nor false",
-    "float_type": "is no finite number",
-    "finite_number": "is no finite number",
+    "float_type": "is not a finite number",
+    "finite_number": "is not a finite number",
     "greater_than": "is not greater than {gt:g}",
     "greater_than_equal": "is less than {ge:g}",
     "too_short": "is empty",

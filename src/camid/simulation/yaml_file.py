@@ -17,7 +17,7 @@ def read_yaml(path: Path) -> Any:
     Raises
     ------
     InputError
-        If there is no such file or it is no YAML; a key that appears twice is no YAML.
+        If there is no such file or it is not YAML; a key that appears twice is not YAML.
     """
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError
@@ -48,7 +48,7 @@ def plain_truth_value(value: Any) -> Any:
 
 
 def _line(content: Any, path: list[Any]) -> int | None:
-    """Line in the YAML file at which the value at ``path`` stands, as ruamel.yaml remembers it."""
+    """Line in the YAML file of the value at ``path``, as ruamel.yaml remembers it."""
     line = None
     for key in path:
         try:

@@ -175,7 +175,7 @@ class Moving:
         balance = float(strong.sum() / np.abs(strong).sum())
         if abs(balance) < ONE_SIGN:
             raise InputError(
-                "what moves is both brighter and darker than the median: it moves little, or rests for long",
+                "what moves is both brighter and darker than the median: it moves little, or stays still for long",
                 hint="say what the marker looks like: --bright, --dark or --colour",
             )
         return Moving(self.background, 1 if balance > 0.0 else -1)
