@@ -92,7 +92,7 @@ def run() -> Report:
     return Report(
         "engine",
         "Simulation with an effect",
-        f"{FRAMES} frames of a second-order plant at T ω₀ = 0.2 behind a held input and before a camera, median of "
+        f"{FRAMES} frames of a second-order plant at T ω₀ = 0.2 driven by a held input and seen by a camera, median of "
         f"{ROUNDS} runs. scipy's LSODA (relative tolerance 1e-6, restarted at each sample of the input, forces in "
         f"plain Python) was timed on {PEER_FRAMES} frames. Differences are the largest from LSODA at 1e-10, in "
         "standard deviations of the output; dry friction is a tanh of v / (0.001 y/s) in LSODA and exact in camid, "

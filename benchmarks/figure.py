@@ -1,4 +1,4 @@
-"""Figure of the benchmark: time of a fit against its error, a marker a tool."""
+"""Figure of the benchmark: time of a fit against its error, one marker per tool."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 PERIOD = 0.1  # s
 FONT_SIZE = 7.0
-# One look a tool, so that it is told apart without colour, too; labels stand beside the markers besides.
+# One marker per tool, so that tools differ without colour, too; labels are written beside the markers.
 MARKERS = {
     "camid": ("o", style.BLUE),
     "scipy": ("s", style.VERMILION),
@@ -29,7 +29,7 @@ MARKERS = {
     "jax-sysid": ("X", style.GREEN),
     "sysidentpy": ("*", style.VERMILION),
 }
-# Where a label may stand, in points from its marker, the best first: offset and horizontal alignment.
+# Where a label may be, in points from its marker, the best first: offset and horizontal alignment.
 PLACES = [
     (dx, dy, side)
     for reach, rise in ((7, 0), (7, 7), (12, 12), (20, 10), (16, 18), (26, 16), (16, 26))
@@ -109,7 +109,7 @@ def draw(table: pd.DataFrame, period: float = PERIOD) -> Figure:
         Seconds.
     """
     style.apply()
-    import matplotlib.pyplot as plt  # noqa: PLC0415 - behind the choice of the backend
+    import matplotlib.pyplot as plt  # noqa: PLC0415 - after the choice of the backend
 
     part = table[(table["period"] == period) & np.isfinite(table["milliseconds"]) & np.isfinite(table["to_bound"])]
     figure, axes = plt.subplots(figsize=(style.PAGE_WIDTH, 4.8))

@@ -83,7 +83,7 @@ def interleaved_fits(tools: tuple[Peer, ...], period: float, seeds: int) -> dict
             fit_once(tools[i], record(signal, period, generator(IDENTIFICATION, index, seeds)))
         for seed in range(seeds):
             recording = record(signal, period, generator(IDENTIFICATION, index, seed))
-            # Nobody always runs behind the same neighbour.
+            # No tool always runs after the same neighbour.
             for i in present[seed % len(present) :] + present[: seed % len(present)]:
                 if seed < tools[i].most_seeds:
                     fits[i].append(fit_once(tools[i], recording))
@@ -168,8 +168,8 @@ def run(periods: tuple[float, ...] = PERIODS, seeds: int = SEEDS, tools: tuple[P
         "identification",
         "One fit of the paper's task",
         f"b0, a1 and a0 of G0 from {samples} PRBS samples in noise of 10 dB. Median wall time of a fit, first call "
-        "excluded, all tools in turn on each noise sample. Start *none*: the tool is told the order only; *nominal*: a "
-        "plant whose coefficients are 10 % off; the times are compared with camid's from the same start. The rms "
+        "excluded, all tools in turn on each noise sample. Start *none*: the tool is given the order only; *nominal*: "
+        "a plant whose coefficients are 10 % off; the times are compared with camid's from the same start. The rms "
         f"errors leave out gross failures (a parameter more than {100 * GROSS:.0f} % off, or an exception; most are "
         "pairs of sampled poles that noise has moved onto the negative real axis, from where no continuous-time model "
         "of second order leads back). Error / "

@@ -40,11 +40,11 @@ class Peer:
     Attributes
     ----------
     name : str
-        As it stands in the tables.
+        As in the tables.
     package, distribution : str
         What is imported and what is installed.
     start : {"none", "nominal"}
-        Whether the tool is told the nominal plant.
+        Whether the tool is given the nominal plant.
     identify : callable
         From a `Recording` and the nominal [b0, a1, a0] to the estimated [b0, a1, a0].
     most_seeds : int

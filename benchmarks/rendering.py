@@ -1,4 +1,4 @@
-"""Images by exposure: frames a second and largest pixel error, against OpenCV's anti-aliased circles."""
+"""Images by exposure: frames per second and largest pixel error, against OpenCV's anti-aliased circles."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def straight(start: tuple[float, float], shift: tuple[float, float], exposure: f
 
 
 def with_stop(exposure: float) -> Path:
-    """Back and forth along a line; stands still at 40 % of the exposure."""
+    """Back and forth along a line; stays still at 40 % of the exposure."""
 
     def path(time: Array) -> Array:
         phase = np.pi * (np.asarray(time) / exposure - 0.4)

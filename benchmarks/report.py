@@ -56,7 +56,7 @@ class Report:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number with so many significant digits, without an exponent where people need none; a dash for none."""
+    """A number with this many significant digits, without an exponent where people need none; a dash for none."""
     if not np.isfinite(value):
         return "–"
     if value == 0.0:

@@ -35,15 +35,15 @@ def silence() -> Iterator[None]:
 
 def timed(call: Callable[[], Result]) -> tuple[Result, float]:
     """Result of a call and its wall time in seconds."""
-    begin = time.perf_counter()
+    start = time.perf_counter()
     result = call()
-    return result, time.perf_counter() - begin
+    return result, time.perf_counter() - start
 
 
 def alternate(calls: dict[str, Callable[[int], object]], rounds: int) -> dict[str, float]:
-    """Median time in seconds of each call; all are called once a round, after a round that is not counted.
+    """Median time in seconds of each call; all are called once per round, after a round that is not counted.
 
-    The order rotates from round to round, so that nobody always finds the data of the round in no cache yet.
+    The order rotates from round to round, so that no call always finds the data of the round in no cache yet.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ def alternate(calls: dict[str, Callable[[int], object]], rounds: int) -> dict[st
         first = k % len(names)
         for name in names[first:] + names[:first]:
             call = calls[name]
-            begin = time.perf_counter()
+            start = time.perf_counter()
             call(max(k, 0))
             if k >= 0:
-                times[name].append(time.perf_counter() - begin)
+                times[name].append(time.perf_counter() - start)
     return {name: float(np.median(durations)) for name, durations in times.items()}

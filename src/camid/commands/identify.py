@@ -41,7 +41,7 @@ def identify(
     method : {"srivc", "output-error", "plain-srivc"}
         See :func:`camid.identification.estimate.estimate`.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Raises
     ------

@@ -31,7 +31,7 @@ def select_order(
     largest : int
         Largest number of poles.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Returns
     -------

@@ -114,7 +114,7 @@ def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 
 def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort) -> list[Hypothesis]:
-    """Those worth a thorough fit."""
+    """Those that deserve a thorough fit."""
     if not ranked:
         return []
     best = ranked[0].criterion

@@ -77,7 +77,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
         if not report:
             (folder / FILES[3]).unlink(missing_ok=True)
         for name, content in contents.items():
-            # A name from a file system may hold bytes that are no text.
+            # A name from a file system may hold bytes that are not text.
             data = content.encode("utf-8", errors="replace")
             write_whole(folder / name, lambda path, data=data: path.write_bytes(data))  # type: ignore[misc]
             written.append(folder / name)

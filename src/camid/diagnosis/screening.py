@@ -1,7 +1,7 @@
 """Screen the catalogue: how much of the residual each effect would explain, to first order, with one simulation each.
 
 A candidate changes the simulated output by s. What the plant's coefficients (and the effects already found) can imitate
-of it is projected off, and the rest r is held against the residual e: taking the effect in at the size that fits best
+of it is projected off, and the rest r is compared with the residual e: taking the effect in at the size that fits best
 lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948) with a finite step for the derivative.
 """
 

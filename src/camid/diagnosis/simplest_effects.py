@@ -3,7 +3,7 @@
 A likelihood takes every law as exact. With ten thousand samples of a real rig it then calls for a further effect, and a
 further parameter, whatever small part of the true law they imitate. Where structure is left, an effect beside
 others has to explain most of what the others leave, and a general law has to explain more than its special case by a
-margin that is worth a name; else the name would be that of a correction.
+margin that justifies a name; else the name would be that of a correction.
 """
 
 from __future__ import annotations

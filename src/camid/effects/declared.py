@@ -29,7 +29,9 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
                 hint=nearest_match(declared.identifier, known_effects()),
             )
         if any(type(e) is kind for e in found):
-            raise InputError(f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one")
+            raise InputError(
+                f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one"
+            )
         names = [p.name for p in kind.parameters]
         for name in declared.parameters:
             if name not in names:

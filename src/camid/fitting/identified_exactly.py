@@ -1,4 +1,4 @@
-"""Identification of a linear plant behind a recorded input, with the tests of its residual."""
+"""Identification of a linear plant driven by a recorded input, with the tests of its residual."""
 
 from __future__ import annotations
 

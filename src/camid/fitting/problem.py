@@ -108,7 +108,7 @@ class Problem:
         return replace(self, experiments=experiments)
 
     def start_of(self, rows: int) -> Problem:
-        """The same recordings, cut off after so many rows."""
+        """The same recordings, cut off after this many rows."""
         experiments = [
             replace(e, signal=e.signal[:rows], output=e.output[:rows], used=e.used[:rows]) for e in self.experiments
         ]
@@ -165,7 +165,7 @@ class Problem:
         found = []
         for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True)):
             motion = move(self.chain(model, i), e.signal, t)
-            nodes = np.round((t - motion.begin) / motion.step).astype(int)
+            nodes = np.round((t - motion.start) / motion.step).astype(int)
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found
 

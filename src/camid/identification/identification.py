@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# A mean of the residual is worth a warning if it is this many standard deviations off and this share of the power.
+# A mean of the residual calls for a warning if it is this many standard deviations off and this share of the power.
 OFFSET_SIGNIFICANCE = 5.0
 OFFSET_SHARE = 0.02
 # Rivals of a smaller weight are left to --json, and so are those beyond the first few.
@@ -50,7 +50,7 @@ class Identification:
     acquisition : Acquisition or None
         Hold and sensor as they were declared for the first recording.
     residual_analysis : ResidualAnalysis or None
-        Whether the residual is white and independent of the input; None if there is no residual worth the name.
+        Whether the residual is white and independent of the input; None if there is no usable residual.
     alternatives : list of Alternative
         Other declarations that were fitted because the residual contradicts this one, best first.
     recording_warnings : tuple of str
@@ -91,7 +91,7 @@ class Identification:
         return f"b{zeros - coefficient}" if coefficient <= zeros else f"a{poles - (coefficient - zeros)}"
 
     def warnings(self) -> list[str]:
-        """What changes the worth of the numbers, a sentence each."""
+        """What limits how far the numbers can be trusted, one sentence each."""
         sentences = list(self.recording_warnings)
         if not self.converged:
             sentences.append(

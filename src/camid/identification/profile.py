@@ -1,8 +1,8 @@
 """Standard deviations where the first order is not enough: the profile of the likelihood.
 
-Where the data say little (few samples, much noise, a mode near a zero of the camera), the output error is no parabola
-within two standard deviations. The interval is then read from the error itself: how far a coefficient can be moved, all
-others following, before the deviance rises by the 95 % point of χ² (Venzon & Moolgavkar 1988).
+Where the data say little (few samples, much noise, a mode near a zero of the camera), the output error is not a
+parabola within two standard deviations. The interval is then read from the error itself: how far a coefficient can be
+moved, all others following, before the deviance rises by the 95 % point of χ² (Venzon & Moolgavkar 1988).
 """
 
 from __future__ import annotations

@@ -124,7 +124,7 @@ def _draw(elements: list[_Element]) -> tuple[Figure, pd.DataFrame]:
         else:
             # A sampler is a contact, so its input bears no head.
             signal = Line() if following is SAMPLER else Arrow(arrowlength=HEAD_LENGTH, arrowwidth=HEAD_WIDTH)
-            # From the centre, as labels at the top stand higher over an arrow than over a line.
+            # From the centre, as labels at the top are higher above an arrow than over a line.
             drawing.add(signal.length(length).label(element.mathtext, "center", ofst=(0.0, LABEL_RISE), valign="base"))
         rows.append((element.kind, element.label, round(left + length / 2, 4), MIDLINE))
         left += length

@@ -154,10 +154,10 @@ def _silverbox(results: Results) -> Iterable[Row]:
         yield f"static_gain_{model}", b0 / a0, None, "V/V"
     refitted = replace(results.nominal, plant=_plant(results, "refitted"))
     models = dict(zip(MODELS, (results.nominal, refitted, results.improved), strict=True))
-    for part, (first, behind) in {"multisine": SILVERBOX_MULTISINE, "arrow": SILVERBOX_ARROW}.items():
+    for part, (first, stop) in {"multisine": SILVERBOX_MULTISINE, "arrow": SILVERBOX_ARROW}.items():
         for model, simulation in models.items():
             period = float(results.nominal.reading.period or np.nan)
-            reading = replace(simulation.reading, start=(first - 0.5) * period, end=(behind - 0.5) * period)
+            reading = replace(simulation.reading, start=(first - 0.5) * period, end=(stop - 0.5) * period)
             table = simulate(results.recording, replace(simulation, reading=reading))
             error = table[simulation.output_column] - table["simulated"]
             yield f"{part}_{model}", 1e3 * _root_mean_square(error[SILVERBOX_TRANSIENT:]), None, "mV"

@@ -25,7 +25,7 @@ class Table:
     where : callable
         Name of a row, counted from zero: ``line 7``.
     refused : dict of str to str
-        Variables that are no columns, and why.
+        Variables that are not columns, and why.
     hint : str
         What else to say where a column is missing.
     experiment : str or None

@@ -1,4 +1,4 @@
-"""Tables from text files: comments, separator, decimal mark and header line found or as told."""
+"""Tables from text files: comments, separator, decimal mark and header line detected or as declared."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     Raises
     ------
     InputError
-        If this is no text or no table, or what was told of it is wrong.
+        If this is not text or not a table, or what was declared about it is wrong.
     """
     text = _taken_apart(_decoded(data, name), name, reading)
     line, first = next(text.rows(), (1, []))
@@ -161,20 +161,20 @@ def _decoded(data: bytes, name: str) -> str:
 
 
 def _taken_apart(content: str, name: str, reading: Reading) -> Text:
-    told = reading.separator
+    declared = reading.separator
     position, skipped = 0, 0
     while position < len(content):
         end = content.find("\n", position) + 1 or len(content)
         line = content[position:end].strip()
         # A first line such as sep=; tells a spreadsheet what the separator is.
         directive = re.fullmatch(r'"?sep=(.)"?', content[position:end].strip("\r\n"), re.IGNORECASE)
-        if directive and told is None:
-            told = directive[1]
+        if directive and declared is None:
+            declared = directive[1]
         elif line and not line.startswith(COMMENTS):
             break
         position, skipped = end, skipped + 1
     body = content[position:]
-    separator = told or _separator(body, skipped, name)
+    separator = declared or _separator(body, skipped, name)
     return Text(body, skipped, separator, reading.decimal or _decimal(body, separator))
 
 

@@ -2,9 +2,9 @@
 
 Times that are regular, or would be but for the rounding of their digits, stay as they are. Others are brought onto the
 grid of the period. The output comes there by cubic splines (not-a-knot) through the rows of each part without gaps: a
-shape-preserving cubic (PCHIP) flattens every extremum: of an oscillation of ten rows a period it misses up to 4.9 % of
-the amplitude, the spline 0.05 %. Motion has no jumps at which a spline would overshoot. Midway between rows it leaves
-three quarters of the variance of noise, PCHIP and the straight line one half.
+shape-preserving cubic (PCHIP) flattens every extremum: of an oscillation of ten rows per period it misses up to 4.9 %
+of the amplitude, the spline 0.05 %. Motion has no jumps at which a spline would overshoot. Midway between rows it
+leaves three quarters of the variance of noise, PCHIP and the straight line one half.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ COARSEST_RESOLUTION = 0.5
 LARGEST_STEP = 1.5
 # A row of the grid beyond the last row before a gap is still known if it is that near, in periods.
 REACH = 0.1
-# More than this is too irregular: largest over smallest step that is no gap, and share of the grid without data.
+# More than this is too irregular: largest over smallest step that is not a gap, and share of the grid without data.
 LARGEST_SPREAD = 20.0
 LARGEST_SHARE_MISSING = 0.5
 

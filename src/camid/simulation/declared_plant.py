@@ -126,4 +126,6 @@ def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
 
 def _check_square(table: list[list[float]], size: int, rows: str, where: Where) -> None:
     if [len(row) for row in table] != [size] * size:
-        raise InputError(f"this is not a table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows)
+        raise InputError(
+            f"this is not a table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows
+        )

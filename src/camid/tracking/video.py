@@ -207,6 +207,8 @@ class VideoFile:
         # Matroska and others announce a duration; the sound may last longer than the video.
         if last is None or container.duration is None or len(container.streams) != 1 or count < 2:
             return False
-        beginning = (container.start_time or 0) / 1e6
+        first_time = (container.start_time or 0) / 1e6
         duration = container.duration / 1e6
-        return beginning + duration - last > max(3.0 * (last - beginning) / (count - 1), DURATION_TOLERANCE * duration)
+        return first_time + duration - last > max(
+            3.0 * (last - first_time) / (count - 1), DURATION_TOLERANCE * duration
+        )

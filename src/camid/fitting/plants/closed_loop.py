@@ -95,7 +95,7 @@ class ClosedLoop(PlantKind):
         return [replace(e, output=e.signal) for e in experiments]
 
     def start_of(self, rows: int) -> Self:
-        """The same for recordings that are cut off after so many rows."""
+        """The same for recordings that are cut off after this many rows."""
         loops = tuple(replace(loop, reference=loop.reference[:rows]) for loop in self.loops)
         return replace(self, loops=loops, positions=tuple(p[:rows] for p in self.positions))
 
@@ -120,7 +120,7 @@ class ClosedLoop(PlantKind):
         """Position and velocity are the simulated ones, the residual is that of the control."""
         experiment, time = problem.experiments[index], problem.times[index]
         motion = move(problem.chain(model, index), experiment.signal, time)
-        nodes = np.round((time - motion.begin) / motion.step).astype(int)
+        nodes = np.round((time - motion.start) / motion.step).astype(int)
         simulated = np.zeros(len(time)) if motion.control is None else motion.control
         situation = Situation(
             time,

@@ -1,4 +1,4 @@
-"""A linear plant behind a recorded input, or without one: the exact path of identification holds."""
+"""A linear plant driven by a recorded input, or without one: the exact path of identification holds."""
 
 from __future__ import annotations
 
