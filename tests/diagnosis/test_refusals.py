@@ -62,7 +62,7 @@ def known(identifier, **parameters):
         (known("coulomb-friction", force=[1.0]), "[1.0] is not a finite number"),
         (known("coulomb-friction", force=None), "None is not a finite number"),
         (known("coulomb-friction", force=True), "True is not a finite number"),
-        (known("input-hold", hold="cubic"), "input-hold, hold: 'cubic' is none of zoh, foh"),
+        (known("input-hold", hold="cubic"), "input-hold, hold: 'cubic' is not one of zoh, foh"),
         ({"effects": 2 * known("dead-zone", half_width=0.1)["effects"]}, "the effect 'dead-zone' is declared twice"),
     ],
 )
@@ -144,7 +144,7 @@ def test_wrong_outputs(folder, capsys, output, said):
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
 def test_a_folder_without_the_right_to_write(folder, capsys):
     (folder / "found").mkdir(mode=0o500)
-    assert "found: no right to write here" in refusal(capsys)
+    assert "found: no permission to write here" in refusal(capsys)
 
 
 def test_the_same_recording_twice(folder, capsys):

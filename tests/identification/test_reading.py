@@ -74,7 +74,7 @@ def test_simulate_writes_si():
         ({"recording": {"leave_out": -1}}, "recording.leave_out: -1 is less than 0"),
         (
             {"recording": {"experiment": "run"}},
-            "recording.experiment: 'run' is not a mapping of keys to values; here belongs: {col",
+            "recording.experiment: 'run' is not a mapping of keys to values; expected: {col",
         ),
         ({"recording": {"start": 9.0}}, "recording: no row lies between 9 s and the end"),
         ({"recording": {"end": 0.07}}, "recording: 2 rows"),

@@ -116,7 +116,7 @@ def test_no_time_stamps(bench, capsys, frames):
     assert main(["track", "film.h264", "--bright", "--frame-rate", "50", "--output", "r.csv"]) == 0
     capsys.readouterr()
     films.encode(bench / "film.avi", frames)
-    assert "the video has time stamps of its own" in refusal(capsys, "film.avi", "--bright", "--frame-rate", "50")
+    assert "the video has its own time stamps" in refusal(capsys, "film.avi", "--bright", "--frame-rate", "50")
 
 
 def test_no_frames(bench, capsys, frames):

@@ -16,7 +16,7 @@ from camid.compiled import njit
 
 Array = NDArray[np.float64]
 
-# Points at which an exposure is looked at where not the mean of the motion is wanted but that of a function of it.
+# Points at which an exposure is sampled where the mean of a function of the motion is needed, not of the motion itself.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -53,7 +53,7 @@ def _interpolate(
         rise = integral[i + 1] - integral[i]
         d0, d1 = step * position[i], step * position[i + 1]
         a0, a1 = step * step * velocity[i], step * step * velocity_end[i]
-        # Jumps within the step are taken off its end, and put back after them.
+        # Jumps within the step are subtracted at its end, and added again after them.
         jumped = 0.0
         for j in range(len(jump_times)):
             since = start + (i + 1) * step - jump_times[j]

@@ -153,7 +153,7 @@ class TransferFunction:
 
 
 def _vanishing_parameters(system: control.StateSpace) -> int:
-    """How many of the first Markov parameters are zero but for rounding."""
+    """How many of the first Markov parameters are zero except for rounding."""
     if system.D[0, 0] != 0.0:
         return 0
     state, size = np.array(system.B), np.abs(system.B)

@@ -106,7 +106,7 @@ def _wanted(believed: Simulation, order: tuple[int, int] | None) -> tuple[Struct
     refuse_stillness(believed)
     if believed.input_column is None and order is not None:
         raise InputError(
-            "a free decay says nothing of the numerator, and an order alone gives it no value",
+            "a free decay does not determine the numerator, and an order alone gives it no value",
             where=believed.source,
             hint="leave the order out and write a transfer_function",
         )

@@ -47,7 +47,9 @@ def select_order(
 
     believed = load_simulation(simulation)
     if believed.input_column is None:
-        raise InputError("a free decay says nothing of the zeros", where=believed.source, hint="record an input, too")
+        raise InputError(
+            "a free decay does not determine the zeros", where=believed.source, hint="record an input, too"
+        )
     if believed.effects:
         raise InputError(
             "order compares linear chains, and this simulation has effects",

@@ -1,7 +1,7 @@
-"""Which effects a recording speaks for: forward selection with swaps and backward removal, and what it cannot tell.
+"""Which effects a recording supports: forward selection with swaps and backward removal, and what it cannot tell.
 
 Hypotheses are compared by Bayes's criterion of the whole likelihood, the colour of the noise included,
-so that coloured noise alone is one of them. An effect is taken in where the likelihood ratio would be exceeded by
+so that coloured noise alone is one of them. An effect is added where the likelihood ratio would be exceeded by
 chance, anywhere in the catalogue, in less than one recording of several hundred.
 """
 
@@ -41,7 +41,7 @@ MOST_RESTARTS = 3
 
 @dataclass(frozen=True)
 class Decision:
-    """The effects taken in, each with the hypotheses that competed with it.
+    """The effects that were added, each with the hypotheses that competed with it.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def select_effects(
     progress: Progress = None,
     nominal: Model | None = None,
 ) -> Decision:
-    """Take in effects as long as each is called for, then test each against what could replace it.
+    """Add effects as long as each is called for, then test each against what could replace it.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def _without_its_effect(problem: Problem, hypothesis: Hypothesis) -> Fitted:
 def _refuted(
     problem: Problem, current: Fitted, hypothesis: Hypothesis, validation: Sequence[NDArray[np.bool_]] | None
 ) -> bool:
-    """Whether the rows that were not fitted speak against an effect."""
+    """Whether the rows that were not fitted contradict an effect."""
     if validation is None:
         return False
     before, after = (

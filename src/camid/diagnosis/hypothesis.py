@@ -95,7 +95,7 @@ def _generalises(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
 
 
 def refuted(expected: float, noise: float, before: Sequence[Array], after: Sequence[Array], one_off: bool) -> bool:
-    """Whether errors on rows that were not fitted speak against an effect.
+    """Whether errors on rows that were not fitted contradict an effect.
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ def unlisted_weight(
 
 
 def _left(base: Fitted, final: Fitted, after: Sequence[PlaceTest]) -> float:
-    """Share of the refitted mismatch, noise taken off, that the model found leaves."""
+    """Share of the refitted mismatch, noise subtracted, that the model found leaves."""
     structured = max(t.share for t in after) * final.cost
     noise = final.cost - structured
     return float(min(max(structured / max(base.cost - noise, 1e-300), 0.0), 1.0))

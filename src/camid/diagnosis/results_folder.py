@@ -131,7 +131,7 @@ def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
     if not parent.is_dir():
         raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
     if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
-        raise InputError("no right to write here", where=str(folder), hint="write elsewhere")
+        raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
     for name in FILES:
         target = folder / name
         for path in inputs:

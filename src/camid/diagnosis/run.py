@@ -129,7 +129,7 @@ def investigate(
     Raises
     ------
     ValueError
-        If the simulation runs away whatever its coefficients.
+        If the simulation diverges whatever its coefficients.
     """
     say = progress or (lambda sentence: None)
     setting = _prepared(believed, problem, nominal, validation, chosen, say)
@@ -160,7 +160,7 @@ def _prepared(
     start = whole.with_initial_states(replace(nominal, effects=known))
     base = whole.kind.refit(whole, start)
     if not np.all(np.isfinite(base.residual)):
-        raise ValueError("the simulation runs away, whatever its coefficients")
+        raise ValueError("the simulation diverges, whatever its coefficients")
     problem, base = _without_spoiled(whole, base, start)
     say("screening the catalogue")
     screened = screen(problem, base)

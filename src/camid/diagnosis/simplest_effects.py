@@ -19,7 +19,7 @@ from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 
-# Share of what the other effects leave, noise taken off, that one beside them has to explain.
+# Share of what the other effects leave, noise subtracted, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
 # Share of the whole mismatch below which it may be what an inexact law of the others leaves.
 CORRECTION_SHARE = 0.01
@@ -59,7 +59,7 @@ def simplest(
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
-    """Share of what a model without an effect leaves, noise taken off, that the effect explains."""
+    """Share of what a model without an effect leaves, noise subtracted, that the effect explains."""
     return (without.cost - fitted.cost) / max(without.cost - noise, 1e-300)
 
 

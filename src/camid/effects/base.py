@@ -179,9 +179,9 @@ class Effect:
     uses_velocity : bool
         Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
     separated_by : tuple of SeparatingExperiment
-        Experiments that tell the effect from the others that name them, too.
+        Experiments that separate the effect from the others that name them, too.
     corrects_declaration : bool
-        Whether a simulation says it in other words (hold, exposure, latency), which the improved one then corrects.
+        Whether a simulation declares it by other keys (hold, exposure, latency), which the improved one then corrects.
     box : str
         Box of the chain that the report marks: the place, if nothing else is said.
     spoils_rows : bool
@@ -237,7 +237,7 @@ class Effect:
         super().__init_subclass__(**keywords)
         if "identifier" in vars(cls):
             if cls.place not in PLACES:
-                raise ValueError(f"{cls.__name__}: place '{cls.place}' is none of {', '.join(PLACES)}")
+                raise ValueError(f"{cls.__name__}: place '{cls.place}' is not one of {', '.join(PLACES)}")
             if "box" not in vars(cls):
                 cls.box = cls.place
             _catalogue[cls.identifier] = cls
@@ -387,7 +387,7 @@ class Effect:
 def _checked(identifier: str, parameter: Parameter, value: Any) -> Any:
     if parameter.choices:
         if value not in parameter.choices:
-            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is none of {', '.join(parameter.choices)}")
+            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is not one of {', '.join(parameter.choices)}")
         return str(value)
     if parameter.sequence:
         numbers = np.asarray(value, dtype=float)

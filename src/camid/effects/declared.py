@@ -63,7 +63,7 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
     if parameter.choices:
         if value not in parameter.choices:
             raise InputError(
-                f"{name}: '{value}' is none of {', '.join(parameter.choices)}",
+                f"{name}: '{value}' is not one of {', '.join(parameter.choices)}",
                 where=declared.where,
                 hint=nearest_match(str(value), parameter.choices),
             )

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 def exact_output(simulation: Simulation, recording: Recording) -> Array:
-    """Samples of the sensor, shape (N,), with the initial state fitted where the simulation wants that.
+    """Samples of the sensor, shape (N,), with the initial state fitted where the simulation asks for that.
 
     Raises
     ------

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 # Step of the differences that replace derivatives, as a share of what a parameter is measured by.
 DIFFERENCE_STEP = 1e-5
-# Residual of a simulation that ran away, in standard deviations of the output.
+# Residual of a simulation that diverged, in standard deviations of the output.
 RUNAWAY_RESIDUAL = 1e3
 TOLERANCE = 1e-7
 # A rank-one update that misses this share of the change it should explain is not an update.

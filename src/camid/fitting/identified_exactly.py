@@ -114,7 +114,7 @@ def _analysed(
     plant = identification.estimate.plant
     try:
         analysis = analyse_residual(wanted, plant, experiments)
-    except (ValueError, ArithmeticError):  # a method without safeguard ran away
+    except (ValueError, ArithmeticError):  # a method without safeguard diverged
         return identification
     alternatives = []
     if identification.converged and analysis is not None and analysis.contradicts:

@@ -1,4 +1,4 @@
-"""What is fitted: recordings of one rig, the structure of its nominal plant, and what models of it make of them."""
+"""What is fitted: recordings of one rig, the structure of its nominal plant, and what its models predict for them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ ROWS_PER_LAG = 8
 
 @dataclass(frozen=True)
 class Noise:
-    """What the residual says of the noise.
+    """What the residual says about the noise.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Which other declaration of hold, sensor, exposure or latency a residual that depends on the input speaks for."""
+"""Which other declaration of hold, sensor, exposure or latency a residual that depends on the input supports."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Alternative:
 
 
 def described(acquisition: Acquisition, changed: tuple[str, ...], *, article: bool = True) -> str:
-    """What an acquisition says of the parts that are named."""
+    """What an acquisition says about the parts that are named."""
     a, an = ("a ", "an ") if article else ("", "")
     exposure = f"exposure of {1e3 * (acquisition.exposure or 0.0):.4g} ms"
     instant = acquisition.sensor == "instant"

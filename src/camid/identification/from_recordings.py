@@ -110,9 +110,7 @@ def experiments_of(
         raise InputError("no recording is given", hint="name at least one")
     files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
     if len(set(files)) < len(files):
-        raise InputError(
-            "the same recording is named twice", where=str(sources[0]), hint="what it says would count double"
-        )
+        raise InputError("the same recording is named twice", where=str(sources[0]), hint="it would count twice")
     if progress:
         progress("reading the recording")
     recordings = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]

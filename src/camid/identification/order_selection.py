@@ -114,7 +114,7 @@ def select_order(
     if largest < 1:
         raise ValueError(f"the largest order is {largest}: it must be at least one")
     if not any(np.any(e.signal) for e in experiments):
-        raise ValueError("without an input nothing is known of the zeros")
+        raise ValueError("without an input the zeros cannot be determined")
     candidates = [(poles, zeros) for poles in range(1, largest + 1) for zeros in range(poles)]
     rows = []
     for i, (poles, zeros) in enumerate(candidates):

@@ -18,7 +18,7 @@ from camid.identification.safeguarded import safeguarded_srivc
 
 Array = NDArray[np.float64]
 
-# Below this relative standard deviation the first order has been right wherever it was tried; it saves the look.
+# Below this relative standard deviation the first order has been right wherever it was tried, so the check is skipped.
 CERTAIN = 0.05
 # 95 % of a normal variable lie within this many standard deviations, and the deviance there is its square.
 WIDTH = 1.959964

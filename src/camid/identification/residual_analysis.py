@@ -1,7 +1,7 @@
 """Tests of what an estimate leaves of the recording: whether it is white, and whether it depends on the input.
 
 At the estimate the residual is e ≈ (I − P) e0 with the noise e0 and the projection P on the sensitivities S (and on a
-constant for each experiment, so that an offset, which has a warning of its own, does not pass for dynamics). The fit
+constant for each experiment, so that an offset, which has its own warning, does not pass for dynamics). The fit
 took part of the noise with it, and both tests account for what it took, as Durbin (1970) did for regressions.
 
 *Whiteness.* For white Gaussian e0 the quadratic forms q_k = eᵀA_k e (A_k the symmetric shift by k rows, over pairs of

@@ -36,14 +36,14 @@ Progress = Callable[[str], None]
 REFINED_STARTS = 4
 REFINED_GRID_STARTS = 6
 REFINEMENT_ITERATIONS = 50
-# Up to this order a conclusive optimum has no equal but its aliases; with more modes several starts are compared.
+# Up to this order a conclusive optimum has no equal except its aliases; with more modes several starts are compared.
 SINGLE_MODE = 2
 
 
 class Search:
     """Optima met so far, and the starts that lead to more.
 
-    It runs on a lively window of long recordings; only the last iteration sees every row.
+    It runs on an active window of long recordings; only the last iteration sees every row.
 
     Parameters
     ----------

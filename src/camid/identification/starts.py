@@ -47,12 +47,12 @@ class StartCandidate:
 
 
 def start_window(experiment: Experiment) -> Experiment:
-    """The liveliest stretch of a long experiment, with a free initial state if it starts later."""
+    """The most active stretch of a long experiment, with a free initial state if it starts later."""
     count = len(experiment.output)
     if count <= LONGEST_START_WINDOW:
         return experiment
     first_rows = np.arange(0, count - LONGEST_START_WINDOW + 1, LONGEST_START_WINDOW // 4)
-    # Rows that are not fitted may be as lively as they like.
+    # Rows that are not fitted may be as active as they like.
     activity = [_activity(experiment, slice(b, b + LONGEST_START_WINDOW)) for b in first_rows]
     first = int(first_rows[int(np.argmax(activity))])
     part = slice(first, first + LONGEST_START_WINDOW)

@@ -175,7 +175,9 @@ def quantise(
 def _positions(path: Path, time: Array) -> Array:
     positions = np.asarray(path(time), dtype=float)
     if positions.shape != (time.size, 2) or not np.all(np.isfinite(positions)):
-        raise ValueError(f"the path gives shape {positions.shape} for {time.size} times; wanted finite x, y for each")
+        raise ValueError(
+            f"the path gives shape {positions.shape} for {time.size} times; it must give finite x, y for each"
+        )
     return positions
 
 

@@ -27,7 +27,7 @@ class ForbiddenReadError(PermissionError):
 
 
 def diagnose_all(indices: list[int], recordings: Path, diagnoses: Path) -> pd.DataFrame:
-    """Diagnose recordings, each in a folder of its own that holds nothing but its two files.
+    """Diagnose recordings, each in its own folder that holds only its two files.
 
     The folders lie outside the working copy, and their files have names that reveal nothing, digits of their digests,
     so that a second run says the same byte for byte. One child process diagnoses all of them through ``camid diagnose``

@@ -31,7 +31,7 @@ def new_salt() -> str:
 
 
 def canonical(truth: Mapping[str, Any]) -> bytes:
-    """The one way to write a truth: JSON with sorted keys, no blanks, UTF-8, as RFC 8785 but for the digits of numbers.
+    """Canonical form of a truth: JSON with sorted keys, no blanks, UTF-8, as RFC 8785 except for the digits of numbers.
 
     Raises
     ------

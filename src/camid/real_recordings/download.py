@@ -55,7 +55,7 @@ BENCHMARK_RECORDINGS = {
         "parameterEstimation/data/pend1test/test1pend1.csv",
         "a92411887a922c43780ac27b504cf18e5d2236c5f704d9294f9fa679d82f69c4",
     ),
-    # A red ball on a string before a white wall, filmed at 29.75 frames per second.
+    # A red ball on a string in front of a white wall, filmed at 29.75 frames per second.
     "pendulum_clip": BenchmarkRecording(
         "pendulum.mp4",
         "https://raw.githubusercontent.com/juangomez177/Pendulum_Oscillatory_Motion/"

@@ -1,4 +1,4 @@
-"""Results on the real recordings: what two diagnoses, the published split and the published values say of each."""
+"""Results on the real recordings: what two diagnoses, the published split and the published values say about each."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Results:
     name : str
         Key of ``RECORDINGS``.
     recording : Path
-        The untouched file, or what ``camid track`` made of it.
+        The untouched file, or the table that ``camid track`` wrote.
     nominal, improved : Simulation
     diagnosis, again : dict
         diagnosis.json, of the first diagnosis and of that from improved.yaml.
@@ -98,7 +98,7 @@ def quantities(results: Results, linear: Mapping[str, pd.DataFrame] | None = Non
     ----------
     results : Results
     linear : dict of DataFrame, optional
-        Silverbox: what linear models with held (``zoh``) and first-order-hold (``foh``) input make of its multisine.
+        Silverbox: output of linear models with held (``zoh``) and first-order-hold (``foh``) input for its multisine.
 
     Returns
     -------

@@ -122,7 +122,7 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
         with path.open("rb") as stream:
             head = stream.read(64)
     except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check who may read it") from None
+        raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check its permissions") from None
     content = next((kind for kind, heads in SIGNATURES.items() if head.startswith(heads)), None)
     if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
         raise InputError("this is an Excel file", where=name, hint="save the sheet as CSV")

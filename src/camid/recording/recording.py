@@ -239,7 +239,7 @@ class _Piece:
         return InputError(f"{count} rows", where=self.name, hint=f"a recording needs at least {FEWEST_ROWS}")
 
     def _gap(self, grid: Grid, where: Callable[[int], str]) -> InputError:
-        """What to say of the largest gap."""
+        """What to say about the largest gap."""
         steps = np.diff(grid.recorded) * np.asarray(grid.gaps)
         row = int(np.argmax(steps)) + 1
         lost = max(round(steps[row - 1] / grid.period) - 1, 1)

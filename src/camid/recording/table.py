@@ -55,5 +55,5 @@ class Table:
             raise InputError(
                 f"'{name}' is {self.refused[name]}", where=self.name, hint="a column is a vector of real numbers"
             )
-        known = nearest_match(name, [str(c) for c in self.columns]) if self.columns else "there is none at all"
+        known = nearest_match(name, [str(c) for c in self.columns]) if self.columns else "it has no columns"
         raise InputError(f"no column '{name}'", where=self.name, hint=f"{known}{self.hint}")

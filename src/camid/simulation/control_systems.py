@@ -1,4 +1,4 @@
-"""Systems of python-control where a simulation says its plant."""
+"""Systems of python-control as the plant of a simulation."""
 
 from __future__ import annotations
 

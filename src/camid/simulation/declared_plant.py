@@ -19,7 +19,7 @@ POLYNOMIALS = ("numerator", "denominator")
 
 
 def declared_plant(written: TransferFunctionPart | PendulumPart, where: Where) -> dict[str, Any]:
-    """What a file says of the plant, as arguments of :class:`camid.simulation.model.Simulation`.
+    """What a file says about the plant, as arguments of :class:`camid.simulation.model.Simulation`.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def _transfer_function(written: TransferFunctionPart, where: Where) -> dict[str,
         deviations["numerator"] = deviations["numerator"][leading_zeros:]
     covariance = written.covariance
     if covariance is not None:
-        rows = "it has one row per coefficient, but for the leading one of the denominator"
+        rows = "it has one row per coefficient, except the leading one of the denominator"
         _check_square(covariance, len(raw.numerator) + len(raw.denominator) - 1, rows, where)
         covariance = [row[leading_zeros:] for row in covariance[leading_zeros:]]
     return {

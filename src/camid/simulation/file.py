@@ -33,7 +33,7 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
 
     if is_control_system(source):
         raise InputError(
-            "a plant alone says nothing of input and sensor",
+            "a plant alone says nothing about input and sensor",
             where="simulation",
             hint='write {"schema": 1, "time": …, "input": …, "plant": system, "sensor": …}',
         )
@@ -162,7 +162,7 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     Raises
     ------
     InputError
-        With file, line and key: no YAML, unknown or missing keys, values out of range, an unstable or improper plant.
+        With file, line and key: not YAML, unknown or missing keys, values out of range, an unstable or improper plant.
     """
     if isinstance(source, Simulation):
         return source

@@ -79,7 +79,7 @@ class RecordingPart(Part):
 
     separator: NotNull[Annotated[StrictStr, StringConstraints(min_length=1, max_length=1)]] = Field(
         default=None,
-        description="One character between the cells of a text file; a blank stands for any number of blanks.",
+        description="One character between the cells of a text file; a blank matches any number of blanks.",
     )
     decimal: NotNull[Literal[".", ","]] = Field(default=None, description="Decimal mark of the numbers in a text file.")
     header: TruthValue = Field(default=True, description="true or false: whether a text file has a line with names.")
@@ -354,7 +354,7 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
     return InputError(
         error["msg"] if problem is None else f"{value!r} {problem.format(**error.get('ctx', {}))}",
         where=where,
-        hint=f"here belongs: {described}" if described else None,
+        hint=f"expected: {described}" if described else None,
     )
 
 

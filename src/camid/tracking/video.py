@@ -38,7 +38,7 @@ class Frame:
 
 
 class Source(Protocol):
-    """Something that hands out frames, as often as it is asked."""
+    """A source of frames that can be read repeatedly."""
 
     name: str
     expected: int | None
@@ -85,7 +85,7 @@ class VideoFile:
         import av
 
         try:
-            # Nothing but this file: a playlist cannot fetch anything from elsewhere.
+            # Only this file: a playlist cannot fetch anything from elsewhere.
             container = av.open(f"file:{self.path}", options={"protocol_whitelist": "file"})
         except (av.error.FFmpegError, ValueError) as error:
             if lacks_index(self.path):
@@ -182,11 +182,11 @@ class VideoFile:
                 raise InputError(
                     "the video has no time stamps",
                     where=f"{self.name}, frame {count}",
-                    hint="put it into a container that has, e.g. MP4, or say --frame-rate",
+                    hint="put it into a container that has them, e.g. MP4, or say --frame-rate",
                 )
             return count / self.frame_rate
         if self.frame_rate is not None:
-            raise InputError("the video has time stamps of its own", where=self.name, hint="leave out --frame-rate")
+            raise InputError("the video has its own time stamps", where=self.name, hint="leave out --frame-rate")
         return float(frame.pts * frame.time_base)
 
     def _note(self, sentence: str) -> None:

@@ -1,4 +1,4 @@
-"""A plant in a closed loop: the control is what tells of it, for the position follows the reference."""
+"""A plant in a closed loop: the control signal carries the information, as the position follows the reference."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ClosedLoop(PlantKind):
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated", "simulated_input")
     hidden_places: ClassVar[frozenset[str]] = frozenset({"sensor"})
     why_hidden: ClassVar[str] = (
-        "in a closed loop the control tells of the plant; the controller has a sensor of its own"
+        "in a closed loop the control signal reflects the plant; the controller has its own sensor"
     )
 
     @property

@@ -46,7 +46,7 @@ class LinearPlant(PlantKind):
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
     ) -> list[Array]:
-        """What the sensor makes of them, exactly."""
+        """What the sensor measures of them, exactly."""
         plant = problem.structure.plant(model.coefficients)
         acquisition = replace(problem.chain(model, index).declared(), hold=hold)
         return [sample(plant, force, acquisition) for force in forces]

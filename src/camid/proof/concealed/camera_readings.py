@@ -30,7 +30,7 @@ class _Antiderivative:
         """Integral and signal at times in s within the nodes."""
         h = self.step
         position = np.clip((time - self.start) / h, 0.0, len(self.after))
-        # A time that is a node but for rounding belongs to the interval that begins there.
+        # A time that is a node except for rounding belongs to the interval that begins there.
         i = np.minimum(np.floor(position + 1e-9).astype(np.int64), len(self.after) - 1)
         x = np.clip(position - i, 0.0, 1.0)
         q0, v0, a0 = self.integral[i], h * self.value[i], h * h * self.after[i]

@@ -91,7 +91,7 @@ def strength_for(wanted: float, size: Callable[[float], float], start: float, la
     Returns
     -------
     float
-        Of all strengths that were tried, the one whose size is nearest to what is wanted.
+        Of all strengths that were tried, the one whose size is nearest to the required one.
     """
 
     def measured(strength: float) -> float:

@@ -1,4 +1,4 @@
-"""Recordings by way of images: a marker that moves during the exposure, pixel noise, and its grey-level centroid."""
+"""Recordings measured in images: a marker that moves during the exposure, pixel noise, and its grey-level centroid."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Effect:
-    """A law that is built into a setup, but for its strength.
+    """A law that is built into a setup, except for its strength.
 
     Attributes
     ----------
