@@ -8,7 +8,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake -c$(CORES)
 # Datasets go into and come out of a shared cache only where the reader names one. The option comes last, because it would
-# take a target behind it for the name of a rule.
+# take a target after it for the name of a rule.
 CACHE := $(if $(SNAKEMAKE_OUTPUT_CACHE),--cache)
 # The peers of the benchmarks pin old packages, so they live apart from the environment that draws the figures.
 BENCHMARK_ENVIRONMENT := .venv-benchmark
@@ -39,7 +39,7 @@ $(ENVIRONMENT)/.installed: requirements.lock pyproject.toml
 	$(BIN)/python -m camid.compile_all
 	touch $@
 
-# What the tests, the linters and the documentation need besides.
+# What the tests, the linters and the documentation need in addition.
 development: $(ENVIRONMENT)/.development
 
 $(ENVIRONMENT)/.development: requirements-development.lock $(ENVIRONMENT)/.installed

@@ -1,4 +1,4 @@
-"""Position of a marker in a frame: frames a second and error, against a plain OpenCV pipeline."""
+"""Position of a marker in a frame: frames per second and error, against a plain OpenCV pipeline."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ REGION = 64  # px
 NOISE = 2.0  # grey levels
 # Grey levels above the background below which a pixel counts as noise: five standard deviations, as marker.py advises.
 NOISE_THRESHOLD = 5.0 * NOISE
-POSITIONS = 200  # of the disk, drawn anew with sub-pixel coordinates
+POSITIONS = 200  # of the disk, redrawn with sub-pixel coordinates
 ROUNDS = 300
 LARGEST_ERROR = 0.02  # px
 PLAIN = "OpenCV Sobel, threshold, moments"

@@ -61,7 +61,7 @@ def coverage(x: float | Array, y: float | Array, radius: float, columns: Array, 
 def expose_reference(
     path: Path, start: float, exposure: float, radius: float, shape: tuple[int, int], instants: int
 ) -> Array:
-    """Share of full scale of every pixel: the mean of the exact coverage over so many equidistant instants.
+    """Share of full scale of every pixel: the mean of the exact coverage over this many equidistant instants.
 
     For a path of length L px the error of this midpoint rule is about L / (2 · instants²), a pass.
     """
@@ -71,8 +71,8 @@ def expose_reference(
     image = np.zeros((height + 4 * margin, width + 4 * margin))
     centres = path(start + exposure * (np.arange(instants) + 0.5) / instants)
     offsets = np.arange(-margin, margin + 1)
-    for begin in range(0, instants, BATCH):
-        x, y = centres[begin : begin + BATCH].T
+    for first in range(0, instants, BATCH):
+        x, y = centres[first : first + BATCH].T
         columns = np.floor(x).astype(int)[:, None] + offsets
         rows = np.floor(y).astype(int)[:, None] + offsets
         near = (columns[:, 0] >= -2 * margin) & (columns[:, -1] < width + 2 * margin)

@@ -41,9 +41,9 @@ def timed(call: Callable[[], Result]) -> tuple[Result, float]:
 
 
 def alternate(calls: dict[str, Callable[[int], object]], rounds: int) -> dict[str, float]:
-    """Median time in seconds of each call; all are called once a round, after a round that is not counted.
+    """Median time in seconds of each call; all are called once per round, after a round that is not counted.
 
-    The order rotates from round to round, so that nobody always finds the data of the round in no cache yet.
+    The order rotates from round to round, so that no call always finds the data of the round in no cache yet.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Marker positions from a video: frames a second and error, against the plain OpenCV pipeline on whole frames."""
+"""Marker positions from a video: frames per second and error, against the plain OpenCV pipeline on whole frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Digests of the code behind a rule, so that a changed module reruns the rules that use it, and a docstring none.
+"""Digests of the code that a rule uses, so that a changed module reruns the rules that use it, and a docstring none.
 
 Snakemake watches a rule's own script but not what the script imports. A digest covers every module of the package that
 given modules reach through imports, and the package data (a template, a schema) that those name. It is a parameter of

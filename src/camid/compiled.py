@@ -1,6 +1,6 @@
 """Compiled functions and the folder that keeps their machine code from one process to the next.
 
-:func:`njit` and :func:`callback` stand in for numba's own decorators. Machine code is kept per user and found by what
+:func:`njit` and :func:`callback` replace numba's own decorators. Machine code is kept per user and found by what
 was compiled: the instructions of the function, the constants and compiled functions that it uses (in whatever module
 they stand), the types of its arguments, the options, numba's version and the processor. Neither the place nor the age
 of a source file matters, nor docstrings and comments, so every copy of the package shares one folder, and a change in
@@ -46,7 +46,7 @@ VARIABLE = "CAMID_CACHE"
 LOAD_GLOBAL = opmap["LOAD_GLOBAL"]
 # Versions of one function that the folder keeps: those of a few branches or installed releases.
 VERSIONS_KEPT = 12
-# What a reader who waits is told, by package or module; a longer name goes before a shorter one.
+# What a waiting user is told, by package or module; a longer name goes before a shorter one.
 PURPOSES = {
     "camid.chain": "the exact simulation",
     "camid.proof": "the generator of concealed recordings",
@@ -240,7 +240,7 @@ def folder() -> Path:
         temporary = Path(tempfile.mkdtemp(prefix="camid-compiled-"))
         atexit.register(shutil.rmtree, temporary, ignore_errors=True)
         warnings.warn(
-            f"compiled code cannot be kept in {path} ({error.strerror}), so that every process compiles anew; set "
+            f"compiled code cannot be kept in {path} ({error.strerror}), so that every process compiles again; set "
             f"{VARIABLE} to a folder that can be written",
             stacklevel=2,
         )
@@ -266,7 +266,7 @@ def keep_quiet() -> None:
 
 # -- what a function compiles to, as a digest -------------------------------------------------------------------------
 
-# None stands for a function that is being read.
+# None marks a function that is being read.
 _digests: dict[FunctionType, str | None] = {}
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 COLUMN_WIDTH = 3.5  # inches: one column of a two-column journal
 PAGE_WIDTH = 7.1
-# Okabe & Ito (2008), ordered so that their luminance differs in grey, too; line styles differ besides.
+# Okabe & Ito (2008), ordered so that their luminance differs in grey; line styles differ as well.
 BLUE, VERMILION, GREEN, ORANGE, GREY, BLACK = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#7F7F7F", "#000000"
 SIGNIFICANT_DIGITS = 9
 SMALLEST = 1e-12

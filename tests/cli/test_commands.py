@@ -320,7 +320,7 @@ def test_an_iteration_that_fails_says_so(bench, capsys):
     )
     out, err = capsys.readouterr()
     assert json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))["converged"] is False
-    assert err.startswith("camid: warning: the iteration did not converge; the numbers are not to be used")
+    assert err.startswith("camid: warning: the iteration did not converge; do not use the numbers")
     assert err.count("\n") == 1
     assert "NOT CONVERGED" in (bench / "m.yaml").read_text().splitlines()[0]
 

@@ -136,7 +136,7 @@ def test_free_decay(tmp_path):
     assert np.std(simulated["simulated"] - table["y"]) < 0.03 * np.std(table["y"])
     assert "nothing moves" in refusal(table, content | {"initial_state": "zero"})
     assert "no column 'y'" in refusal(table[["t"]], content, camid.simulate)
-    assert "says nothing of the numerator" in refusal(table, content, structure=(2, 0))
+    assert "does not determine the numerator" in refusal(table, content, structure=(2, 0))
 
 
 def test_simulate_fits_the_initial_state_to_the_recorded_output():
@@ -335,7 +335,7 @@ def test_python_control_systems_that_are_no_plant_are_refused():
     refused = {
         "discrete time": control.tf([1.0], [1.0, -0.5], rig.PERIOD),
         "one pair": control.ss([[-1.0]], [[1.0, 2.0]], [[1.0]], [[0.0, 0.0]]),
-        "is no plant": control.frd([1.0, 2.0], [1.0, 2.0]),
+        "is not a plant": control.frd([1.0, 2.0], [1.0, 2.0]),
         "improper": control.tf([1.0, 0.0, 0.0], [1.0, 1.0]),
         "unstable": control.tf([1.0], [1.0, -1.0]),
     }
@@ -343,7 +343,7 @@ def test_python_control_systems_that_are_no_plant_are_refused():
         for command in (camid.identify, camid.simulate):
             assert said in refusal(table, rig.simulation(plant=system), command)
         assert said in refusal(table, rig.simulation(plant={"transfer_function": system}))
-    assert "nothing of input and sensor" in refusal(table, control.tf([1.0], [1.0, 1.0]))
+    assert "nothing about input and sensor" in refusal(table, control.tf([1.0], [1.0, 1.0]))
     model = camid.Simulation("t", "u", "y", control.tf([3.0], [1.0, 2.0]))
     assert model.plant.numerator == (3.0,)
     with pytest.raises(InputError, match="discrete time"):
@@ -388,5 +388,5 @@ def test_select_order():
     assert told[-1] == "order 2 1 (3 of 3)"
     assert "at least one pole" in refusal(rig.recording(), believed(), select_order, largest=0)
     free_decay = believed(numerator=rig.NUMERATOR, input=None, initial_state="estimate")
-    assert "nothing of the zeros" in refusal(decay(), free_decay, select_order)
+    assert "does not determine the zeros" in refusal(decay(), free_decay, select_order)
     assert "no order can be estimated" in refusal(rig.recording(3), believed(), select_order)

@@ -58,12 +58,12 @@ def known(identifier, **parameters):
         (known("coulomb-friction"), "coulomb-friction needs the parameter 'force'"),
         (known("coulomb-friction", force=-0.1), "coulomb-friction, force = -0.1; it must be at least 0"),
         (known("dropped-frames", fraction=1.5), "fraction = 1.5; it must be from 0 to 1"),
-        (known("coulomb-friction", force="big"), "'big' is no finite number"),
-        (known("coulomb-friction", force=[1.0]), "[1.0] is no finite number"),
-        (known("coulomb-friction", force=None), "None is no finite number"),
-        (known("coulomb-friction", force=True), "True is no finite number"),
-        (known("input-hold", hold="cubic"), "input-hold, hold: 'cubic' is none of zoh, foh"),
-        ({"effects": 2 * known("dead-zone", half_width=0.1)["effects"]}, "the effect 'dead-zone' stands twice"),
+        (known("coulomb-friction", force="big"), "'big' is not a finite number"),
+        (known("coulomb-friction", force=[1.0]), "[1.0] is not a finite number"),
+        (known("coulomb-friction", force=None), "None is not a finite number"),
+        (known("coulomb-friction", force=True), "True is not a finite number"),
+        (known("input-hold", hold="cubic"), "input-hold, hold: 'cubic' is not one of zoh, foh"),
+        ({"effects": 2 * known("dead-zone", half_width=0.1)["effects"]}, "the effect 'dead-zone' is declared twice"),
     ],
 )
 @pytest.mark.parametrize("command", ["diagnose", "simulate"])
@@ -144,7 +144,7 @@ def test_wrong_outputs(folder, capsys, output, said):
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
 def test_a_folder_without_the_right_to_write(folder, capsys):
     (folder / "found").mkdir(mode=0o500)
-    assert "found: no right to write here" in refusal(capsys)
+    assert "found: no permission to write here" in refusal(capsys)
 
 
 def test_the_same_recording_twice(folder, capsys):

@@ -87,7 +87,7 @@ def test_dry_friction_sticks_until_the_drive_exceeds_it():
     assert np.all(motion(setup, command).position == 0.0)
     command[20:] = 0.21
     trajectory = motion(setup, command)
-    times = trajectory.begin + trajectory.step * np.arange(len(trajectory.position))
+    times = trajectory.start + trajectory.step * np.arange(len(trajectory.position))
     assert np.all(trajectory.position[times <= 20.0 * setup.period * (1.0 + 1e-9)] == 0.0)
     assert trajectory.position[-1] > 0.0
 

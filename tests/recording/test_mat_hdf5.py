@@ -222,6 +222,6 @@ def test_packed_text(tmp_path):
     assert "this is an Excel file; save the sheet as CSV" in refusal(tmp_path / "book.csv")
     mat5(tmp_path / "a.mat", GOOD)
     (tmp_path / "a.mat.gz").write_bytes(gzip.compress((tmp_path / "a.mat").read_bytes()))
-    assert "what is packed is no text file" in refusal(tmp_path / "a.mat.gz")
+    assert "what is packed is not a text file" in refusal(tmp_path / "a.mat.gz")
     os.truncate(tmp_path / "a.csv.gz", 30)
     assert "cannot be unpacked" in refusal(tmp_path / "a.csv.gz")

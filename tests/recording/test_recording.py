@@ -78,8 +78,8 @@ def test_files_that_are_no_recordings(tmp_path):
     assert "2 rows" in refusal(csv_file(tmp_path, HEADER, *ROWS[:2]))
     picture = tmp_path / "picture.csv"
     picture.write_bytes(bytes(range(256)) * 40)
-    assert "no UTF-8 text" in refusal(picture)
-    assert "no UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS, encoding="utf-16"))
+    assert "not UTF-8 text" in refusal(picture)
+    assert "not UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS, encoding="utf-16"))
 
 
 @pytest.mark.parametrize("kept", [0, 10, 0.5, 0.99])
@@ -142,7 +142,7 @@ def test_lines_before_the_header_are_skipped_and_counted(tmp_path, head):
 def test_latin_letters_in_the_header_only(tmp_path):
     path = csv_file(tmp_path, "# 20 °C", "t,u,y,Winkel in °", *[row + ",1" for row in ROWS], encoding="latin-1")
     assert read(path).columns["u"].tolist() == [1, 2, 3, 4]
-    assert "no UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS[:3], "0.3,4,°", encoding="latin-1"))
+    assert "not UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS[:3], "0.3,4,°", encoding="latin-1"))
 
 
 def test_no_header_line(tmp_path):
@@ -151,9 +151,9 @@ def test_no_header_line(tmp_path):
         reading = Reading(header=False, columns=("t", "u", "y"))
         assert read(path, reading).columns["y"].tolist() == [0.5, 0.25, -0.001, 0.0]
         assert read(csv_file(tmp_path, *[r + "," for r in ROWS], name=name), reading).period == pytest.approx(0.1)
-    assert "line 1: the first line holds numbers and no names; say header: false and columns:" in refusal(path)
+    assert "line 1: the first line holds numbers, not names; say header: false and columns:" in refusal(path)
     assert "line 2: the first line holds numbers" in refusal(csv_file(tmp_path, "# t u y", *["1,1,2"] * 4))
-    assert "line 1: a line of names (t, u, y) in a file that is said to have none; remove header" in refusal(
+    assert "line 1: a line of names (t, u, y) in a file declared to have none; remove header" in refusal(
         csv_file(tmp_path, HEADER, *ROWS), reading
     )
     for columns in (("t", "u"), ("t", "u", "y", "z")):

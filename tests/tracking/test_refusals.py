@@ -116,7 +116,7 @@ def test_no_time_stamps(bench, capsys, frames):
     assert main(["track", "film.h264", "--bright", "--frame-rate", "50", "--output", "r.csv"]) == 0
     capsys.readouterr()
     films.encode(bench / "film.avi", frames)
-    assert "the video has time stamps of its own" in refusal(capsys, "film.avi", "--bright", "--frame-rate", "50")
+    assert "the video has its own time stamps" in refusal(capsys, "film.avi", "--bright", "--frame-rate", "50")
 
 
 def test_no_frames(bench, capsys, frames):
@@ -203,7 +203,7 @@ def test_a_motion_smaller_than_the_marker_needs_a_choice(bench, capsys):
         (["--bright", "--dark"], "--bright and --dark contradict each other"),
         (["--bright", "--scale", "2"], "--scale without --unit"),
         (["--bright", "--scale", "-1", "--unit", "m"], "--scale -1; it takes a positive number"),
-        (["--bright", "--scale", "2", "--unit", "s"], "--unit: 's' is no unit of length"),
+        (["--bright", "--scale", "2", "--unit", "s"], "--unit: 's' is not a unit of length"),
         (["--bright", "--scale", "2", "--unit", "foo"], "--unit: unknown unit 'foo'"),
         (["--bright", "--unit", "mm"], "--unit mm without --scale"),
         (["--bright", "--start", "1", "--end", "0.5"], "--start 1 is not before --end 0.5"),

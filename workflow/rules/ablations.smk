@@ -1,4 +1,4 @@
-# What lies past the paper: one question a target (ablation_exposure, …), all of them `ablations`.
+# What lies past the paper: one question per target (ablation_exposure, …), all of them `ablations`.
 
 for name, ablation in ABLATIONS.items():
     if ablation.get("own_rules", False):

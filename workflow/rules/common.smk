@@ -48,7 +48,7 @@ os.environ.update(reproducible_environment())
 CAMID = f"{shlex.quote(sys.executable)} -m camid"
 FIGURES = [f"fig{number}" for number in range(1, 9)]
 
-# A fresh clone holds the committed figures but none of the data behind them, and to Snakemake a file that is there is up
+# A fresh clone holds the committed figures but none of their data, and to Snakemake a file that is there is up
 # to date. This mark is made when the workflow is first read in a working copy (or after results/ was removed); it is
 # newer than anything committed, and every rule that writes into paper_figs/ depends on it. Its content is the time,
 # because Snakemake takes a new file with the old content for unchanged.

@@ -1,4 +1,4 @@
-# Identification runs and the frequency responses behind the figures.
+# Identification runs and the frequency responses for the figures.
 
 
 rule camera_models:

@@ -33,7 +33,7 @@ rule monte_carlo_shard:
             ),
         },
     message:
-        "Fitting shard {wildcards.shard} of {wildcards.shards} with {wildcards.seeds} noise seeds a period."
+        "Fitting shard {wildcards.shard} of {wildcards.shards} with {wildcards.seeds} noise seeds per period."
     script:
         "../scripts/compute.py"
 

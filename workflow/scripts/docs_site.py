@@ -1,4 +1,4 @@
-"""What the site holds besides docs/: figures, the paper's claims, ablations, the proof and the catalogue of effects.
+"""Content of the site beyond docs/: figures, the paper's claims, ablations, the proof and the catalogue of effects.
 
 A hook of mkdocs (see mkdocs.yml). Nothing of it is written into docs/: a page says ``<!-- generated: NAME -->`` where a
 part belongs, and the part is made from the committed results, or from the classes of the effects, during the build.

@@ -1,4 +1,4 @@
-"""What lies past the paper, one question a folder; ``snakemake -c2 ablation_<folder>`` answers it.
+"""What lies past the paper, one question per folder; ``snakemake -c2 ablation_<folder>`` answers it.
 
 A new ablation is a new folder and nothing else; the workflow finds it. Every folder holds
 

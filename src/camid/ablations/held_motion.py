@@ -71,6 +71,6 @@ class HeldMotion:
         total = self.sum[k] + self.rest[k] * since + self._free_integral(self.start[k], self.speed[k], *later)
         return np.where(time > 0.0, total, 0.0)
 
-    def mean(self, begin: Array, end: Array) -> Array:
+    def mean(self, start: Array, end: Array) -> Array:
         """Mean of y between two times in s, any shape."""
-        return (self.integral(end) - self.integral(begin)) / (end - begin)
+        return (self.integral(end) - self.integral(start)) / (end - start)

@@ -76,7 +76,7 @@ class Acquisition:
         delay : int
             The window of frame k begins in the interval that starts at t_{k - delay}.
         start, length : float
-            Begin of the window after t_{k - delay}, and its length (0 for an instant sensor), in seconds.
+            Start of the window after t_{k - delay}, and its length (0 for an instant sensor), in seconds.
         straddles : bool
             Whether it ends in the next interval of the input.
         """

@@ -29,7 +29,7 @@ ComplexArray = NDArray[np.complex128]
 def model_1_response(
     angular_frequency: ArrayLike, period: float, exposure: float | None = None, latency: float = 0.0
 ) -> ComplexArray:
-    """Model #1, second version, paper equation (12): (1 − e^(−τs))/(τs), behind a latency.
+    """Model #1, second version, paper equation (12): (1 − e^(−τs))/(τs), followed by a latency.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ class ClosedForm:
 
 
 def closed_form(static_gain: float, natural_frequency: float, damping: float, period: float) -> ClosedForm:
-    """The paper's closed form (16)–(23) for a second-order mode behind a held input and before a camera.
+    """The paper's closed form (16)–(23) for a second-order mode driven by a held input and seen by a camera.
 
     Parameters
     ----------

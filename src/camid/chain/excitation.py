@@ -91,7 +91,7 @@ def multilevel(
     order : int
         Number of stages of the shift register, 2 to 32.
     levels : int
-        Equally spaced from ``-amplitude`` to ``+amplitude``, each given to equally many runs (but for one), in random
+        Equally spaced from ``-amplitude`` to ``+amplitude``, each given to equally many runs (except one), in random
         order.
     generator : numpy.random.Generator
         Draws the order.
@@ -132,7 +132,7 @@ def multisine(
     Parameters
     ----------
     length : int
-        Samples in a period; line l has the frequency l/length in cycles a sample.
+        Samples in a period; line l has the frequency l/length in cycles per sample.
     lines : sequence of int
         Excited lines, each between 1 and (length - 1)/2.
     periods : int

@@ -1,4 +1,4 @@
-"""A motion between the nodes of the integrator's grid, and what exposures of any begin and length see of it.
+"""A motion between the nodes of the integrator's grid, and what exposures of any start and length see of it.
 
 The integral of the motion is one of the integrator's states (the paper's Fig. 4), so a mean over an exposure is a
 difference of integrals. Between nodes the integral is the quintic that has its value, the motion and its derivative at
@@ -16,13 +16,13 @@ from camid.compiled import njit
 
 Array = NDArray[np.float64]
 
-# Points at which an exposure is looked at where not the mean of the motion is wanted but that of a function of it.
+# Points at which an exposure is sampled where the mean of a function of the motion is needed, not of the motion itself.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 @njit(nogil=True)
 def _interpolate(
-    begin: float,
+    start: float,
     step: float,
     integral: Array,
     position: Array,
@@ -37,7 +37,7 @@ def _interpolate(
     result = np.empty(len(times))
     last = len(position) - 1
     for k in range(len(times)):
-        place = (times[k] - begin) / step
+        place = (times[k] - start) / step
         if place <= 0.0 or place >= last:
             node = 0 if place <= 0.0 else last
             distance = (place - node) * step
@@ -53,10 +53,10 @@ def _interpolate(
         rise = integral[i + 1] - integral[i]
         d0, d1 = step * position[i], step * position[i + 1]
         a0, a1 = step * step * velocity[i], step * step * velocity_end[i]
-        # Jumps within the step are taken off its end, and put back behind them.
+        # Jumps within the step are subtracted at its end, and added again after them.
         jumped = 0.0
         for j in range(len(jump_times)):
-            since = begin + (i + 1) * step - jump_times[j]
+            since = start + (i + 1) * step - jump_times[j]
             if 0.0 < since < step:
                 p, v, a = jumps[j, 0], jumps[j, 1], jumps[j, 2]
                 rise -= since * (p + since * (v / 2.0 + since * a / 6.0))
@@ -83,12 +83,12 @@ class Motion:
 
     Attributes
     ----------
-    begin, step : float
+    start, step : float
         Seconds.
     position, velocity, integral : ndarray, shape (M + 1,)
         Motion, its derivative and its integral over time in seconds.
     velocity_end : ndarray, shape (M,)
-        Derivative at the end of each step, where it jumps to that at the begin of the next.
+        Derivative at the end of each step, where it jumps to that at the start of the next.
     jump_times : ndarray, shape (j,)
         Times in seconds at which the motion jumps within a step.
     jumps : ndarray, shape (j, 3)
@@ -97,7 +97,7 @@ class Motion:
         What the controller of a closed loop put out at the samples.
     """
 
-    begin: float
+    start: float
     step: float
     position: Array
     velocity: Array
@@ -129,7 +129,7 @@ class Motion:
         times = np.asarray(times, dtype=float)
         flat = np.ascontiguousarray(times.ravel())
         found = _interpolate(
-            self.begin,
+            self.start,
             self.step,
             self.integral,
             self.position,

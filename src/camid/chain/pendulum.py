@@ -61,7 +61,7 @@ class Pendulum:
         )
 
     def to_mapping(self) -> dict[str, Any]:
-        """Part of a simulation file: what stands under ``plant``."""
+        """Part of a simulation file: the content of ``plant``."""
         content: dict[str, Any] = {"pendulum": {name: float(getattr(self, name)) for name in PARAMETERS}}
         if self.standard_deviations is not None:
             content["standard_deviations"] = {k: float(v) for k, v in self.standard_deviations.items()}

@@ -15,7 +15,7 @@ from camid.errors import need
 if TYPE_CHECKING:
     import control
 
-# Relative size of a real part that counts as zero: an undamped mode is no unstable one, and a repeated root of the
+# Relative size of a real part that counts as zero: an undamped mode is not an unstable one, and a repeated root of the
 # denominator is only known to the square root of the rounding error.
 STABILITY_TOLERANCE = 1e-6
 # Relative size below which a root at zero, or a Markov parameter, of a state-space model is rounding.
@@ -153,7 +153,7 @@ class TransferFunction:
 
 
 def _vanishing_parameters(system: control.StateSpace) -> int:
-    """How many of the first Markov parameters are zero but for rounding."""
+    """How many of the first Markov parameters are zero except for rounding."""
     if system.D[0, 0] != 0.0:
         return 0
     state, size = np.array(system.B), np.abs(system.B)

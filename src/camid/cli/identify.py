@@ -81,7 +81,7 @@ def identify(
     if residuals is not None:
         if result.residual_analysis is None:
             raise InputError(
-                "the residual was not tested: the estimate ran away, or the plant is a pendulum or in a closed loop",
+                "the residual was not tested: the estimate diverged, or the plant is a pendulum or in a closed loop",
                 hint="leave out --residuals",
             )
         write_table(result.residual_analysis.correlations(result.period), residuals)

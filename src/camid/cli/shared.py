@@ -59,7 +59,7 @@ def declarations(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def column_options(simulation: Path | None) -> Iterator[None]:
-    """Name the options for columns where a column is missing and no file says what the columns are called."""
+    """Name the options for columns where a column is missing and no file names the columns."""
     try:
         yield
     except InputError as error:

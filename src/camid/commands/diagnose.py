@@ -35,7 +35,7 @@ def diagnose(
     simulation : path, mapping or Simulation
         What is believed of the rig: structure, nominal coefficients, declarations, effects that are known already.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Returns
     -------

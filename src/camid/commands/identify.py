@@ -41,7 +41,7 @@ def identify(
     method : {"srivc", "output-error", "plain-srivc"}
         See :func:`camid.identification.estimate.estimate`.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def _wanted(believed: Simulation, order: tuple[int, int] | None) -> tuple[Struct
     refuse_stillness(believed)
     if believed.input_column is None and order is not None:
         raise InputError(
-            "a free decay says nothing of the numerator, and an order alone gives it no value",
+            "a free decay does not determine the numerator, and an order alone gives it no value",
             where=believed.source,
             hint="leave the order out and write a transfer_function",
         )

@@ -31,7 +31,7 @@ def select_order(
     largest : int
         Largest number of poles.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Returns
     -------
@@ -47,7 +47,9 @@ def select_order(
 
     believed = load_simulation(simulation)
     if believed.input_column is None:
-        raise InputError("a free decay says nothing of the zeros", where=believed.source, hint="record an input, too")
+        raise InputError(
+            "a free decay does not determine the zeros", where=believed.source, hint="record an input, too"
+        )
     if believed.effects:
         raise InputError(
             "order compares linear chains, and this simulation has effects",
@@ -56,7 +58,7 @@ def select_order(
         )
     if believed.controller is not None:
         raise InputError(
-            "order compares plants behind an input that nothing feeds back to, and this one has a controller",
+            "order compares plants driven by an open-loop input, and this one has a controller",
             where=believed.source,
             hint="write the plant, and let identify or diagnose estimate it in its loop",
         )

@@ -1,4 +1,4 @@
-"""``camid.simulate``: what a simulation makes of the input of a recording, row by row."""
+"""``camid.simulate``: the output of a simulation for the input of a recording, row by row."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
 
 
 def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.DataFrame:
-    """Table of what a simulation makes of every experiment in a recording."""
+    """Table of the simulated output for every experiment in a recording."""
     import pandas as pd
 
     recordings = load_recordings(recording, believed, output_needed=believed.estimates_initial_state)

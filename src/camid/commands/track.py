@@ -68,7 +68,7 @@ def track(
     preview : path, optional
         Where a picture of the result goes (PNG).
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Returns
     -------

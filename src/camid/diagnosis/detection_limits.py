@@ -17,7 +17,7 @@ from camid.fitting.problem import WORKERS, Problem
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645
-# A size is found to this accuracy in the root of the expected gain, in at most so many simulations.
+# A size is found to this accuracy in the root of the expected gain, in at most this many simulations.
 ACCURACY = 0.03
 SIMULATIONS = 6
 LARGEST_FACTOR = 1e4

@@ -68,7 +68,7 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class Finding:
-    """An effect that the recording speaks for, and what cannot be told apart from it.
+    """An effect that the recording supports, and what cannot be told apart from it.
 
     Attributes
     ----------

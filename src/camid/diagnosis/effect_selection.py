@@ -1,7 +1,7 @@
-"""Which effects a recording speaks for: forward selection with swaps and backward removal, and what it cannot tell.
+"""Which effects a recording supports: forward selection with swaps and backward removal, and what it cannot tell.
 
-Hypotheses are held against each other by Bayes's criterion of the whole likelihood, the colour of the noise included,
-so that coloured noise alone is one of them. An effect is taken in where the likelihood ratio would be exceeded by
+Hypotheses are compared by Bayes's criterion of the whole likelihood, the colour of the noise included,
+so that coloured noise alone is one of them. An effect is added where the likelihood ratio would be exceeded by
 chance, anywhere in the catalogue, in less than one recording of several hundred.
 """
 
@@ -41,7 +41,7 @@ MOST_RESTARTS = 3
 
 @dataclass(frozen=True)
 class Decision:
-    """The effects taken in, each with the hypotheses that stood against it.
+    """The effects that were added, each with the hypotheses that competed with it.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def select_effects(
     progress: Progress = None,
     nominal: Model | None = None,
 ) -> Decision:
-    """Take in effects as long as each is called for, then test each against what could stand in its place.
+    """Add effects as long as each is called for, then test each against what could replace it.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def select_effects(
     while len(current.model.effects) - known < MOST_EFFECTS:
         if progress:
             names = ", ".join(e.identifier for e in current.model.effects)
-            progress(f"fitting what may be missing{' besides ' + names if names else ''}")
+            progress(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current) if screened is None else screened
         beside = len(current.model.effects) > known
         effort = BESIDE_OTHERS if beside else first_effort(problem.kind)
@@ -145,7 +145,7 @@ def _without_its_effect(problem: Problem, hypothesis: Hypothesis) -> Fitted:
 def _refuted(
     problem: Problem, current: Fitted, hypothesis: Hypothesis, validation: Sequence[NDArray[np.bool_]] | None
 ) -> bool:
-    """Whether the rows that were not fitted speak against an effect."""
+    """Whether the rows that were not fitted contradict an effect."""
     if validation is None:
         return False
     before, after = (
@@ -169,7 +169,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, progress: Progress
         for index in range(first, len(current.model.effects)):
             identifier = current.model.effects[index].identifier
             if progress:
-                progress(f"testing what could stand in place of {identifier}")
+                progress(f"testing what could replace {identifier}")
             others = fit(problem, current.model.without(index), steps=ALL_STEPS)
             own = Hypothesis(
                 identifier,

@@ -20,7 +20,7 @@ SPECIAL_CASE_ERROR = 0.3
 # Standard errors by which errors on validation rows may grow before an effect is refused.
 WORSE_STANDARD_ERRORS = 2.0
 # Factor by which they may grow even if few rows make most of it, and the least share of the gain on fitted rows that
-# has to show there, if the difference is beyond so many standard errors.
+# has to show there, if the difference is beyond this many standard errors.
 LARGEST_ERROR_RATIO = 1.5
 LEAST_GAIN_SHARE = 0.15
 MISSING_STANDARD_ERRORS = 4.0
@@ -51,7 +51,7 @@ class Hypothesis:
 def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, float]]:
     """Posterior weights of a class, the likeliest first: at most four effects that the data do not rule out.
 
-    Bayes's criterion takes every law as exact, and no rig's friction is. A name stands for laws like the catalogue's,
+    Bayes's criterion takes every law as exact, and no rig's friction is. A name covers laws like the catalogue's,
     so a hypothesis that leaves a small share of the mismatch is not ruled out by many samples: with the prior
     probability ``OTHER_LAW`` the law is another one of the same name, which leaves a share of the order of
     ``LAW_ERROR``.
@@ -95,7 +95,7 @@ def _generalises(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
 
 
 def refuted(expected: float, noise: float, before: Sequence[Array], after: Sequence[Array], one_off: bool) -> bool:
-    """Whether errors on rows that were not fitted speak against an effect.
+    """Whether errors on rows that were not fitted contradict an effect.
 
     Parameters
     ----------

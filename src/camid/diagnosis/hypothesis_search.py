@@ -114,7 +114,7 @@ def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 
 def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort) -> list[Hypothesis]:
-    """Those worth a thorough fit."""
+    """Those that deserve a thorough fit."""
     if not ranked:
         return []
     best = ranked[0].criterion
@@ -125,7 +125,7 @@ def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort)
 def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Effect]:
     """Effects that a fit should start with from the nominal coefficients, which they may have bent beyond repair.
 
-    Those without parameters, and those that the residual of the nominal model speaks for.
+    Those without parameters, and those that the residual of the nominal model supports.
     """
     effects = [c.effect for c in screened if not c.effect.parameters]
     present = {e.identifier for e in effects}

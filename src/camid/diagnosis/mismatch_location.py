@@ -66,7 +66,7 @@ def _scaled(values: Array) -> Array:
 
 
 def _hinges(values: Array, count: int) -> list[Array]:
-    """Piecewise linear functions of a signal with so many knots at its quantiles."""
+    """Piecewise linear functions of a signal with this many knots at its quantiles."""
     knots = np.quantile(values, np.linspace(0.0, 1.0, count + 2)[1:-1])
     return [np.maximum(values - k, 0.0) for k in knots]
 

@@ -57,7 +57,7 @@ def recognised_noise(
     known = {e.identifier for e in declared}
     situation = whole.situation(final.model)
     found: list[Recognition] = []
-    for identifier, effect in sorted(known_effects().items()):  # repeated frames stand before outliers
+    for identifier, effect in sorted(known_effects().items()):  # repeated frames come before outliers
         possible = effect.noise_like and problem.kind.unseen(effect) is None
         if possible and identifier not in known:
             recognition = effect.recognise(situation)
@@ -117,9 +117,9 @@ def depends_on_position(problem: Problem, final: Fitted) -> float:
 
 
 def force_like(problem: Problem, final: Fitted) -> bool:
-    """Whether coloured noise has the plant's own resonance: then it is rather a force that nobody modelled.
+    """Whether coloured noise has the plant's own resonance: then it is rather an unmodelled force.
 
-    The spectrum of the fitted autoregression is held against what plant and camera make of a white force.
+    The spectrum of the fitted autoregression is compared with that of a white force after plant and camera.
     """
     if len(final.noise.whitening) < 3:
         return False

@@ -22,7 +22,7 @@ UNLISTED_SCALE = 3.0
 MOST_UNLISTED = 0.95
 # Noise whose variance changes with the position is common in images and called structure only beyond this p-value.
 UNEVEN_P_VALUE = 1e-8
-# Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond so many
+# Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond this many
 # standard errors.
 LARGER_ERROR_RATIO = 1.2
 LARGER_STANDARD_ERRORS = 5.0
@@ -95,7 +95,7 @@ def unlisted_weight(
 
 
 def _left(base: Fitted, final: Fitted, after: Sequence[PlaceTest]) -> float:
-    """Share of the refitted mismatch, noise taken off, that the model found leaves."""
+    """Share of the refitted mismatch, noise subtracted, that the model found leaves."""
     structured = max(t.share for t in after) * final.cost
     noise = final.cost - structured
     return float(min(max(structured / max(base.cost - noise, 1e-300), 0.0), 1.0))

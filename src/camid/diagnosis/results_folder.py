@@ -77,7 +77,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
         if not report:
             (folder / FILES[3]).unlink(missing_ok=True)
         for name, content in contents.items():
-            # A name from a file system may hold bytes that are no text.
+            # A name from a file system may hold bytes that are not text.
             data = content.encode("utf-8", errors="replace")
             write_whole(folder / name, lambda path, data=data: path.write_bytes(data))  # type: ignore[misc]
             written.append(folder / name)
@@ -131,7 +131,7 @@ def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
     if not parent.is_dir():
         raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
     if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
-        raise InputError("no right to write here", where=str(folder), hint="write elsewhere")
+        raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
     for name in FILES:
         target = folder / name
         for path in inputs:

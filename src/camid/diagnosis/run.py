@@ -35,7 +35,7 @@ from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
-# A residual up to so many times what an earlier diagnosis left unexplained is the same.
+# A residual up to this many times what an earlier diagnosis left unexplained is the same.
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
@@ -129,7 +129,7 @@ def investigate(
     Raises
     ------
     ValueError
-        If the simulation runs away whatever its coefficients.
+        If the simulation diverges whatever its coefficients.
     """
     say = progress or (lambda sentence: None)
     setting = _prepared(believed, problem, nominal, validation, chosen, say)
@@ -160,7 +160,7 @@ def _prepared(
     start = whole.with_initial_states(replace(nominal, effects=known))
     base = whole.kind.refit(whole, start)
     if not np.all(np.isfinite(base.residual)):
-        raise ValueError("the simulation runs away, whatever its coefficients")
+        raise ValueError("the simulation diverges, whatever its coefficients")
     problem, base = _without_spoiled(whole, base, start)
     say("screening the catalogue")
     screened = screen(problem, base)
@@ -261,7 +261,7 @@ def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Prob
 
 
 def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
-    """The decision's model fitted anew in the metric of its noise, if that is coloured, and without what it refutes."""
+    """The decision's model refitted in the metric of its noise, if that is coloured, and without what it refutes."""
     from scipy.stats import chi2
 
     for _ in range(MOST_EFFECTS + 1):
@@ -298,7 +298,7 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
 def _settled(problem: Problem, base: Fitted) -> bool:
     """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
 
-    A remainder of the size of the output itself is no remainder of a model.
+    A remainder of the size of the output itself is not the remainder of a model.
     """
     if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * float(np.std(problem.output)):
         return False
@@ -308,7 +308,7 @@ def _settled(problem: Problem, base: Fitted) -> bool:
 def _unweighted(problem: Problem, decision: Decision) -> Decision:
     """The decision with the estimate of least squares.
 
-    What the laws leave is no noise, and its spectrum no reason to trust some frequencies more than others: a filter
+    What the laws leave is not noise, and its spectrum no reason to trust some frequencies more than others: a filter
     that whitens it would give the weight to those at which the model is wrong by little because little happens there.
     """
     if not decision.fitted.weighted:

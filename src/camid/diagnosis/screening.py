@@ -1,8 +1,8 @@
 """Screen the catalogue: how much of the residual each effect would explain, to first order, with one simulation each.
 
 A candidate changes the simulated output by s. What the plant's coefficients (and the effects already found) can imitate
-of it is projected off, and the rest r is held against the residual e: taking the effect in at the size that fits best
-lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948) with a finite step for the derivative.
+of it is projected out, and the remainder r is compared with the residual e: adding the effect at the size that fits
+best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948) with a finite step for the derivative.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ ROUNDING = 1e-7
 
 @dataclass(frozen=True)
 class ScreenedEffect:
-    """An effect of one shape, and what the residual says of it.
+    """An effect of one shape, and what the residual says about it.
 
     Attributes
     ----------
     effect : Effect
     gain : float
-        By how much the sum of squares falls, in noise variances, in the metric that speaks louder for it: chi-square
+        By how much the sum of squares falls, in noise variances, in the metric that favours it more: chi-square
         with one degree of freedom if the effect is not there.
     factor : float
         Multiple of the effect's size that fits best, to first order.

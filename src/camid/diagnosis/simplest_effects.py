@@ -3,7 +3,7 @@
 A likelihood takes every law as exact. With ten thousand samples of a real rig it then calls for a further effect, and a
 further parameter, whatever small part of the true law they imitate. Where structure is left, an effect beside
 others has to explain most of what the others leave, and a general law has to explain more than its special case by a
-margin that is worth a name; else the name would be that of a correction.
+margin that justifies a name; else the name would be that of a correction.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 
-# Share of what the other effects leave, noise taken off, that one beside them has to explain.
+# Share of what the other effects leave, noise subtracted, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
 # Share of the whole mismatch below which it may be what an inexact law of the others leaves.
 CORRECTION_SHARE = 0.01
@@ -59,7 +59,7 @@ def simplest(
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
-    """Share of what a model without an effect leaves, noise taken off, that the effect explains."""
+    """Share of what a model without an effect leaves, noise subtracted, that the effect explains."""
     return (without.cost - fitted.cost) / max(without.cost - noise, 1e-300)
 
 

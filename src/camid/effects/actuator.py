@@ -258,7 +258,7 @@ class GainAsymmetry(Effect):
 
 
 class InputHold(Effect):
-    """The input is held otherwise than declared."""
+    """The input is held differently from the declaration."""
 
     identifier = "input-hold"
     place = "actuator"

@@ -44,7 +44,7 @@ class Parameter:
     lower, upper : float
         Bounds, in that unit.
     choices : tuple of str
-        Values of a parameter that is no number.
+        Values of a parameter that is not a number.
     sequence : bool
         Whether the value is a list of numbers.
     scale : str
@@ -113,7 +113,7 @@ class Situation:
     def largest(self, name: str, share: float = 1.0) -> float:
         """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
 
-        Without input the force that would hold the plant where it moves stands for it.
+        Without input the force that would hold the plant where it moves takes its place.
         """
         found = float(np.quantile(np.abs(getattr(self, name)), share))
         if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
@@ -127,10 +127,10 @@ class Situation:
 
     @property
     def far_from_zero(self) -> str | None:
-        """Why drifts, which count from the zero of the time column, cannot be told; None if they can."""
+        """Why drifts, which count from the zero of the time column, cannot be identified; None if they can."""
         if abs(float(self.time[0])) <= FAR_FROM_ZERO * self.duration:
             return None
-        return "the time column begins far from zero, where drifts count from: let it begin at zero"
+        return "the time column begins far from zero, where drifts count from: start the time column near zero"
 
 
 @dataclass(frozen=True)
@@ -179,9 +179,9 @@ class Effect:
     uses_velocity : bool
         Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
     separated_by : tuple of SeparatingExperiment
-        Experiments that tell the effect from the others that name them, too.
+        Experiments that separate the effect from the others that name them, too.
     corrects_declaration : bool
-        Whether a simulation says it in other words (hold, exposure, latency), which the improved one then corrects.
+        Whether a simulation declares it by other keys (hold, exposure, latency), which the improved one then corrects.
     box : str
         Box of the chain that the report marks: the place, if nothing else is said.
     spoils_rows : bool
@@ -194,7 +194,7 @@ class Effect:
     judged_by_even_spread : bool
         Of a noise-like effect, whether noise of a variance that changes (see :meth:`added_variance`) imitates it.
     colours_noise : bool
-        Whether it is what a residual that is not white stands for; see :meth:`of_autoregression`.
+        Whether it describes a residual that is not white; see :meth:`of_autoregression`.
 
     Raises
     ------
@@ -229,7 +229,7 @@ class Effect:
     """Dry friction at a speed ≥ 0, in units of u; at speed zero what holds a body that sticks."""
     memory_after: ClassVar[Compiled | None] = None
     """Inner state, zero at first, that the force depends on: what becomes of ``memory`` over a displacement, which
-    stands in the place of ``position``."""
+    replaces ``position``."""
     switch: ClassVar[Compiled | None] = None
     """Function whose change of sign marks a kink of the force."""
 
@@ -237,7 +237,7 @@ class Effect:
         super().__init_subclass__(**keywords)
         if "identifier" in vars(cls):
             if cls.place not in PLACES:
-                raise ValueError(f"{cls.__name__}: place '{cls.place}' is none of {', '.join(PLACES)}")
+                raise ValueError(f"{cls.__name__}: place '{cls.place}' is not one of {', '.join(PLACES)}")
             if "box" not in vars(cls):
                 cls.box = cls.place
             _catalogue[cls.identifier] = cls
@@ -277,7 +277,7 @@ class Effect:
         return moved
 
     def measured_from(self, *neutral: float) -> Self:
-        """The same effect, told at which values of its parameters this recording shows nothing of it."""
+        """The same effect, given the values of its parameters this recording shows nothing of it."""
         self._neutral = neutral
         return self
 
@@ -387,15 +387,15 @@ class Effect:
 def _checked(identifier: str, parameter: Parameter, value: Any) -> Any:
     if parameter.choices:
         if value not in parameter.choices:
-            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is none of {', '.join(parameter.choices)}")
+            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is not one of {', '.join(parameter.choices)}")
         return str(value)
     if parameter.sequence:
         numbers = np.asarray(value, dtype=float)
         if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
-            raise ValueError(f"{identifier}, {parameter.name}: {value!r} is no list of finite numbers")
+            raise ValueError(f"{identifier}, {parameter.name}: {value!r} is not a list of finite numbers")
         return numbers.tolist()
     if isinstance(value, str | bool) or not isfinite(float(value)):
-        raise ValueError(f"{identifier}, {parameter.name}: {value!r} is no finite number")
+        raise ValueError(f"{identifier}, {parameter.name}: {value!r} is not a finite number")
     number = float(value)
     if not parameter.lower <= number <= parameter.upper:
         raise ValueError(

@@ -17,7 +17,7 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
     Raises
     ------
     InputError
-        If an identifier or a parameter is not known, missing or out of range, or an effect stands twice.
+        If an identifier or a parameter is not known, missing or out of range, or an effect is declared twice.
     """
     found: list[Effect] = []
     for declared in simulation.effects:
@@ -29,7 +29,9 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
                 hint=nearest_match(declared.identifier, known_effects()),
             )
         if any(type(e) is kind for e in found):
-            raise InputError(f"the effect '{declared.identifier}' stands twice", where=declared.where, hint="keep one")
+            raise InputError(
+                f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one"
+            )
         names = [p.name for p in kind.parameters]
         for name in declared.parameters:
             if name not in names:
@@ -61,7 +63,7 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
     if parameter.choices:
         if value not in parameter.choices:
             raise InputError(
-                f"{name}: '{value}' is none of {', '.join(parameter.choices)}",
+                f"{name}: '{value}' is not one of {', '.join(parameter.choices)}",
                 where=declared.where,
                 hint=nearest_match(str(value), parameter.choices),
             )
@@ -70,11 +72,11 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
             raise InputError(
-                f"{name}: {number!r} is no finite number", where=declared.where, hint=f"{parameter.meaning}{unit}"
+                f"{name}: {number!r} is not a finite number", where=declared.where, hint=f"{parameter.meaning}{unit}"
             )
         low, high = parameter.lower, parameter.upper
         if not low <= number <= high:
-            # A lower bound of next to nothing stands for "positive".
+            # A tiny lower bound means "positive".
             least = "positive" if 0.0 < low < 1e-200 else f"at least {low:g}"
             bounds = least if high == inf else f"at most {high:g}" if low == -inf else f"from {low:g} to {high:g}"
             raise InputError(f"{name} = {number:g}", where=declared.where, hint=f"it must be {bounds}")

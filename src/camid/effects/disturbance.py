@@ -1,6 +1,6 @@
 """Forces at the plant's input that do not depend on the motion: functions of the recorded time."""
 
-# Compiled parts are functions that stand in a class body: they have no self, and Compiled says what they get.
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
 # ruff: noqa: D102, N805
 
 from __future__ import annotations

@@ -12,14 +12,14 @@ from camid.effects.separating_experiment import SeparatingExperiment
 
 # A lattice whose rounding error has less than this share of the residual's variance does not matter.
 NEGLIGIBLE_ROUNDING = 0.02
-# Residuals beyond so many robust standard deviations are outliers: one in 16,000 and in 1.7 million of Gaussian noise.
+# Residuals beyond this many robust standard deviations are outliers: one in 16,000 and 1.7 million of Gaussian noise.
 OUTLYING = (4.0, 5.0, 7.0)
 FEWEST = 1
 # Values that differ by less than this share of their range are the same.
 SAME_VALUE = 1e-10
 # Digits smaller than this share of a lattice's step do not hide it.
 FINE_PRINT = 0.02
-# Residuals beyond so many robust standard deviations count as these in a regression of the variance.
+# Residuals beyond this many robust standard deviations count as these in a regression of the variance.
 HEAVY = 6.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
 CERTAIN = 1e-4
@@ -66,7 +66,7 @@ def tail(deviation: float) -> float:
 
 
 def rare_count(count: int, trials: int, probability: float) -> float:
-    """Bound (Chernoff) on the probability of at least ``count`` events in so many trials."""
+    """Bound (Chernoff) on the probability of at least ``count`` events in this many trials."""
     expected = trials * probability
     return 1.0 if count <= expected else float(np.exp(count - expected - count * log(count / expected)))
 

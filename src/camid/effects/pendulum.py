@@ -15,9 +15,9 @@ Array = NDArray[np.float64]
 
 
 class SineRestoringForce(PendulumGravity):
-    """What makes of a linear plant the pendulum ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u (design, section 2).
+    """What turns a linear plant into the pendulum ÿ + 2ξωẏ + ω² sin(y − rest) = gain ω² u (design, section 2).
 
-    It belongs to the declared plant and is no effect of the catalogue. Forces see the angle from rest, the sensor the
+    It belongs to the declared plant, not to the catalogue of effects. Forces see the angle from rest, the sensor the
     angle itself.
     """
 

@@ -1,6 +1,6 @@
 """Effects of the plant: forces at its input, in units of u, that depend on its motion, and dynamics that it lacks."""
 
-# Compiled parts are functions that stand in a class body: they have no self, and Compiled says what they get.
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
 # ruff: noqa: D102, N805
 
 from __future__ import annotations

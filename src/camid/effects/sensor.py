@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 INSTANT = 1e-6
 
 
-# Delays beyond so many periods are no latency but another recording.
+# Delays beyond this many periods are not a latency but another recording.
 LONGEST_DELAY = 1000.0
 # Smallest distance to the camera, in that of the centre.
 NEAREST = 1e-3
@@ -86,7 +86,7 @@ class Delay(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Without input there is nothing that it is late after."""
-        return None if np.any(situation.signal) else "without input a delay is another beginning of the same motion"
+        return None if np.any(situation.signal) else "without input a delay only shifts the start of the motion"
 
 
 class RollingShutter(Effect):

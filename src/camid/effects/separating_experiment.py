@@ -44,7 +44,7 @@ OTHERWISE = "Repeat the recording at half and at twice the amplitude, and once w
 
 
 def advice(likeliest: Iterable[SeparatingExperiment], others: Iterable[Iterable[SeparatingExperiment]]) -> str | None:
-    """What would tell the likeliest effect from others that a recording does not rule out; None without others.
+    """What would separate the likeliest effect from others that a recording does not rule out; None without others.
 
     Parameters
     ----------

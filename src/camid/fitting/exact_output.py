@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 def exact_output(simulation: Simulation, recording: Recording) -> Array:
-    """Samples of the sensor, shape (N,), with the initial state fitted where the simulation wants that.
+    """Samples of the sensor, shape (N,), with the initial state fitted where the simulation asks for that.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def refuse_few_rows(experiment: Experiment, structure: Structure, recording: Rec
 
 
 def from_first_known(simulated: Array, experiment: Experiment) -> Array:
-    """Frames exposed before the record saw an input that nobody wrote down: the first known value stands for them."""
+    """Frames exposed before the record saw an input that was not recorded: the first known value takes its place."""
     if experiment.estimate_initial_state and not experiment.free_motion_before_record:
         first = min(experiment.acquisition.window()[0], len(simulated) - 1)
         simulated[:first] = simulated[first]

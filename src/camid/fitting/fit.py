@@ -15,12 +15,12 @@ from camid.fitting.problem import Noise, Problem
 
 Array = NDArray[np.float64]
 
-# Step of the differences that stand for derivatives, as a share of what a parameter is measured by.
+# Step of the differences that replace derivatives, as a share of what a parameter is measured by.
 DIFFERENCE_STEP = 1e-5
-# Residual of a simulation that ran away, in standard deviations of the output.
+# Residual of a simulation that diverged, in standard deviations of the output.
 RUNAWAY_RESIDUAL = 1e3
 TOLERANCE = 1e-7
-# A rank-one update that misses this share of the change it should explain is no update.
+# A rank-one update that misses this share of the change it should explain is not an update.
 LARGEST_MISSED_SHARE = 0.4
 
 
@@ -131,7 +131,7 @@ def _sensitivities(
 class _Derivative:
     """Sensitivities along a fit: differences where they are needed, Broyden's rank-one updates in between.
 
-    A simulation a parameter is what a fit costs; an update costs none (Broyden 1965, Math. Comp. 19, 577–593).
+    A fit costs one simulation per parameter; an update costs none (Broyden 1965, Math. Comp. 19, 577–593).
     """
 
     def __init__(self, problem: Problem, packing: Packing, base: Fitted | None, refreshes: int) -> None:
@@ -233,7 +233,7 @@ def fit(
     base : Fitted, optional
         A fit of the same model without its last effect, whose sensitivities this one starts from.
     refreshes : int
-        How often the sensitivities may be taken anew by differences.
+        How often the sensitivities may be recomputed by differences.
     finest : bool
         Whether the integrator's steps are as fine as the start needs, or only what its plant suggests.
 

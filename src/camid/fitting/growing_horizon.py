@@ -1,7 +1,7 @@
 """Fit a plant whose phases add up, such as a pendulum, over a horizon that grows.
 
 An error of the natural frequency turns into a phase that grows with the time, and beyond half a period the sum of
-squares has other minima: the fit starts with the first part of each recording and takes in more of it as long as it
+squares has other minima: the fit starts with the first part of each recording and adds more of it as long as it
 follows.
 """
 

@@ -1,4 +1,4 @@
-"""Identification of a linear plant behind a recorded input, with the tests of its residual."""
+"""Identification of a linear plant driven by a recorded input, with the tests of its residual."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def _analysed(
     plant = identification.estimate.plant
     try:
         analysis = analyse_residual(wanted, plant, experiments)
-    except (ValueError, ArithmeticError):  # a method without safeguard ran away
+    except (ValueError, ArithmeticError):  # a method without safeguard diverged
         return identification
     alternatives = []
     if identification.converged and analysis is not None and analysis.contradicts:

@@ -14,7 +14,7 @@ from camid.fitting.problem import Problem
 from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
-# Motion at the first sample: a cubic through so much of the recording, in time constants of the plant, and its rows.
+# Motion at the first sample: a cubic through this much of the recording, in time constants of the plant, and its rows.
 SMOOTHED = 0.5
 FEWEST_SMOOTHED, MOST_SMOOTHED = 6, 60
 

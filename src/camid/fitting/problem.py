@@ -1,4 +1,4 @@
-"""What is fitted: recordings of one rig, the structure of its nominal plant, and what models of it make of them."""
+"""What is fitted: recordings of one rig, the structure of its nominal plant, and what its models predict for them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ ROWS_PER_LAG = 8
 
 @dataclass(frozen=True)
 class Noise:
-    """What the residual says of the noise.
+    """What the residual says about the noise.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Problem:
         return replace(self, experiments=experiments)
 
     def start_of(self, rows: int) -> Problem:
-        """The same recordings, cut off after so many rows."""
+        """The same recordings, cut off after this many rows."""
         experiments = [
             replace(e, signal=e.signal[:rows], output=e.output[:rows], used=e.used[:rows]) for e in self.experiments
         ]
@@ -165,7 +165,7 @@ class Problem:
         found = []
         for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True)):
             motion = move(self.chain(model, i), e.signal, t)
-            nodes = np.round((t - motion.begin) / motion.step).astype(int)
+            nodes = np.round((t - motion.start) / motion.step).astype(int)
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found
 

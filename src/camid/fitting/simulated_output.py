@@ -1,4 +1,4 @@
-"""What a simulation makes of the input of a recording."""
+"""Output of a simulation for the input of a recording."""
 
 from __future__ import annotations
 

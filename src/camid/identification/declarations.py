@@ -1,4 +1,4 @@
-"""Which other declaration of hold, sensor, exposure or latency a residual that depends on the input speaks for."""
+"""Which other declaration of hold, sensor, exposure or latency a residual that depends on the input supports."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
 
-# Other declarations are tried with exposures and latencies of so many periods, and then refined between the neighbours
+# Other declarations are tried with exposures and latencies of this many periods, then refined between the neighbours
 # of the best: to a share of the period, and to a finer one where the residual is below a share of the output.
 EXPOSURES = (0.1, 0.4, 0.7, 1.0)
 LATENCIES = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
@@ -45,7 +45,7 @@ SAME_DEVIANCE = 6.0
 
 @dataclass(frozen=True)
 class Alternative:
-    """Another declaration, with which the plant was estimated anew.
+    """Another declaration, with which the plant was re-estimated.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Alternative:
 
 
 def described(acquisition: Acquisition, changed: tuple[str, ...], *, article: bool = True) -> str:
-    """What an acquisition says of the parts that are named."""
+    """What an acquisition says about the parts that are named."""
     a, an = ("a ", "an ") if article else ("", "")
     exposure = f"exposure of {1e3 * (acquisition.exposure or 0.0):.4g} ms"
     instant = acquisition.sensor == "instant"
@@ -156,7 +156,7 @@ def alternative_declarations(
 ) -> list[Alternative]:
     """Fit other declarations of hold, sensor, exposure and latency.
 
-    One is changed at a time; the hold besides, if no single change explains the recording.
+    One is changed at a time; the hold in addition, if no single change explains the recording.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def alternative_declarations(
     experiments : list of Experiment
         As declared.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Returns
     -------
@@ -248,7 +248,7 @@ class _Family:
         """The member that fits best in the neighbourhood of a plant; None if it is the base."""
         value, found = self.preferred[0], plant
         if self.grid:
-            value, found = self._refined(structure, plant, [_begin(e) for e in experiments])
+            value, found = self._refined(structure, plant, [_first_rows(e) for e in experiments])
             if value == self.preferred[0] and "sensor" not in self.changed:
                 return None
         declared = [_declared(e, self.make(value)) for e in experiments]
@@ -292,7 +292,7 @@ class _Family:
         return value, tried[value][1]
 
 
-def _families(base: Acquisition, besides: tuple[str, ...]) -> list[_Family]:
+def _families(base: Acquisition, combined_with: tuple[str, ...]) -> list[_Family]:
     """Other sensors, exposures and latencies."""
     period = base.period
 
@@ -304,14 +304,14 @@ def _families(base: Acquisition, besides: tuple[str, ...]) -> list[_Family]:
 
     now = base.latency / period
     later = tuple(sorted({*LATENCIES, *(now + np.array(LATENCIES))}))
-    latencies = _Family((*besides, "latency"), base, delayed, later, (now, 0.0))
+    latencies = _Family((*combined_with, "latency"), base, delayed, later, (now, 0.0))
     if base.sensor == "instant":
-        return [_Family((*besides, "sensor"), base, exposed, EXPOSURES, (1.0,)), latencies]
+        return [_Family((*combined_with, "sensor"), base, exposed, EXPOSURES, (1.0,)), latencies]
     instant = replace(base, sensor="instant", exposure=None)
     share = (base.exposure or period) / period
     return [
-        _Family((*besides, "sensor"), base, lambda _: instant),
-        _Family((*besides, "exposure"), base, exposed, EXPOSURES, (share, 1.0)),
+        _Family((*combined_with, "sensor"), base, lambda _: instant),
+        _Family((*combined_with, "exposure"), base, exposed, EXPOSURES, (share, 1.0)),
         latencies,
     ]
 
@@ -323,7 +323,7 @@ def _declared(experiment: Experiment, acquisition: Acquisition) -> Experiment:
     return replace(experiment, acquisition=replace(acquisition, period=period, exposure=exposure))
 
 
-def _begin(experiment: Experiment) -> Experiment:
+def _first_rows(experiment: Experiment) -> Experiment:
     rows = slice(REFINEMENT_ROWS)
     return replace(
         experiment, signal=experiment.signal[rows], output=experiment.output[rows], used=experiment.used[rows]

@@ -53,8 +53,8 @@ class Estimate:
     rivals : list of Rival
         Models of other frequencies that the data do not tell from this one.
     intervals : list of Interval
-        95 % intervals where the data say so little that the output error is no parabola; the standard deviations then
-        reach to their farther ends.
+        95 % intervals where the data say so little that the output error is not a parabola; the standard deviations
+        then reach to their farther ends.
     """
 
     plant: TransferFunction
@@ -89,7 +89,7 @@ def estimate(
     method : {"srivc", "output-error", "plain-srivc"}
         Safeguarded SRIVC; output error by ``scipy.optimize.least_squares``; SRIVC as published, from an LSSVF start.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Raises
     ------

@@ -76,7 +76,7 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
     signal = np.zeros(count) if simulation.input_column is None else recording.columns[simulation.input_column]
     used = np.ones(count, bool)
     if simulation.estimates_initial_state and simulation.input_column is not None:
-        # What the input did before the record is unknown, so frames exposed before its beginning say nothing.
+        # What the input did before the record is unknown, so frames exposed before its start say nothing.
         used[: acquisition.window()[0]] = False
     used &= ~recording.missing
     used &= recording.time >= recording.time[0] + simulation.reading.leave_out
@@ -110,9 +110,7 @@ def experiments_of(
         raise InputError("no recording is given", hint="name at least one")
     files = [os.path.realpath(source) for source in sources if isinstance(source, str | os.PathLike)]
     if len(set(files)) < len(files):
-        raise InputError(
-            "the same recording is named twice", where=str(sources[0]), hint="what it says would count double"
-        )
+        raise InputError("the same recording is named twice", where=str(sources[0]), hint="it would count twice")
     if progress:
         progress("reading the recording")
     recordings = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
@@ -139,7 +137,7 @@ def experiments_of(
 
 
 def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """What was done to the rows of recordings, a sentence each."""
+    """What was done to the rows of recordings, one sentence each."""
     return tuple(sentence for one in recordings for sentence in one.warnings)
 
 

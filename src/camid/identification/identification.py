@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# A mean of the residual is worth a warning if it is this many standard deviations off and this share of the power.
+# A mean of the residual calls for a warning if it is this many standard deviations off and this share of the power.
 OFFSET_SIGNIFICANCE = 5.0
 OFFSET_SHARE = 0.02
 # Rivals of a smaller weight are left to --json, and so are those beyond the first few.
@@ -50,7 +50,7 @@ class Identification:
     acquisition : Acquisition or None
         Hold and sensor as they were declared for the first recording.
     residual_analysis : ResidualAnalysis or None
-        Whether the residual is white and independent of the input; None if there is no residual worth the name.
+        Whether the residual is white and independent of the input; None if there is no usable residual.
     alternatives : list of Alternative
         Other declarations that were fitted because the residual contradicts this one, best first.
     recording_warnings : tuple of str
@@ -91,12 +91,10 @@ class Identification:
         return f"b{zeros - coefficient}" if coefficient <= zeros else f"a{poles - (coefficient - zeros)}"
 
     def warnings(self) -> list[str]:
-        """What changes the worth of the numbers, a sentence each."""
+        """What limits how far the numbers can be trusted, one sentence each."""
         sentences = list(self.recording_warnings)
         if not self.converged:
-            sentences.append(
-                "the iteration did not converge; the numbers are not to be used (another order? more excitation?)"
-            )
+            sentences.append("the iteration did not converge; do not use the numbers (another order? more excitation?)")
         if self.at_stability_limit():
             sentences.append(
                 "a pole lies at the limit of stability: an integrator or an undamped mode? For an integrator, write a "
@@ -114,7 +112,7 @@ class Identification:
             modes = ", ".join(f"{value:.5g}" for value in rival.natural_frequencies)
             dampings = ", ".join(f"{value:.2g}" for value in rival.damping_ratios)
             sentences.append(
-                f"the data do not tell this plant from one with poles of {modes} rad/s and damping {dampings} (weight "
+                f"the data cannot tell this plant from one with poles of {modes} rad/s and damping {dampings} (weight "
                 f"{rival.weight:.2g}): another sampling period would"
             )
         if len(self.estimate.rivals) > len(named):
@@ -129,8 +127,8 @@ class Identification:
             if mean**2 > OFFSET_SHARE * power and mean**2 > OFFSET_SIGNIFICANCE**2 * (power - mean**2) / effective:
                 sentences.append(
                     f"the residual has a mean of {mean:.3g}, {100.0 * mean**2 / power:.0f} % of its power: the "
-                    "recording has an offset, which a linear model at rest has not; remove the means of input and "
-                    "output"
+                    "recording has an offset, which a linear model at rest does not have; remove the means of input "
+                    "and output"
                 )
         return sentences
 

@@ -45,7 +45,7 @@ class OrderSelection:
     Attributes
     ----------
     table : DataFrame
-        A row a candidate: ``poles``, ``zeros``, ``parameters`` (initial states included), ``nrmse``, ``converged``,
+        One row per candidate: ``poles``, ``zeros``, ``parameters`` (initial states included), ``nrmse``, ``converged``,
         ``determined`` (no pole has a standard deviation as large as itself), ``cancels`` (a zero on a pole, within
         their standard deviations), ``independence_p``, ``whiteness_p``, ``delta_bic`` and ``delta_aicc`` (above the
         smallest), ``weight`` (exp(−ΔBIC/2), normalised), ``passes`` (all checks), ``chosen``.
@@ -64,7 +64,7 @@ class OrderSelection:
     recording_warnings: tuple[str, ...] = ()
 
     def warnings(self) -> list[str]:
-        """What changes the worth of the choice, a sentence each."""
+        """What limits how far the choice can be trusted, one sentence each."""
         said = list(self.recording_warnings)
         if self.explained:
             return said
@@ -102,7 +102,7 @@ def select_order(
     largest : int
         Largest number of poles.
     progress : callable, optional
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def select_order(
     if largest < 1:
         raise ValueError(f"the largest order is {largest}: it must be at least one")
     if not any(np.any(e.signal) for e in experiments):
-        raise ValueError("without an input nothing is known of the zeros")
+        raise ValueError("without an input the zeros cannot be determined")
     candidates = [(poles, zeros) for poles in range(1, largest + 1) for zeros in range(poles)]
     rows = []
     for i, (poles, zeros) in enumerate(candidates):
@@ -215,7 +215,7 @@ def poles_determined(result: Estimate, duration: float) -> bool:
         return False
     poles, _, gradients, _ = _roots(result)
     variances = np.real(np.einsum("ij,jk,ik->i", gradients, result.covariance, gradients.conj()))
-    # A repeated pole has no derivative; it is no reason against the order.
+    # A repeated pole has no derivative; that does not speak against the order.
     return not bool(np.any(variances > np.maximum(np.abs(poles), 1.0 / duration) ** 2))
 
 

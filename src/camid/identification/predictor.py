@@ -52,7 +52,7 @@ class Predictor:
     ) -> Predictor:
         """Predictor whose time unit fits a given monic denominator in physical units.
 
-        ``records`` are the same experiments, packed; whoever makes many predictors packs them once.
+        ``records`` are the same experiments, packed; a caller that makes many predictors packs them once.
         """
         return cls(
             structure, experiments, time_scale(denominator), Records.of(experiments) if records is None else records
@@ -200,7 +200,7 @@ class Predictor:
         triangle : ndarray, shape (p + 1, p + 1)
         cost : float
         residual : ndarray, shape (total rows,)
-            Recorded minus simulated output, one experiment behind the other, rows that are not used included.
+            Recorded minus simulated output, experiments concatenated, rows that are not used included.
         """
         numerator, split, order = (
             parameters[: self.structure.degree + 1],

@@ -1,8 +1,8 @@
 """Standard deviations where the first order is not enough: the profile of the likelihood.
 
-Where the data say little (few samples, much noise, a mode near a zero of the camera), the output error is no parabola
-within two standard deviations. The interval is then read from the error itself: how far a coefficient can be moved, all
-others following, before the deviance rises by the 95 % point of χ² (Venzon & Moolgavkar 1988).
+Where the data say little (few samples, much noise, a mode near a zero of the camera), the output error is not a
+parabola within two standard deviations. The interval is then read from the error itself: how far a coefficient can be
+moved, all others following, before the deviance rises by the 95 % point of χ² (Venzon & Moolgavkar 1988).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from camid.identification.safeguarded import safeguarded_srivc
 
 Array = NDArray[np.float64]
 
-# Below this relative standard deviation the first order has been right wherever it was tried; it saves the look.
+# Below this relative standard deviation the first order has been right wherever it was tried, so the check is skipped.
 CERTAIN = 0.05
 # 95 % of a normal variable lie within this many standard deviations, and the deviance there is its square.
 WIDTH = 1.959964

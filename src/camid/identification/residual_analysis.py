@@ -1,7 +1,7 @@
 """Tests of what an estimate leaves of the recording: whether it is white, and whether it depends on the input.
 
 At the estimate the residual is e ≈ (I − P) e0 with the noise e0 and the projection P on the sensitivities S (and on a
-constant for each experiment, so that an offset, which has a warning of its own, does not pass for dynamics). The fit
+constant for each experiment, so that an offset, which has its own warning, does not pass for dynamics). The fit
 took part of the noise with it, and both tests account for what it took, as Durbin (1970) did for regressions.
 
 *Whiteness.* For white Gaussian e0 the quadratic forms q_k = eᵀA_k e (A_k the symmetric shift by k rows, over pairs of
@@ -13,8 +13,8 @@ metric of that covariance is chi-square: in small samples far better than the su
 Uᵀe in the pseudo-inverse of its covariance σ² Uᵀ(I − P)U (Ljung 1999, section 16.6); its effective rank is the number
 of degrees of freedom. Where the declaration may be wrong, few directions are in question: what another hold, exposure
 or latency would change in the simulated output. They are tested first, U after them; the two F statistics are
-independent, and the smaller p-value, corrected for being the smaller of two, is stated. Coloured noise is no fault of
-the plant, so an autoregression is fitted to the residual (order by BIC, autocovariances freed of the bias by P as in
+independent, and the smaller p-value, corrected for being the smaller of two, is stated. Coloured noise is not a fault
+of the plant, so an autoregression is fitted to the residual (order by BIC, autocovariances freed of the bias by P as in
 Worsley et al. 2002), and everything passes its whitening filter first.
 
 References
@@ -60,7 +60,7 @@ LARGEST_LAG = 25
 ROWS_A_LAG = 8
 # Residual, relative to the output, that is rounding: there is nothing to test.
 ROUNDING = 1e-9
-# Delay that stands for the derivative by it, in periods.
+# Delay whose difference quotient replaces the derivative by it, in periods.
 SMALL_DELAY = 0.1
 
 
@@ -165,7 +165,7 @@ def analyse_residual(
     structure : Structure
         What was estimated.
     plant : TransferFunction
-        The estimate, of that structure, in SI units; initial states are fitted anew.
+        The estimate, of that structure, in SI units; initial states are refitted.
     experiments : sequence of Experiment
 
     Returns

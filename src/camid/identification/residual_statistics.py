@@ -226,8 +226,8 @@ def independence(rows: Rows, lags: int) -> float | None:
     padded = np.concatenate([np.zeros(rows.first_lag + lags), _filtered(rows.whitening, rows.signal)])
     inputs = sliding_window_view(padded, lags + 1)
     square, products = np.zeros((lags + 1, lags + 1)), np.zeros((lags + 1, regressand.shape[1]))
-    for begin in range(0, len(used), BLOCK):
-        part = slice(begin, min(begin + BLOCK, len(used)))
+    for start in range(0, len(used), BLOCK):
+        part = slice(start, min(start + BLOCK, len(used)))
         lagged = inputs[part] * used[part, None]
         square += lagged.T @ lagged
         products += lagged.T @ regressand[part]

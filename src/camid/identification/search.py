@@ -1,7 +1,7 @@
 """Search for the global optimum: from a belief or from nothing to the optimum that explains the data best.
 
 Starts are refined one after the other until an optimum leaves no more than what cannot be predicted; then no other can
-do better, save an alias that does as well. Aliases are therefore always heard.
+do better, except an alias that does as well. Aliases are therefore always considered.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ Progress = Callable[[str], None]
 REFINED_STARTS = 4
 REFINED_GRID_STARTS = 6
 REFINEMENT_ITERATIONS = 50
-# Up to this order a conclusive optimum has no equal but its aliases; with more modes several starts are compared.
+# Up to this order a conclusive optimum has no equal except its aliases; with more modes several starts are compared.
 SINGLE_MODE = 2
 
 
 class Search:
     """Optima met so far, and the starts that lead to more.
 
-    It runs on a lively window of long recordings; only the last iteration sees every row.
+    It runs on an active window of long recordings; only the last iteration sees every row.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Search:
     believed : ndarray, shape (n + 1,), optional
         Monic denominator in SI units of the plant that is believed in.
     tell : callable
-        Called with a sentence about the step at hand.
+        Called with a sentence about the current step.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class Search:
     def refine_aliases(self) -> None:
         """Iterate from the modes with the same sampled poles that come near enough to be rivals.
 
-        Past the Shannon frequency, or where an alias does nearly as well, the grid is heard, too: modes of one
+        Past the Shannon frequency, or where an alias does nearly as well, the grid is considered, too: modes of one
         frequency with little and much damping may then do alike.
         """
         best = self.best()

@@ -28,7 +28,7 @@ SAME_LIKELIHOOD_WITH_PREFERENCE = 6.0
 # Two models that data hardly tell apart differ in deviance by −d² ± 2d for some d, so the wrong one leads by more than
 # this margin in at most one of 30,000 recordings.
 RIVAL_MARGIN = 16.0
-# An alias whose output error before refinement is more times that of the optimum is no rival after it.
+# An alias whose output error before refinement is more times that of the optimum is not a rival after it.
 PLAUSIBLE_RATIO = 3.0
 # A pole this many times beyond π/T that still moves is on its way to infinity.
 RUNAWAY = 10.0

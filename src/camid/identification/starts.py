@@ -47,24 +47,24 @@ class StartCandidate:
 
 
 def start_window(experiment: Experiment) -> Experiment:
-    """The liveliest stretch of a long experiment, with a free initial state if it starts later."""
+    """The most active stretch of a long experiment, with a free initial state if it starts later."""
     count = len(experiment.output)
     if count <= LONGEST_START_WINDOW:
         return experiment
-    begins = np.arange(0, count - LONGEST_START_WINDOW + 1, LONGEST_START_WINDOW // 4)
-    # Rows that are not fitted may be as lively as they like.
-    activity = [_activity(experiment, slice(b, b + LONGEST_START_WINDOW)) for b in begins]
-    begin = int(begins[int(np.argmax(activity))])
-    part = slice(begin, begin + LONGEST_START_WINDOW)
+    first_rows = np.arange(0, count - LONGEST_START_WINDOW + 1, LONGEST_START_WINDOW // 4)
+    # Rows that are not fitted may be as active as they like.
+    activity = [_activity(experiment, slice(b, b + LONGEST_START_WINDOW)) for b in first_rows]
+    first = int(first_rows[int(np.argmax(activity))])
+    part = slice(first, first + LONGEST_START_WINDOW)
     used = experiment.used[part].copy()
-    if begin > 0:
+    if first > 0:
         used[: experiment.acquisition.window()[0]] = False
     return replace(
         experiment,
         signal=experiment.signal[part],
         output=experiment.output[part],
         used=used,
-        estimate_initial_state=experiment.estimate_initial_state or begin > 0,
+        estimate_initial_state=experiment.estimate_initial_state or first > 0,
     )
 
 

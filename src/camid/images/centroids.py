@@ -151,7 +151,9 @@ def gradient_centroid(
     import cv2
 
     if not (0.0 < threshold < 1.0 if relative else 0.0 <= threshold < np.inf):
-        raise ValueError(f"a threshold of {threshold}; wanted between 0 and 1 if relative, 0 or more otherwise")
+        raise ValueError(
+            f"a threshold of {threshold}; it must lie between 0 and 1 if relative, and be 0 or more otherwise"
+        )
     view, left, top = _select(image, region, component)
     horizontal, vertical = _scratch.for_shape(view.shape)
     gradient = _unscaled_gradient(view, horizontal, vertical)
@@ -240,7 +242,7 @@ def _select(image: Image, region: RegionOfInterest | None, component: int | None
     shape = image.shape
     usable = (component is None) if len(shape) == 2 else len(shape) == 3 and shape[2] == 3 and component in COMPONENTS
     if not usable or shape[0] < 3 or shape[1] < 3:
-        raise ValueError(f"component {component} of an image of shape {shape}; (height, width[, 3]) is wanted")
+        raise ValueError(f"component {component} of an image of shape {shape}; it must be (height, width[, 3])")
     left, top = 0, 0
     if region is not None:
         region = region.clip(shape[0], shape[1])

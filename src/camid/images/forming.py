@@ -43,7 +43,7 @@ class Marker:
     intensity: float | tuple[float, float, float] = 255.0
 
     def __post_init__(self) -> None:
-        """Refuse what is no disk or no light."""
+        """Refuse a marker that is not a disk, or an intensity that is not a colour."""
         lit = np.shape(self.intensity) in ((), (3,)) and np.all(np.isfinite(self.intensity))
         if not (0.0 < self.diameter < np.inf and lit):
             raise ValueError(f"{self}: the diameter must be positive, the intensity one or three finite numbers")
@@ -175,7 +175,9 @@ def quantise(
 def _positions(path: Path, time: Array) -> Array:
     positions = np.asarray(path(time), dtype=float)
     if positions.shape != (time.size, 2) or not np.all(np.isfinite(positions)):
-        raise ValueError(f"the path gives shape {positions.shape} for {time.size} times; wanted finite x, y for each")
+        raise ValueError(
+            f"the path gives shape {positions.shape} for {time.size} times; it must give finite x, y for each"
+        )
     return positions
 
 

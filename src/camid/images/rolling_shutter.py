@@ -54,9 +54,9 @@ def expose_rolling(
         raise ValueError(f"a line time of {line_time} s; it must be finite")
     image = np.full((frame.height, frame.width, *np.shape(marker.intensity)), frame.background, dtype=float)
     strip = FrameFormat(1, frame.width, frame.background)
-    begins = start + line_time * np.arange(frame.height, dtype=float)
-    for row in _rows_near(path, begins, exposure, 0.5 * marker.diameter):
-        image[row] = expose(_seen_from(path, row), begins[row], exposure, marker, strip)[0]
+    starts = start + line_time * np.arange(frame.height, dtype=float)
+    for row in _rows_near(path, starts, exposure, 0.5 * marker.diameter):
+        image[row] = expose(_seen_from(path, row), starts[row], exposure, marker, strip)[0]
     return image
 
 
@@ -65,15 +65,15 @@ def _seen_from(path: Path, row: int) -> Path:
     return lambda time: path(time) - np.array([0.0, float(row)])
 
 
-def _rows_near(path: Path, begins: Array, exposure: float, radius: float) -> list[int]:
+def _rows_near(path: Path, starts: Array, exposure: float, radius: float) -> list[int]:
     """Numbers of the rows that the marker may touch in their exposure."""
-    times = np.add.outer(begins, exposure * np.linspace(0.0, 1.0, LOOKS))
+    times = np.add.outer(starts, exposure * np.linspace(0.0, 1.0, LOOKS))
     heights = np.asarray(path(times.ravel()), dtype=float)
     if heights.shape != (times.size, 2):
-        return list(range(begins.size))  # `expose` says what is wrong with it
+        return list(range(starts.size))  # `expose` says what is wrong with it
     heights = heights[:, 1].reshape(times.shape)
     reach = radius + 1.0 + np.abs(np.diff(heights, axis=1)).max(axis=1)
-    rows = np.arange(begins.size)
+    rows = np.arange(starts.size)
     # Not a number is near, too.
     far = (heights.min(axis=1) > rows + reach) | (heights.max(axis=1) < rows - reach)
     return [int(row) for row in rows[~far]]
@@ -87,7 +87,7 @@ def time_in_row(path: Path, start: float, line_time: float) -> float:
     path : callable
         Times in s to positions x, y in px.
     start, line_time : float
-        Begin of the exposure of row 0, and λ, in s.
+        Start of the exposure of row 0, and λ, in s.
 
     Returns
     -------

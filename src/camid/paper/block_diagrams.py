@@ -122,9 +122,9 @@ def _draw(elements: list[_Element]) -> tuple[Figure, pd.DataFrame]:
             switch = Switch().scale(length).length(length)  # drawn one unit long, with leads if it is to be longer
             drawing.add(switch.label(element.mathtext, "bottom", ofst=PERIOD_DROP))
         else:
-            # A sampler is a contact, so its input bears no head.
+            # A sampler is a contact, so its input has no arrowhead.
             signal = Line() if following is SAMPLER else Arrow(arrowlength=HEAD_LENGTH, arrowwidth=HEAD_WIDTH)
-            # From the centre, as labels at the top stand higher over an arrow than over a line.
+            # From the centre, as labels at the top are higher above an arrow than over a line.
             drawing.add(signal.length(length).label(element.mathtext, "center", ofst=(0.0, LABEL_RISE), valign="base"))
         rows.append((element.kind, element.label, round(left + length / 2, 4), MIDLINE))
         left += length

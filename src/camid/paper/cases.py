@@ -27,7 +27,7 @@ def declared_experiment(signal: Array, output: Array, period: float, case: Mappi
         Seconds.
     case : mapping
         ``hold``, ``sensor`` and ``shift``: with a shift of one, u_k is paired with w_{k+1}, which is what an instant
-        sensor must be told by hand and a camera sensor knows by itself.
+        sensor must be given by hand and a camera sensor implies.
     """
     shift = int(case.get("shift", 0))
     if shift:

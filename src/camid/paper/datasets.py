@@ -44,7 +44,7 @@ def sampling_period_outputs(
     Returns
     -------
     DataFrame
-        Columns ``period`` (s), ``k``, ``u``, ``w``; N + 1 rows a period, the last for the closing frame.
+        Columns ``period`` (s), ``k``, ``u``, ``w``; N + 1 rows per period, the last for the closing frame.
     """
     signal = with_closing_frame(excitation["u"].to_numpy())
     tables = [

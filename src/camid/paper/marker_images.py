@@ -1,4 +1,4 @@
-"""The configured marker, its path, and the means over an exposure that its measurement is held against."""
+"""The configured marker, its path, and the means over an exposure that its measurement is compared with."""
 
 from __future__ import annotations
 

@@ -203,10 +203,10 @@ def _neglected_mode(quantities: Quantities, estimates: pd.DataFrame) -> None:
     quantities.add("fig8", "camera_foh_against_instant_zoh", float(np.max(np.abs(camera - instant))), "%")
     group = cases["camera-foh"]
     good = (group[errors].abs() <= GOOD).all(axis=1).to_numpy()
-    # From the first frequency after which no error exceeds one percent any more.
+    # From the first frequency after which no error exceeds one percent.
     bad = np.flatnonzero(~good)
-    begins = int(bad[-1]) + 1 if bad.size else 0
-    product = float(group["period_times_omega_1"].iloc[begins]) if begins < len(group) else float("nan")
+    first = int(bad[-1]) + 1 if bad.size else 0
+    product = float(group["period_times_omega_1"].iloc[first]) if first < len(group) else float("nan")
     quantities.add("fig8", "one_percent_from_product", product)
     far = {c: float(np.abs(g["error_a0"].iloc[-1])) for c, g in cases.items()}
     quantities.add("fig8", "a0_error_foh_at_highest", far["camera-foh"], "%")

@@ -23,8 +23,8 @@ def compare(quantities: pd.DataFrame, tolerances: Sequence[Mapping[str, Any]]) -
     Returns
     -------
     DataFrame
-        A row a tolerance: ``target``, ``quantity``, ``value``, ``allowed``, ``passed``, ``source``. A quantity that is
-        missing or not a number fails.
+        One row per tolerance: ``target``, ``quantity``, ``value``, ``allowed``, ``passed``, ``source``. A quantity that
+        is missing or not a number fails.
     """
     values = quantities.set_index(["target", "quantity"])["value"].to_dict()
     rows = []

@@ -18,7 +18,7 @@ import pandas as pd
 from camid.proof.sealed_files import DIAGNOSIS, FAILURE, IMPROVED, RECORDING, SIMULATION
 
 OUTPUT = "diagnosis"
-NO_REPORT = "--no-report"  # nobody reads hundreds of them, and they say no more than diagnosis.json
+NO_REPORT = "--no-report"  # no one reads hundreds of them, and they add nothing to diagnosis.json
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM", "NUMBA")}
 
 
@@ -27,9 +27,9 @@ class ForbiddenReadError(PermissionError):
 
 
 def diagnose_all(indices: list[int], recordings: Path, diagnoses: Path) -> pd.DataFrame:
-    """Diagnose recordings, each in a folder of its own that holds nothing but its two files.
+    """Diagnose recordings, each in its own folder that holds only its two files.
 
-    The folders lie outside the working copy, and their files bear names that say nothing: digits of their own digests,
+    The folders lie outside the working copy, and their files have names that reveal nothing, digits of their digests,
     so that a second run says the same byte for byte. One child process diagnoses all of them through ``camid diagnose``
     with the folder as its working directory. It is refused every file of the working copy but the package itself.
 
@@ -37,9 +37,9 @@ def diagnose_all(indices: list[int], recordings: Path, diagnoses: Path) -> pd.Da
     ----------
     indices : list of int
     recordings : path
-        Folder with a folder a recording.
+        Folder with one folder per recording.
     diagnoses : path
-        Gets, a folder a recording, diagnosis.json and improved.yaml, or failure.txt if the command failed.
+        Gets diagnosis.json and improved.yaml, or failure.txt if the command failed, in one folder per recording.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def diagnose_all(indices: list[int], recordings: Path, diagnoses: Path) -> pd.Da
     with Worker(Path.cwd().resolve()) as worker:
         for position, index in enumerate(indices):
             source = recordings / str(index)
-            if position == 0:  # imports and the loading of compiled code are no part of the run time
+            if position == 0:  # imports and the loading of compiled code are not part of the run time
                 _diagnose(worker, source, None)
             seconds = _diagnose(worker, source, diagnoses / str(index))
             run_times.append({"index": index, "seconds": seconds})
@@ -97,7 +97,7 @@ class Worker:
 
     def __init__(self, working_copy: Path) -> None:
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("CAMID", "SNAKEMAKE"))}
-        # -P: the folder in which it is started is no place to import from.
+        # -P: the folder in which it is started is not a place to import from.
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, str(working_copy)],
             stdin=subprocess.PIPE,
@@ -129,7 +129,7 @@ class Worker:
 
 
 def serve(working_copy: str) -> None:
-    """Run the commands that standard input asks for, a line each, and answer on standard output.
+    """Run the commands that standard input asks for, one per line, and answer on standard output.
 
     Every opening of a file below the working copy, but of the package and of Python's own environment, is refused and
     reported. The hook (PEP 578) sees what Python opens; it is a guard against mistakes, not a prison.

@@ -42,7 +42,7 @@ def by_strength(scores: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        A row a bin and rate: ``low``, ``high`` (edges), ``multiple`` (geometric mean of those in the bin), ``rate``
+        One row per bin and rate: ``low``, ``high`` (edges), ``multiple`` (geometric mean of those in the bin), ``rate``
         (its name), ``share``, ``from``, ``to``, ``recordings``.
     """
     single = scores[(scores["kind"] == "single") & scores["multiple"].notna()]
@@ -87,7 +87,7 @@ def reliability(weights: pd.DataFrame) -> pd.DataFrame:
 
 
 def coverage(parameters: pd.DataFrame) -> pd.DataFrame:
-    """Coverage of the stated 95 % intervals, a row a parameter: ``id``, ``parameter``, ``share``, …, ``intervals``."""
+    """Coverage of the 95 % intervals, one row per parameter: ``id``, ``parameter``, ``share``, …, ``intervals``."""
     rows = []
     for (identifier, name), part in parameters.groupby(["id", "parameter"], sort=True):
         share, start, end = rate(int(part["covered"].sum()), len(part))

@@ -31,8 +31,8 @@ def score_cases(
     Returns
     -------
     tuple of DataFrame
-        A row a recording (:func:`camid.proof.scoring.score` and :func:`recovered_shares`), a row a parameter
-        (:func:`camid.proof.scoring.parameter_rows`), a row a member of a class
+        One row per recording (:func:`camid.proof.scoring.score` and :func:`recovered_shares`), one row per parameter
+        (:func:`camid.proof.scoring.parameter_rows`), one row per member of a class
         (:func:`camid.proof.scoring.weight_rows`), all with ``index``.
     """
     scores: list[dict[str, Any]] = []

@@ -14,7 +14,7 @@ STRONG = 3.0
 LARGEST_CLASS = 4
 CONFIDENT = 0.9
 COVERAGE = 0.95
-# Entry of a class that stands for physics outside the catalogue; it names nothing.
+# Entry of a class that represents physics outside the catalogue; it names nothing.
 UNLISTED = "unlisted"
 # Input and output alone cannot tell these apart, though they sit in different places (the design, section 2).
 INSEPARABLE = (
@@ -168,7 +168,7 @@ def parameter_rows(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None
             if not all(isinstance(v, int | float) for v in (stated["value"], true_value)):
                 continue
             difference = float(stated["value"]) - float(true_value)
-            if name == "phase":  # a whole turn is no difference
+            if name == "phase":  # a whole turn makes no difference
                 difference = float(np.angle(np.exp(1j * difference)))
             rows.append(
                 {

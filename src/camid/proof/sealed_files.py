@@ -46,7 +46,7 @@ def _write_yaml(content: Mapping[str, Any], path: Path) -> None:
 
 
 def sealed_files(index: int, recordings: Path, held_out: Path) -> list[Path]:
-    """Files that a seal covers besides the truth, in its order."""
+    """Files that a seal covers in addition to the truth, in its order."""
     return [
         recordings / str(index) / RECORDING,
         recordings / str(index) / SIMULATION,

@@ -24,14 +24,14 @@ class BrokenSealError(ValueError):
 def new_salt() -> str:
     """256 random bits from the operating system, in hexadecimal digits.
 
-    The salt is a nonce and no number of a model: no result depends on it, so it comes from no seed. Without it, a truth
-    with few possible values could be guessed and the guess held against the published seal.
+    The salt is a nonce and not a number of a model: no result depends on it, so it has no seed. Without it, a truth
+    with few possible values could be guessed and the guess checked against the published seal.
     """
     return secrets.token_hex(SALT_BYTES)
 
 
 def canonical(truth: Mapping[str, Any]) -> bytes:
-    """The one way to write a truth: JSON with sorted keys, no blanks, UTF-8, as RFC 8785 but for the digits of numbers.
+    """Canonical form of a truth: JSON with sorted keys, no blanks, UTF-8, as RFC 8785 except for the digits of numbers.
 
     Raises
     ------

@@ -24,7 +24,7 @@ class Line:
     value, low, high : float
         Measured, with its 95 % interval.
     count : int
-        Recordings (or intervals, or effects) behind it.
+        Recordings (or intervals, or effects) that it is based on.
     at_least, at_most : float or None
         The target.
     """
@@ -64,7 +64,7 @@ def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFram
     Parameters
     ----------
     scores : DataFrame
-        A row a recording: :func:`camid.proof.scoring.score`, with ``share_same_kind`` and
+        One row per recording: :func:`camid.proof.scoring.score`, with ``share_same_kind`` and
         ``share_double_amplitude``.
     parameters : DataFrame
         From :func:`camid.proof.scoring.parameter_rows`.

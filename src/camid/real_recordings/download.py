@@ -55,7 +55,7 @@ BENCHMARK_RECORDINGS = {
         "parameterEstimation/data/pend1test/test1pend1.csv",
         "a92411887a922c43780ac27b504cf18e5d2236c5f704d9294f9fa679d82f69c4",
     ),
-    # A red ball on a string before a white wall, filmed with 29.75 frames a second.
+    # A red ball on a string in front of a white wall, filmed at 29.75 frames per second.
     "pendulum_clip": BenchmarkRecording(
         "pendulum.mp4",
         "https://raw.githubusercontent.com/juangomez177/Pendulum_Oscillatory_Motion/"
@@ -115,7 +115,7 @@ def fetch(name: str) -> Path:
 
 
 SILVERBOX_PERIOD = 1.0 / 610.35  # seconds
-# Official split, first row and row behind the last; the tests start with a state that is not known.
+# Official split, first row and the row after the last; the tests start with a state that is not known.
 SILVERBOX_TRAINING = (40650, 105712)
 SILVERBOX_MULTISINE = (105712, 127400)
 SILVERBOX_ARROW = (100, 40575)

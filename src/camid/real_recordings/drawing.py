@@ -31,7 +31,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 
 def draw(results: Results, law: Law) -> Figure:
-    """Draw what was recorded, what the simulation makes of it before and after, and the law between.
+    """Draw what was recorded, what was simulated before and after the diagnosis, and the law between.
 
     Parameters
     ----------

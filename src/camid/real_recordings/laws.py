@@ -50,7 +50,7 @@ class Law:
 
 
 def law(results: Results) -> Law:
-    """The law behind the strongest effect of a recording, or where the rest sits."""
+    """The law of the strongest effect of a recording, or where the remainder is."""
     return LAWS[results.name](results)
 
 

@@ -17,7 +17,7 @@ DRIVE = "Janot, Gautier & Brunot 2019, hal-02178709: inverse dynamics, least squ
 THESIS = "code of the thesis, nielsSkov/masterThesisMatlab, cartPendulum/initCartPendulum.m at b7eb298: whole record"
 REPORT = "experimenter's report beside the clip, juangomez177/Pendulum_Oscillatory_Motion"
 NOT_FOUND = "not found"
-# Numbers behind the thesis's friction, from the same file: mass, length, gravity, Coulomb and viscous friction.
+# Data for the thesis's friction, from the same file: mass, length, gravity, Coulomb and viscous friction.
 THESIS_MASS, THESIS_LENGTH, THESIS_GRAVITY = 0.2235, 0.31692, 9.82  # kg, m, m/s²
 THESIS_COULOMB, THESIS_VISCOUS = 4.1e-3, 0.5e-3  # N m, N m s
 
@@ -131,7 +131,7 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
     ----------
     template : Path
         Jinja template, in which ``value(recording, quantity, format)``, ``table(recording)``, ``effects(recording)``
-        and ``named(recording, effect)`` stand for results.
+        and ``named(recording, effect)`` insert results.
     quantities : dict of DataFrame
         By recording.
     """
@@ -168,7 +168,7 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
 
 
 def _wrapped(text: str) -> str:
-    """Markdown with its paragraphs wrapped anew: numbers of any length stand in them."""
+    """Markdown with its paragraphs rewrapped, as they contain numbers of any length."""
     import textwrap
 
     blocks = text.rstrip("\n").split("\n\n")

@@ -1,4 +1,4 @@
-"""Results on the real recordings: what two diagnoses, the published split and the published values say of each."""
+"""Results on the real recordings: what two diagnoses, the published split and the published values say about each."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Results:
     name : str
         Key of ``RECORDINGS``.
     recording : Path
-        The untouched file, or what ``camid track`` made of it.
+        The untouched file, or the table that ``camid track`` wrote.
     nominal, improved : Simulation
     diagnosis, again : dict
         diagnosis.json, of the first diagnosis and of that from improved.yaml.
@@ -98,7 +98,7 @@ def quantities(results: Results, linear: Mapping[str, pd.DataFrame] | None = Non
     ----------
     results : Results
     linear : dict of DataFrame, optional
-        Silverbox: what linear models with held (``zoh``) and first-order-hold (``foh``) input make of its multisine.
+        Silverbox: output of linear models with held (``zoh``) and first-order-hold (``foh``) input for its multisine.
 
     Returns
     -------
@@ -154,10 +154,10 @@ def _silverbox(results: Results) -> Iterable[Row]:
         yield f"static_gain_{model}", b0 / a0, None, "V/V"
     refitted = replace(results.nominal, plant=_plant(results, "refitted"))
     models = dict(zip(MODELS, (results.nominal, refitted, results.improved), strict=True))
-    for part, (first, behind) in {"multisine": SILVERBOX_MULTISINE, "arrow": SILVERBOX_ARROW}.items():
+    for part, (first, stop) in {"multisine": SILVERBOX_MULTISINE, "arrow": SILVERBOX_ARROW}.items():
         for model, simulation in models.items():
             period = float(results.nominal.reading.period or np.nan)
-            reading = replace(simulation.reading, start=(first - 0.5) * period, end=(behind - 0.5) * period)
+            reading = replace(simulation.reading, start=(first - 0.5) * period, end=(stop - 0.5) * period)
             table = simulate(results.recording, replace(simulation, reading=reading))
             error = table[simulation.output_column] - table["simulated"]
             yield f"{part}_{model}", 1e3 * _root_mean_square(error[SILVERBOX_TRANSIENT:]), None, "mV"

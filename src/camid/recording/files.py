@@ -122,7 +122,7 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
         with path.open("rb") as stream:
             head = stream.read(64)
     except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check who may read it") from None
+        raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check its permissions") from None
     content = next((kind for kind, heads in SIGNATURES.items() if head.startswith(heads)), None)
     if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
         raise InputError("this is an Excel file", where=name, hint="save the sheet as CSV")
@@ -165,5 +165,5 @@ def _unpacked(path: Path, name: str, kind: str) -> bytes:
     except (OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"cannot be unpacked ({error})", where=name, hint="pack it again") from None
     if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in SIGNATURES.values()):
-        raise InputError("what is packed is no text file", where=name, hint="unpack it")
+        raise InputError("what is packed is not a text file", where=name, hint="unpack it")
     return data

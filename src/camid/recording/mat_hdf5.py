@@ -16,7 +16,7 @@ from camid.recording.table import Table
 
 # Columns of one variable; more are a picture or a cube of data.
 MOST_COLUMNS = 1000
-# Kinds of numpy that are no real numbers.
+# Kinds of numpy that are not real numbers.
 KINDS = {"b": "made of truth values", "c": "complex", "S": "text", "U": "text", "O": "text", "T": "text"}
 
 
@@ -25,7 +25,7 @@ def read_mat(path: Path) -> dict[str, Any]:
     need("reading a MAT file", "formats", "pymatreader", "h5py")
     import pymatreader
 
-    with warnings.catch_warnings():  # what it cannot read turns up as a variable that is no column
+    with warnings.catch_warnings():  # what it cannot read turns up as a variable that is not a column
         warnings.simplefilter("ignore")
         tree = pymatreader.read_mat(path)
         kinds = {name: kind for name, _, kind in pymatreader.whosmat(path)}
@@ -113,7 +113,7 @@ def _groups(node: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _columns(node: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Vectors of a group; matrices as ``name[0]``, ``name[1]``, …; and why the other variables are no columns."""
+    """Vectors of a group; matrices as ``name[0]``, ``name[1]``, …; and why the other variables are not columns."""
     columns: dict[str, Any] = {}
     refused: dict[str, str] = {}
     for name, value in sorted(node.items()):  # the reader of MAT files 7.3 has them in any order
@@ -134,7 +134,7 @@ def _columns(node: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
 
 
 def _reason(value: Any, array: Any) -> str | None:
-    """Why a variable is no column; None if it is one."""
+    """Why a variable is not a column; None if it is one."""
     if array is None:
         named = {str: "text", bytes: "text", list: "a cell array", bool: "a truth value"}
         return named.get(type(value), "a single value" if np.isscalar(value) else "of a kind that is not read")

@@ -75,7 +75,7 @@ def _is_empty(cells: pd.Series) -> NDArray[np.bool_]:
 
 
 def _as_floats(values: pd.Series) -> Array:
-    """Numbers, and NaN for everything else: truth values and dates are no numbers."""
+    """Numbers, and NaN for everything else: truth values and dates are not numbers."""
     import pandas as pd
     from pandas.api import types
 

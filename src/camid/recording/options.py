@@ -15,7 +15,7 @@ class Reading:
     Attributes
     ----------
     separator, decimal : str or None
-        Between the cells and in the numbers of a text file; None: found. A blank stands for any number of blanks.
+        Between the cells and in the numbers of a text file; None: found. A blank matches any number of blanks.
     header : bool
         Whether a text file has a line with the names of its columns.
     columns : tuple of str

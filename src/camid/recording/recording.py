@@ -53,7 +53,7 @@ class Recording:
     experiment : str or None
         What tells this recording from the others in its file.
     warnings : tuple of str
-        What was done to the rows, a sentence each.
+        What was done to the rows, one sentence each.
     """
 
     time: Array
@@ -137,14 +137,14 @@ def read_recordings(
     """
     reading = reading or Reading()
     timed = [] if reading.period is not None else [time_column]
-    told = [] if reading.experiment is None else [reading.experiment]
+    label_columns = [] if reading.experiment is None else [reading.experiment]
     wanted = list(dict.fromkeys([*timed, *required]))
     recordings, empty = [], []
-    for table in read_tables(source, [*wanted, *told], reading):
+    for table in read_tables(source, [*wanted, *label_columns], reading):
         columns = list(dict.fromkeys([*wanted, *(c for c in optional if c in table.columns)]))
-        rows = common_rows(table, [*columns, *told])
-        for label, part in runs(table, told[0], rows) if told else [(None, rows)]:
-            name = table.name if label is None else f"{table.name}, {told[0]} {label}"
+        rows = common_rows(table, [*columns, *label_columns])
+        for label, part in runs(table, label_columns[0], rows) if label_columns else [(None, rows)]:
+            name = table.name if label is None else f"{table.name}, {label_columns[0]} {label}"
             piece = _Piece(table, part, name, reading, holds or {}, conversions or {})
             found = piece.recording(time_column, columns)
             if found is None:
@@ -239,7 +239,7 @@ class _Piece:
         return InputError(f"{count} rows", where=self.name, hint=f"a recording needs at least {FEWEST_ROWS}")
 
     def _gap(self, grid: Grid, where: Callable[[int], str]) -> InputError:
-        """What to say of the largest gap."""
+        """What to say about the largest gap."""
         steps = np.diff(grid.recorded) * np.asarray(grid.gaps)
         row = int(np.argmax(steps)) + 1
         lost = max(round(steps[row - 1] / grid.period) - 1, 1)

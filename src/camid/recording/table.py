@@ -25,7 +25,7 @@ class Table:
     where : callable
         Name of a row, counted from zero: ``line 7``.
     refused : dict of str to str
-        Variables that are no columns, and why.
+        Variables that are not columns, and why.
     hint : str
         What else to say where a column is missing.
     experiment : str or None
@@ -55,5 +55,5 @@ class Table:
             raise InputError(
                 f"'{name}' is {self.refused[name]}", where=self.name, hint="a column is a vector of real numbers"
             )
-        known = nearest_match(name, [str(c) for c in self.columns]) if self.columns else "there is none at all"
+        known = nearest_match(name, [str(c) for c in self.columns]) if self.columns else "it has no columns"
         raise InputError(f"no column '{name}'", where=self.name, hint=f"{known}{self.hint}")

@@ -1,4 +1,4 @@
-"""Tables from text files: comments, separator, decimal mark and header line found or as told."""
+"""Tables from text files: comments, separator, decimal mark and header line detected or as declared."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     Raises
     ------
     InputError
-        If this is no text or no table, or what was told of it is wrong.
+        If this is not text or not a table, or what was declared about it is wrong.
     """
     text = _taken_apart(_decoded(data, name), name, reading)
     line, first = next(text.rows(), (1, []))
@@ -75,7 +75,7 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     if reading.header:
         if all(_is_number(c, text.decimal) for c in first if c) and not set(wanted) <= set(first):
             raise InputError(
-                "the first line holds numbers and no names",
+                "the first line holds numbers, not names",
                 where=f"{name}, line {line}",
                 hint="say header: false and columns: [names in order] under recording in the simulation",
             )
@@ -84,7 +84,7 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
         cells = first[:-1] if first[-1] == "" and len(first) == len(names) + 1 else first
         if not any(_is_number(c, text.decimal) for c in cells):
             raise InputError(
-                f"a line of names ({', '.join(cells)}) in a file that is said to have none",
+                f"a line of names ({', '.join(cells)}) in a file declared to have none",
                 where=f"{name}, line {line}",
                 hint="remove header: false and columns under recording",
             )
@@ -118,7 +118,7 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
         raise InputError(
             "the rows have more cells than the header",
             where=name,
-            hint=f"put {_word(text.separator)} between the cells only, and a point into the numbers",
+            hint=f"put {_word(text.separator)} between cells only, and use a decimal point",
         ) from None
     except (pd.errors.ParserError, csv.Error) as error:
         detail = str(error).replace("Error tokenizing data. C error: ", "").strip()
@@ -142,7 +142,7 @@ def line_of(text: Text, row: int, *, header: bool) -> str:
 def _decoded(data: bytes, name: str) -> str:
     """Text of a file: UTF-8, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
     if b"\0" in data:
-        raise InputError("this is no UTF-8 text", where=name, hint=NOT_TEXT)
+        raise InputError("this is not UTF-8 text", where=name, hint=NOT_TEXT)
     with suppress(UnicodeDecodeError):
         return data.decode("utf-8-sig")
     head, rest = [], data
@@ -154,27 +154,27 @@ def _decoded(data: bytes, name: str) -> str:
     try:
         body = rest.decode("utf-8")
     except UnicodeDecodeError:
-        raise InputError("this is no UTF-8 text", where=name, hint=NOT_TEXT) from None
+        raise InputError("this is not UTF-8 text", where=name, hint=NOT_TEXT) from None
     if not all(c.isprintable() or c.isspace() for c in "".join(head)):
-        raise InputError("this is no UTF-8 text", where=name, hint=NOT_TEXT)
+        raise InputError("this is not UTF-8 text", where=name, hint=NOT_TEXT)
     return "".join(head) + body
 
 
 def _taken_apart(content: str, name: str, reading: Reading) -> Text:
-    told = reading.separator
+    declared = reading.separator
     position, skipped = 0, 0
     while position < len(content):
         end = content.find("\n", position) + 1 or len(content)
         line = content[position:end].strip()
         # A first line such as sep=; tells a spreadsheet what the separator is.
         directive = re.fullmatch(r'"?sep=(.)"?', content[position:end].strip("\r\n"), re.IGNORECASE)
-        if directive and told is None:
-            told = directive[1]
+        if directive and declared is None:
+            declared = directive[1]
         elif line and not line.startswith(COMMENTS):
             break
         position, skipped = end, skipped + 1
     body = content[position:]
-    separator = told or _separator(body, skipped, name)
+    separator = declared or _separator(body, skipped, name)
     return Text(body, skipped, separator, reading.decimal or _decimal(body, separator))
 
 
@@ -212,7 +212,7 @@ def _separator(body: str, skipped: int, name: str) -> str:
                 raise InputError(
                     f"{_word(other)} between the cells, where most lines have {_word(best)}",
                     where=f"{name}, line {line + skipped}",
-                    hint="separate all cells alike",
+                    hint="use one separator throughout",
                 )
     return best
 

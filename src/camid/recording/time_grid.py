@@ -1,10 +1,10 @@
 """Sampling of a recording: the order of its times, their period, and the regular grid that irregular times go onto.
 
-Times that are regular, or would be but for the rounding of their digits, stay as they are. Others are brought onto the
-grid of the period. The output comes there by cubic splines (not-a-knot) through the rows of each part without gaps: a
-shape-preserving cubic (PCHIP) flattens every extremum: of an oscillation of ten rows a period it misses up to 4.9 % of
-the amplitude, the spline 0.05 %. Motion has no jumps at which a spline would overshoot. Midway between rows it leaves
-three quarters of the variance of noise, PCHIP and the straight line one half.
+Times that are regular, or would be except for the rounding of their digits, stay as they are. Others are brought onto
+the grid of the period. The output is interpolated there by cubic splines (not-a-knot) through the rows of each part
+without gaps: a shape-preserving cubic (PCHIP) flattens every extremum: of an oscillation of ten rows per period it
+misses up to 4.9 % of the amplitude, the spline 0.05 %. Motion has no jumps at which a spline would overshoot. Midway
+between rows it leaves three quarters of the variance of noise, PCHIP and the straight line one half.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ Array = NDArray[np.float64]
 PERIOD_TOLERANCE = 1e-6
 # Rounding of the times, as a share of the period, that still tells a missing row from a rounded one.
 COARSEST_RESOLUTION = 0.5
-# RowNumbers that are farther apart, in periods, have a gap between them, over which nothing is interpolated.
+# Row numbers that are farther apart, in periods, have a gap between them, over which nothing is interpolated.
 LARGEST_STEP = 1.5
 # A row of the grid beyond the last row before a gap is still known if it is that near, in periods.
 REACH = 0.1
-# More than this is too irregular: largest over smallest step that is no gap, and share of the grid without data.
+# More than this is too irregular: largest over smallest step that is not a gap, and share of the grid without data.
 LARGEST_SPREAD = 20.0
 LARGEST_SHARE_MISSING = 0.5
 
@@ -87,7 +87,7 @@ class Grid:
         return np.pad(inner, (rows[0], len(result) - 1 - rows[-1]), mode="reflect"), ~found
 
     def _near(self, part: NDArray[np.intp]) -> slice:
-        """RowNumbers of the grid between the first and the last of some recorded rows, and hardly farther."""
+        """Row numbers of the grid between the first and the last of some recorded rows, and hardly farther."""
         if part.size == 0:
             return slice(0, 0)
         margin = REACH * self.period
@@ -99,7 +99,7 @@ class Grid:
 
         The corners of a first-order hold are read off its lines, those of a band-limited input off a spline. Of a
         zero-order hold it is the mean over the period that starts at the grid's time: the value there alone would be
-        that of the row before wherever a time stamp is late by a hair.
+        that of the row before wherever a time stamp is slightly late.
         """
         if self.regular:
             return values

@@ -60,11 +60,11 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
     except Exception as error:  # the parser lets errors of many kinds through, such as those of Python's tokenizer
         problem = " ".join(str(error).split())
         raise InputError(
-            f"'{unit}' is no unit ({problem})", where=where, hint="write it like mm, deg or m/s^2"
+            f"'{unit}' is not a unit ({problem})", where=where, hint="write it like mm, deg or m/s^2"
         ) from None
     if dimension is not None and dict(parsed.dimensionality) != {dimension: 1}:
         kind = dimension.strip("[]")
-        raise InputError(f"'{unit}' is no unit of {kind}", where=where, hint=f"give a unit of {kind}, such as ms")
+        raise InputError(f"'{unit}' is not a unit of {kind}", where=where, hint=f"give a unit of {kind}, such as ms")
     return one - zero, zero
 
 

@@ -1,4 +1,4 @@
-"""Systems of python-control where a simulation says its plant."""
+"""Systems of python-control as the plant of a simulation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def continuous_plant(system: Any, where: str) -> TransferFunction:
     )
     if not isinstance(system, kinds):
         raise InputError(
-            f"a {type(system).__name__} is no plant",
+            f"a {type(system).__name__} is not a plant",
             where=where,
             hint="give a continuous-time control.TransferFunction or control.StateSpace",
         )

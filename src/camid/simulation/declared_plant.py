@@ -19,7 +19,7 @@ POLYNOMIALS = ("numerator", "denominator")
 
 
 def declared_plant(written: TransferFunctionPart | PendulumPart, where: Where) -> dict[str, Any]:
-    """What a file says of the plant, as arguments of :class:`camid.simulation.model.Simulation`.
+    """What a file says about the plant, as arguments of :class:`camid.simulation.model.Simulation`.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def _transfer_function(written: TransferFunctionPart, where: Where) -> dict[str,
         deviations["numerator"] = deviations["numerator"][leading_zeros:]
     covariance = written.covariance
     if covariance is not None:
-        rows = "it has one row per coefficient, but for the leading one of the denominator"
+        rows = "it has one row per coefficient, except the leading one of the denominator"
         _check_square(covariance, len(raw.numerator) + len(raw.denominator) - 1, rows, where)
         covariance = [row[leading_zeros:] for row in covariance[leading_zeros:]]
     return {
@@ -118,7 +118,7 @@ def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
         count = len(getattr(written.transfer_function, name))
         if len(getattr(getattr(written, key), name)) != count:
             raise InputError(
-                f"'{name}' has not the {count} entries of the transfer function",
+                f"'{name}' does not have the {count} entries of the transfer function",
                 where=where("plant", key),
                 hint="give one value per coefficient",
             )
@@ -126,4 +126,6 @@ def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
 
 def _check_square(table: list[list[float]], size: int, rows: str, where: Where) -> None:
     if [len(row) for row in table] != [size] * size:
-        raise InputError(f"this is no table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows)
+        raise InputError(
+            f"this is not a table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows
+        )

@@ -1,4 +1,4 @@
-"""How a simulation file says that the file of a recording is read."""
+"""How a simulation file declares the way a recording is read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def declared_reading(file: SimulationFile, where: Where) -> Reading:
-    """What a simulation file says of the layout, rows and units of a recording.
+    """What a simulation file says about the layout, rows and units of a recording.
 
     Parameters
     ----------

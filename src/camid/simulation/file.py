@@ -33,7 +33,7 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
 
     if is_control_system(source):
         raise InputError(
-            "a plant alone says nothing of input and sensor",
+            "a plant alone says nothing about input and sensor",
             where="simulation",
             hint='write {"schema": 1, "time": …, "input": …, "plant": system, "sensor": …}',
         )
@@ -42,7 +42,7 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
     else:
         content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
-        raise InputError("this is no mapping of keys to values", where=name, hint="see README.md")
+        raise InputError("this is not a mapping of keys to values", where=name, hint="see README.md")
     _refuse_several(content, name)
     return _build(validated(content, name), content, name)
 
@@ -69,7 +69,7 @@ def _refuse_several(content: Mapping[str, Any], name: str) -> None:
             raise InputError(
                 f"camid identifies one input and one output, and here are several {word}s",
                 where=place(name, content, [key]),
-                hint=f"name one column, and identify one {word} at a time while the others rest",
+                hint=f"name one column, and identify one {word} at a time with the others at zero",
             )
     plant = content.get("plant")
     if isinstance(plant, Mapping) and "transfer_function" in plant and "pendulum" in plant:
@@ -162,7 +162,7 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     Raises
     ------
     InputError
-        With file, line and key: no YAML, unknown or missing keys, values out of range, an unstable or improper plant.
+        With file, line and key: not YAML, unknown or missing keys, values out of range, an unstable or improper plant.
     """
     if isinstance(source, Simulation):
         return source

@@ -79,7 +79,7 @@ class RecordingPart(Part):
 
     separator: NotNull[Annotated[StrictStr, StringConstraints(min_length=1, max_length=1)]] = Field(
         default=None,
-        description="One character between the cells of a text file; a blank stands for any number of blanks.",
+        description="One character between the cells of a text file; a blank matches any number of blanks.",
     )
     decimal: NotNull[Literal[".", ","]] = Field(default=None, description="Decimal mark of the numbers in a text file.")
     header: TruthValue = Field(default=True, description="true or false: whether a text file has a line with names.")
@@ -315,13 +315,13 @@ def validated(content: Mapping[str, Any], source: str) -> SimulationFile:
 _UNKNOWN_KEY = ("extra_forbidden", "invalid_key")
 # What is wrong, by pydantic's type of error; the message names the value first.
 _PROBLEMS = {
-    "model_type": "is no mapping of keys to values",
-    "dict_type": "is no mapping of keys to values",
-    "list_type": "is no list",
-    "string_type": "is no text",
+    "model_type": "is not a mapping of keys to values",
+    "dict_type": "is not a mapping of keys to values",
+    "list_type": "is not a list",
+    "string_type": "is not text",
     "bool_type": "is neither true nor false",
-    "float_type": "is no finite number",
-    "finite_number": "is no finite number",
+    "float_type": "is not a finite number",
+    "finite_number": "is not a finite number",
     "greater_than": "is not greater than {gt:g}",
     "greater_than_equal": "is less than {ge:g}",
     "too_short": "is empty",
@@ -354,7 +354,7 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
     return InputError(
         error["msg"] if problem is None else f"{value!r} {problem.format(**error.get('ctx', {}))}",
         where=where,
-        hint=f"here belongs: {described}" if described else None,
+        hint=f"expected: {described}" if described else None,
     )
 
 

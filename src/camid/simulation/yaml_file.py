@@ -17,7 +17,7 @@ def read_yaml(path: Path) -> Any:
     Raises
     ------
     InputError
-        If there is no such file or it is no YAML; a key that appears twice is no YAML.
+        If there is no such file or it is not YAML; a key that appears twice is not YAML.
     """
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError
@@ -34,10 +34,10 @@ def read_yaml(path: Path) -> Any:
         mark = error.problem_mark or error.context_mark
         where = f"{path}, line {mark.line + 1}" if mark else str(path)
         problem = " ".join(str(error.problem or error.context).split())
-        raise InputError(f"no YAML: {problem}", where=where, hint="correct the line") from None
+        raise InputError(f"not valid YAML: {problem}", where=where, hint="correct the line") from None
     except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
         problem = (str(error) or type(error).__name__).splitlines()[0]
-        raise InputError(f"no YAML: {problem}", where=str(path), hint="write it as text") from None
+        raise InputError(f"not valid YAML: {problem}", where=str(path), hint="write it as text") from None
 
 
 def plain_truth_value(value: Any) -> Any:
@@ -48,7 +48,7 @@ def plain_truth_value(value: Any) -> Any:
 
 
 def _line(content: Any, path: list[Any]) -> int | None:
-    """Line in the YAML file at which the value at ``path`` stands, as ruamel.yaml remembers it."""
+    """Line in the YAML file of the value at ``path``, as ruamel.yaml remembers it."""
     line = None
     for key in path:
         try:

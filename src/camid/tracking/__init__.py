@@ -1,1 +1,1 @@
-"""Marker positions from video: decode → choose the marker → follow it → measure it → report, a module a step."""
+"""Marker positions from video: decode → choose the marker → follow it → measure it → report, one module per step."""

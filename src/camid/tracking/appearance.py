@@ -15,7 +15,7 @@ from camid.tracking.video import Source
 
 # Colour differences of black, grey and white are zero; below this (of 0.5) there is no hue to look for.
 LEAST_COLOUR = 0.05
-# Grey levels that a marker must stand out by: what lossy codecs make of a still background stays below.
+# Grey levels that a marker must stand out by: the noise of lossy codecs in a still background stays below.
 LEAST_CONTRAST = 12.0
 # Pictures that the background is the median of: kept between one and two times this number, spread over the clip.
 BACKGROUND_PICTURES = 15
@@ -49,7 +49,7 @@ class Bright:
     sentence = "the brightest thing"
 
     def grid(self, picture: Picture) -> PixelGrid:
-        """PixelGrid of the pixels."""
+        """Grid of the pixels."""
         return PixelGrid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
@@ -63,7 +63,7 @@ class Dark:
     sentence = "the darkest thing"
 
     def grid(self, picture: Picture) -> PixelGrid:
-        """PixelGrid of the pixels."""
+        """Grid of the pixels."""
         return PixelGrid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
@@ -145,7 +145,7 @@ class Moving:
         self.sentence = f"what moves{how[sign]}"
 
     def grid(self, picture: Picture) -> PixelGrid:
-        """PixelGrid of the pixels."""
+        """Grid of the pixels."""
         return PixelGrid()
 
     def image(self, picture: Picture, region: RegionOfInterest | None = None) -> Image:
@@ -175,7 +175,7 @@ class Moving:
         balance = float(strong.sum() / np.abs(strong).sum())
         if abs(balance) < ONE_SIGN:
             raise InputError(
-                "what moves is both brighter and darker than the median: it moves little, or rests for long",
+                "what moves is both brighter and darker than the median: it moves little, or stays still for long",
                 hint="say what the marker looks like: --bright, --dark or --colour",
             )
         return Moving(self.background, 1 if balance > 0.0 else -1)

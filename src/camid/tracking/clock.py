@@ -91,7 +91,7 @@ def scatter(time: Array, values: Array, period: float) -> float:
 def repeated_frames(difference: Array, x: Array, y: Array, deviation: Array) -> NDArray[np.int64]:
     """Frames that are copies of the one before: 1 for a copy, 0 for others.
 
-    Bit for bit, or at the level of the codec: nearly no pixel has changed, and the marker stands still where it moves
+    Bit for bit, or at the level of the codec: nearly no pixel has changed, and the marker stays still where it moves
     in the neighbouring frames. A lossy codec also stores a scene at rest as copies; these also count.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Files that end too early, told from what their containers say of their own length."""
+"""Files that end too early, recognised by what their containers say about their own length."""
 
 from __future__ import annotations
 

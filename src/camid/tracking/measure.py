@@ -74,7 +74,7 @@ def measure(image: Image, region: RegionOfInterest, method: str = METHODS[0]) ->
     region : RegionOfInterest
         Where it lies in the whole image.
     method : {"grey-level", "gradient"}
-        Whose standard deviation is wanted.
+        Whose standard deviation is required.
 
     Raises
     ------

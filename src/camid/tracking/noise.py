@@ -68,7 +68,7 @@ def noise_inside(answer: NDArray[np.float32], mask: NDArray[np.uint8]) -> tuple[
 
     small = np.ones((3, 3), np.uint8)
     inner: NDArray[np.uint8] = cv2.erode(mask, small)  # type: ignore[assignment]
-    # Farther inside, where the filter does not see the edge. There the mean can stand for the median, which is nearly
+    # Farther inside, where the filter does not see the edge. There the mean can replace the median, which is nearly
     # zero where noise is clipped at white.
     values = answer[cv2.erode(inner, small)[1:-1, 1:-1] > 0]
     if values.size < FEWEST_INSIDE:

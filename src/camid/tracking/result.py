@@ -28,8 +28,8 @@ class Track:
     Attributes
     ----------
     table : DataFrame
-        The recording, a row a frame with a marker: ``t`` in s, ``x``, ``y`` and their standard deviations ``x_std``,
-        ``y_std`` in ``unit``, the other centroid (``x_gradient``, ``y_gradient`` or ``x_grey_level``,
+        The recording, one row per frame with a marker: ``t`` in s, ``x``, ``y`` and their standard deviations
+        ``x_std``, ``y_std`` in ``unit``, the other centroid (``x_gradient``, ``y_gradient`` or ``x_grey_level``,
         ``y_grey_level``), ``quality``, and ``repeated``, 1 for a copy of the frame before.
 
         ``quality`` is the smallest of three shares between 0 and 1: how much of the marker's contrast is above the
@@ -123,7 +123,7 @@ class Track:
         ]
 
     def warnings(self) -> list[str]:
-        """One sentence for each thing that whoever uses the recording has to know."""
+        """One sentence for each thing that a user of the recording has to know."""
         found = list(self.notes)
         clock, table = self.clock, self.table
         if not clock.regular:

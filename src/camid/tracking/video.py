@@ -38,7 +38,7 @@ class Frame:
 
 
 class Source(Protocol):
-    """Something that hands out frames, as often as it is asked."""
+    """A source of frames that can be read repeatedly."""
 
     name: str
     expected: int | None
@@ -85,7 +85,7 @@ class VideoFile:
         import av
 
         try:
-            # Nothing but this file: a playlist cannot fetch anything from elsewhere.
+            # Only this file: a playlist cannot fetch anything from elsewhere.
             container = av.open(f"file:{self.path}", options={"protocol_whitelist": "file"})
         except (av.error.FFmpegError, ValueError) as error:
             if lacks_index(self.path):
@@ -182,11 +182,11 @@ class VideoFile:
                 raise InputError(
                     "the video has no time stamps",
                     where=f"{self.name}, frame {count}",
-                    hint="put it into a container that has, e.g. MP4, or say --frame-rate",
+                    hint="put it into a container that has them, e.g. MP4, or say --frame-rate",
                 )
             return count / self.frame_rate
         if self.frame_rate is not None:
-            raise InputError("the video has time stamps of its own", where=self.name, hint="leave out --frame-rate")
+            raise InputError("the video has its own time stamps", where=self.name, hint="leave out --frame-rate")
         return float(frame.pts * frame.time_base)
 
     def _note(self, sentence: str) -> None:
@@ -207,6 +207,8 @@ class VideoFile:
         # Matroska and others announce a duration; the sound may last longer than the video.
         if last is None or container.duration is None or len(container.streams) != 1 or count < 2:
             return False
-        beginning = (container.start_time or 0) / 1e6
+        first_time = (container.start_time or 0) / 1e6
         duration = container.duration / 1e6
-        return beginning + duration - last > max(3.0 * (last - beginning) / (count - 1), DURATION_TOLERANCE * duration)
+        return first_time + duration - last > max(
+            3.0 * (last - first_time) / (count - 1), DURATION_TOLERANCE * duration
+        )

@@ -29,7 +29,7 @@ DIGITS = 3
 
 
 def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw a row a marker and a panel a kind of motion.
+    """Draw one row per marker and one panel per kind of motion.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ DIGITS = 4
 
 
 def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw a panel a way of spoiling the image.
+    """Draw one panel per way of spoiling the image.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ DIGITS = 3
 
 
 def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw a panel a path.
+    """Draw one panel per path.
 
     Parameters
     ----------

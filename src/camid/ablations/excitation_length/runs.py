@@ -53,7 +53,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a fit: ``kind`` (order | periods), ``order``, ``periods``, ``length`` (samples), ``period`` (s),
+        One row per fit: ``kind`` (order | periods), ``order``, ``periods``, ``length`` (samples), ``period`` (s),
         ``sample``, ``converged``, ``error_<p>`` in percent; the same in all rows of a length: ``bound_<p>`` in percent
         (at rest before the first sample), ``bound_unknown_start_<p>``, and ``moving_start_<p>``: bias in percent of a
         record without noise that begins in motion and is declared at rest.
@@ -105,7 +105,7 @@ def _bias_of_a_moving_start(plant: TransferFunction, signal: Array, acquisition:
 
 
 def by_length(table: pd.DataFrame) -> pd.DataFrame:
-    """A row a length of each kind: ``runs``, ``failed``, ``rms_<p>``, bounds, ``ratio_<p>`` and the moving start."""
+    """One row per length of each kind: ``runs``, ``failed``, ``rms_<p>``, bounds, ``ratio_<p>`` and moving start."""
     groups = table.groupby(["kind", "order", "periods", "length"])
     result = pd.DataFrame({"runs": groups.size(), "failed": groups["converged"].agg(lambda c: int((~c).sum()))})
     for p in PARAMETERS:

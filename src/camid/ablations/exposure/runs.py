@@ -32,11 +32,11 @@ MODELS = ("exact", "first-order-hold", "model-2", "model-3", "instant")
 
 
 def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFrame:
-    """Identify the paper's plant behind cameras of every exposure with five declarations of the sensor.
+    """Identify the paper's plant seen by cameras of every exposure with five declarations of the sensor.
 
     The input is held and there is no noise, so every error is a bias. Models: ``exact`` (camera with the true
     exposure), ``first-order-hold`` (the paper's argument: first-order hold, instant sensor, u[k] paired with w[k+1]),
-    ``model-2`` (mean of the positions at begin and end of the true exposure), ``model-3`` (instant sensor with a
+    ``model-2`` (mean of the positions at the start and end of the true exposure), ``model-3`` (instant sensor with a
     latency of half the true exposure) and ``instant`` (held input, instant sensor at the time of delivery).
 
     Parameters
@@ -49,7 +49,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a fit: ``period`` (s), ``exposure`` (share of the period), ``model``, ``converged``, ``error_<p>`` in
+        One row per fit: ``period`` (s), ``exposure`` (share of the period), ``model``, ``converged``, ``error_<p>`` in
         percent of the true value.
     """
     plant = believed_plant(shared["plant"])
@@ -89,10 +89,10 @@ def _identify(
 def _identify_mean_of_two_instants(
     plant: TransferFunction, signal: Array, output: Array, period: float, exposure: float
 ) -> tuple[TransferFunction, bool]:
-    """Output-error estimate under Model #2, which is no sensor of the public interface.
+    """Output-error estimate under Model #2, which is not a sensor of the public interface.
 
-    The mean of the positions at begin and end of the exposure is the mean of two instant sensors, one of them with a
-    latency of the exposure: outputs and sensitivities of the two are averaged and given to
+    The mean of the positions at the start and end of the exposure is the mean of two instant sensors, one of them with
+    a latency of the exposure: outputs and sensitivities of the two are averaged and given to
     ``scipy.optimize.least_squares``, started at the truth.
     """
     from scipy.optimize import least_squares

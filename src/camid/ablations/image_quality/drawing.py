@@ -36,7 +36,7 @@ DIGITS = 4
 
 
 def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw a panel a quality of the image.
+    """Draw one panel per quality of the image.
 
     Parameters
     ----------

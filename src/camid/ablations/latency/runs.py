@@ -64,7 +64,7 @@ def first_order_bias(plant: TransferFunction, signal: Array, acquisition: Acquis
 
 
 def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFrame:
-    """Identify the paper's plant behind a camera with a latency that is declared, or declared zero; no noise.
+    """Identify the paper's plant seen by a camera with a latency that is declared, or declared zero; no noise.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a fit: ``period`` (s), ``latency`` (periods), ``declared`` (whether the latency is), ``converged``,
+        One row per fit: ``period`` (s), ``latency`` (periods), ``declared`` (whether the latency is), ``converged``,
         ``error_<p>`` in percent; ``first_order_<p>`` in percent (the projection, for this excitation) and
         ``white_input`` in percent (−2ξω0 ℓ), both of an undeclared latency.
     """

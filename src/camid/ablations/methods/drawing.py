@@ -24,7 +24,7 @@ LOOKS = {
 
 
 def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw the rms error of each parameter (runs that are no failures) and the share of failures.
+    """Draw the rms error of each parameter (runs that are not failures) and the share of failures.
 
     Parameters
     ----------

@@ -160,7 +160,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a run: ``period`` (s), ``method``, ``sample``, ``gross`` (no convergence, no real stable plant, or a
+        One row per run: ``period`` (s), ``method``, ``sample``, ``gross`` (no convergence, no real stable plant, or a
         natural frequency off by more than a tenth), ``error_<p>`` in percent (NaN without a plant) and ``bound_<p>``
         (Cramér–Rao standard deviation) in percent.
     """
@@ -193,7 +193,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
 
 
 def by_method(table: pd.DataFrame) -> pd.DataFrame:
-    """A row a method and period: ``runs``, ``gross``, and of the other runs ``ratio_<p>`` and ``bias_<p>``.
+    """One row per method and period: ``runs``, ``gross``, and of the other runs ``ratio_<p>`` and ``bias_<p>``.
 
     ``ratio_<p>`` is the rms error, ``bias_<p>`` the mean error, both over the Cramér–Rao bound; NaN where fewer than
     half of the runs are left.
@@ -212,7 +212,7 @@ def by_method(table: pd.DataFrame) -> pd.DataFrame:
 def quantities(table: pd.DataFrame) -> dict[str, tuple[float, str]]:
     """Share of gross failures and largest of the three rms errors (over the bound) of every method at every period.
 
-    ``gross_<method>_at_<T>`` and ``ratio_<method>_at_<T>``, the second of the runs that are no failures and NaN where
+    ``gross_<method>_at_<T>`` and ``ratio_<method>_at_<T>``, the second of the runs that are not failures and NaN where
     they are fewer than half; ``bias_<method>_at_<T>``: largest mean error over the bound.
     """
     found: dict[str, tuple[float, str]] = {}

@@ -47,7 +47,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a fit: ``plant`` (one mode | two modes), ``poles``, ``sample``, ``converged``, ``akaike``, ``bayes``,
+        One row per fit: ``plant`` (one mode | two modes), ``poles``, ``sample``, ``converged``, ``akaike``, ``bayes``,
         ``nrmse_fresh`` (simulated against a second noise sample) and ``nrmse_true`` (against the output without noise),
         both over the std of the data, ``largest_relative_deviation`` (standard deviation over coefficient, at most 10),
         ``frequency_error`` and ``damping_error`` of the first mode in percent; the same in all rows of a record:
@@ -119,7 +119,7 @@ def _first_mode(found: TransferFunction, truth: TransferFunction) -> dict[str, f
 
 
 def by_order(table: pd.DataFrame) -> pd.DataFrame:
-    """A row a plant and number of poles: means over the noise samples, and how often each criterion chooses it.
+    """One row per plant and number of poles: means over the noise samples, and how often each criterion chooses it.
 
     ``excess_<criterion>`` is the mean of the criterion less its smallest value among the orders of the same record;
     ``chosen_<criterion>`` the share of records; ``unknown`` the share in which the iteration does not converge or a

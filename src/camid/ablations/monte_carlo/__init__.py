@@ -1,1 +1,1 @@
-"""Errors over the Cramér–Rao bound, many noise seeds a period."""
+"""Errors over the Cramér–Rao bound, many noise seeds per period."""

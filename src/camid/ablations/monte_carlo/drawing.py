@@ -37,7 +37,7 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         upper.plot(group["period"], group["ratio"], label=label, **look)
         lower.plot(group["period"], 100.0 * group["coverage"], label=label, **look)
     upper.axhline(1.05, color=style.GREY, linewidth=0.8, linestyle="-.")
-    upper.set(ylabel="rms error / Cramér–Rao bound", title=f"{seeds} noise seeds a period; grey: ± 2 standard errors")
+    upper.set(ylabel="rms error / Cramér–Rao bound", title=f"{seeds} noise seeds per period; grey: ± 2 standard errors")
     lower.set(ylabel="95 % intervals that cover (%)", xlabel="sampling period T (s)")
     upper.legend(ncols=3, loc="upper right")
     return figure, ratios[["period", "parameter", "fits", "bound", "ratio", "mean", "coverage", "gross"]]

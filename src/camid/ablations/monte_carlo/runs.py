@@ -1,6 +1,6 @@
 """Errors of identification over the Cramér–Rao bound at every period of Fig. 7, from no starting value at all.
 
-Many noise seeds a period at the paper's signal-to-noise ratio. A shard holds sums over its own seeds, so memory does
+Many noise seeds per period at the paper's signal-to-noise ratio. A shard holds sums over its own seeds, so memory does
 not grow with their number, and any number of shards runs side by side.
 """
 
@@ -54,8 +54,8 @@ def compute_shard(
     Returns
     -------
     DataFrame
-        A row a period and parameter: ``period``, ``parameter``, ``fits``, ``sum`` and ``sum_of_squares`` (of errors in
-        units of the Cramér–Rao bound), ``covered`` (95 % intervals that hold the truth), ``gross`` (failures),
+        One row per period and parameter: ``period``, ``parameter``, ``fits``, ``sum`` and ``sum_of_squares`` (of errors
+        in units of the Cramér–Rao bound), ``covered`` (95 % intervals that hold the truth), ``gross`` (failures),
         ``not_converged``, ``bound`` (percent of the true value).
     """
     plant = believed_plant(shared["plant"])

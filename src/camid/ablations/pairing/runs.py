@@ -41,7 +41,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a fit: ``period`` (s), ``hold``, ``shift``, ``lag_left`` (frames), ``method``, ``converged``,
+        One row per fit: ``period`` (s), ``hold``, ``shift``, ``lag_left`` (frames), ``method``, ``converged``,
         ``error_<p>`` in percent.
     """
     plant = believed_plant(shared["plant"])

@@ -1,7 +1,7 @@
 """What the data still know past the Shannon limit π/T, where the paper stops, and how the alias is told apart.
 
-A held input has corners that the alias answers otherwise than the true mode, the three coefficients of the plant leave
-no room to make up for it, and the camera's averaging weighs the two differently (docs/past_the_shannon_limit.md).
+A held input has corners to which the alias responds differently from the true mode, the three coefficients of the plant
+leave no room to make up for it, and the camera's averaging weighs the two differently (docs/past_the_shannon_limit.md).
 """
 
 from __future__ import annotations

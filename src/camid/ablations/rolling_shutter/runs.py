@@ -73,11 +73,11 @@ def image_errors(
     for path in circles(imaging, frequency, count):
         image = expose_rolling(path, 0.0, exposure, line_time, Marker(diameter), frame)
         measured = np.array(grey_level_centroid(image.astype(np.float32), background=0.0))
-        begin, end = time_in_row(path, 0.0, line_time), time_in_row(path, exposure, line_time)
+        start, end = time_in_row(path, 0.0, line_time), time_in_row(path, exposure, line_time)
         models = (
             time_mean(path, line_time * middle, exposure),
             measurement_row_model(path, exposure, line_time, middle),
-            time_mean(path, begin, end - begin),
+            time_mean(path, start, end - start),
         )
         for name, model in zip(MODELS, models, strict=True):
             errors[name].append(model - measured)

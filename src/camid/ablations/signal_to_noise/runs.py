@@ -47,7 +47,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a fit: ``level`` (dB), ``sample``, ``converged``, ``error_<p>`` and ``bound_<p>`` (Cramér–Rao standard
+        One row per fit: ``level`` (dB), ``sample``, ``converged``, ``error_<p>`` and ``bound_<p>`` (Cramér–Rao standard
         deviation) in percent, ``chi_square`` (three degrees of freedom on the bound).
     """
     plant = believed_plant(shared["plant"])
@@ -83,7 +83,7 @@ def is_gross(table: pd.DataFrame) -> pd.Series:
 
 
 def by_level(table: pd.DataFrame) -> pd.DataFrame:
-    """A row a level, ascending: ``gross`` (runs), ``rms_<p>`` of the others, ``bound_<p>`` (percent), ``ratio_<p>``.
+    """Per level, ascending: ``gross`` (runs), ``rms_<p>`` of the others, ``bound_<p>`` (percent), ``ratio_<p>``.
 
     Besides ``runs`` and ``mean_chi_square`` of the runs that are not gross, per degree of freedom: one on the bound.
     """

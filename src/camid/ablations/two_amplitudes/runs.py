@@ -123,7 +123,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a run: ``signal``, ``plant``, ``sample`` (-1: whole record, no noise), ``peak`` of the input,
+        One row per run: ``signal``, ``plant``, ``sample`` (-1: whole record, no noise), ``peak`` of the input,
         ``bound_<p>`` in percent (Cramér–Rao, linear plant); without noise ``distortion`` (residual over output, both
         rms) and ``error_<p>`` in percent; with noise ``standardised_<p>`` (difference of the halves over its standard
         deviation) and ``probability`` of a difference as large by chance (chi-square, three degrees of freedom).

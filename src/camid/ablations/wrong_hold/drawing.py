@@ -18,7 +18,7 @@ RESOLUTION = 1e-3
 
 
 def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw bias and power against the sampling period, a column a wrong declaration.
+    """Draw bias and power against the sampling period, one column per wrong declaration.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ from camid.paper.datasets import believed_plant, noise_level
 
 Array = NDArray[np.float64]
 
-# A bias of so many stated standard deviations deceives; a test that warns so often (percent) is relied upon.
+# A bias of this many stated standard deviations deceives; a test that warns so often (percent) is relied upon.
 DECEIVING = 2.0
 RELIABLE = 95.0
 
@@ -48,7 +48,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
     Returns
     -------
     DataFrame
-        A row a run: ``case``, ``right`` (whether the declaration is), ``period``, ``decibel``, ``seed``,
+        One row per run: ``case``, ``right`` (whether the declaration is), ``period``, ``decibel``, ``seed``,
         ``standardised_<p>`` (error over stated standard deviation), ``independence_p``, ``alarm``, ``named`` (1 if the
         right declaration is among the explanations, 0 if not, NaN where none were sought), ``names`` (how many), and,
         the same for all runs of a case at a period and a ratio, ``bias`` (largest mean standardised error of a

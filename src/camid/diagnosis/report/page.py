@@ -259,5 +259,5 @@ def write_report(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> None:
         If the folder does not exist or cannot be written to.
     """
     page = render(diagnosis)
-    # A name from a file system may hold bytes that are no text.
+    # A name from a file system may hold bytes that are not text.
     write_whole(path, lambda temporary: temporary.write_bytes(page.encode("utf-8", errors="replace")))

@@ -1,4 +1,4 @@
-"""A plant in a closed loop: the control is what tells of it, for the position follows the reference."""
+"""A plant in a closed loop: the control signal carries the information, as the position follows the reference."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ClosedLoop(PlantKind):
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated", "simulated_input")
     hidden_places: ClassVar[frozenset[str]] = frozenset({"sensor"})
     why_hidden: ClassVar[str] = (
-        "in a closed loop the control tells of the plant; the controller has a sensor of its own"
+        "in a closed loop the control signal reflects the plant; the controller has its own sensor"
     )
 
     @property
@@ -95,7 +95,7 @@ class ClosedLoop(PlantKind):
         return [replace(e, output=e.signal) for e in experiments]
 
     def start_of(self, rows: int) -> Self:
-        """The same for recordings that are cut off after so many rows."""
+        """The same for recordings that are cut off after this many rows."""
         loops = tuple(replace(loop, reference=loop.reference[:rows]) for loop in self.loops)
         return replace(self, loops=loops, positions=tuple(p[:rows] for p in self.positions))
 
@@ -120,7 +120,7 @@ class ClosedLoop(PlantKind):
         """Position and velocity are the simulated ones, the residual is that of the control."""
         experiment, time = problem.experiments[index], problem.times[index]
         motion = move(problem.chain(model, index), experiment.signal, time)
-        nodes = np.round((time - motion.begin) / motion.step).astype(int)
+        nodes = np.round((time - motion.start) / motion.step).astype(int)
         simulated = np.zeros(len(time)) if motion.control is None else motion.control
         situation = Situation(
             time,

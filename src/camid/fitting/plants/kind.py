@@ -1,4 +1,4 @@
-"""What every kind of plant has to say: a plant that the engine simulates behind a recorded input."""
+"""What every kind of plant has to say: a plant that the engine simulates from a recorded input."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SMALL_FORCE = 1e-4
 class PlantKind:
     """A kind of plant; it is made once, from the simulation, and asked wherever kinds differ.
 
-    The defaults are those of a plant that the engine simulates behind a recorded input; a new kind overrides what it
+    The defaults are those of a plant that the engine simulates from a recorded input; a new kind overrides what it
     does otherwise and is made in :func:`camid.fitting.from_simulation.kind_of`.
 
     Attributes
@@ -70,7 +70,7 @@ class PlantKind:
         """Whether an effect changes a phase that grows with the time, which no input sets right again.
 
         The change of the output is then proportional to an effect's size for very small ones only. What the screening
-        says of it, and the first steps of a fit, are no measure of what the effect would explain.
+        says about it, and the first steps of a fit, are not a measure of what the effect would explain.
         """
         return False
 
@@ -95,7 +95,7 @@ class PlantKind:
     # -- how it is simulated -----------------------------------------------------------------------------------------
 
     def forces(self, model: Model) -> tuple[Effect, ...]:
-        """What makes of the linear chain this plant, as the engine takes it."""
+        """What turns the linear chain into this plant, as the engine takes it."""
         return ()
 
     def loop(self, index: int) -> Loop | None:
@@ -121,7 +121,7 @@ class PlantKind:
         return experiments
 
     def start_of(self, rows: int) -> Self:
-        """The same for recordings that are cut off after so many rows."""
+        """The same for recordings that are cut off after this many rows."""
         return self
 
     def at_plant(self, positions: Array, model: Model) -> Array:
@@ -133,7 +133,7 @@ class PlantKind:
         return [e.output for e in problem.experiments]
 
     def position_seen(self, problem: Problem, model: Model, index: int, position: Array) -> Array:
-        """What stands for the position in the image, shape (N,): what the sensor makes of the motion ``position``."""
+        """What represents the position in the image, shape (N,): the sensor's reading of ``position``."""
         return problem.simulate_one(model, index)
 
     def unseen(self, effect: type[Effect]) -> str | None:

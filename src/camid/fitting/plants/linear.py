@@ -1,4 +1,4 @@
-"""A linear plant behind a recorded input, or without one: the exact path of identification holds."""
+"""A linear plant driven by a recorded input, or without one: the exact path of identification holds."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class LinearPlant(PlantKind):
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
     ) -> list[Array]:
-        """What the sensor makes of them, exactly."""
+        """What the sensor measures of them, exactly."""
         plant = problem.structure.plant(model.coefficients)
         acquisition = replace(problem.chain(model, index).declared(), hold=hold)
         return [sample(plant, force, acquisition) for force in forces]

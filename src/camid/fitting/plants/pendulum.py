@@ -67,7 +67,7 @@ class PendulumKind(PlantKind):
         return replace(self, rest_free=False, fixed_gain=None)
 
     def forces(self, model: Model) -> tuple[Effect, ...]:
-        """What the sine takes off the linear restoring force."""
+        """By how much the sine reduces the linear restoring force."""
         return (SineRestoringForce(rest=model.constants[REST.name]),)
 
     def at_plant(self, positions: Array, model: Model) -> Array:

@@ -22,7 +22,7 @@ def slow_marker_trajectory(imaging: Mapping[str, Any]) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        A row a frame: ``k``, ``time`` (s, end of the exposure), ``measured_x``, ``measured_y`` (gradient centroid),
+        One row per frame: ``k``, ``time`` (s, end of the exposure), ``measured_x``, ``measured_y`` (gradient centroid),
         ``half_threshold_x``, ``half_threshold_y`` (the same with a threshold of 0.5), ``grey_level_x``,
         ``grey_level_y``, ``model_x``, ``model_y`` (equations (4), (5)); px; and
         ``signal_to_noise`` of the whole (dB).

@@ -1,4 +1,4 @@
-"""Identification runs behind Fig. 7: errors of b0, a1 and a0 against the sampling period."""
+"""Identification runs for Fig. 7: errors of b0, a1 and a0 against the sampling period."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def identify_sampling_period(
     outputs, noise : DataFrame
         From :mod:`camid.paper.datasets`.
     plant, sweep, cases : mapping
-        Sections of the configuration. A case with ``noise: true`` runs once a noise sample; ``ratio_of`` overrides the
+        Configuration sections. A case with ``noise: true`` runs once per noise sample; ``ratio_of`` overrides the
         sweep's.
 
     Returns
     -------
     DataFrame
-        A row a fit: ``period``, ``case``, ``sample`` (-1 without noise), ``method``, ``converged``, ``error_<p>``
+        One row per fit: ``period``, ``case``, ``sample`` (-1 without noise), ``method``, ``converged``, ``error_<p>``
         in percent of the true value, ``standard_deviation_<p>`` in percent, ``bound_<p>`` (Cramér–Rao, percent),
         ``standardised_<p>`` (error over bound) and ``chi_square`` (three degrees of freedom), the last three with
         noise.

@@ -1,4 +1,4 @@
-"""Identification runs behind Fig. 8: errors due to a neglected mode at ω1 (section 3.3)."""
+"""Identification runs for Fig. 8: errors due to a neglected mode at ω1 (section 3.3)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def identify_neglected_mode(
     Returns
     -------
     DataFrame
-        A row a fit: ``omega_1`` (rad/s), ``period_times_omega_1``, ``case``, ``converged``, ``error_<p>`` in percent.
+        One row per fit: ``omega_1`` (rad/s), ``period_times_omega_1``, ``case``, ``converged``, ``error_<p>`` in %.
     """
     believed = believed_plant(plant)
     truth = parameter_vector(believed.numerator, believed.denominator)

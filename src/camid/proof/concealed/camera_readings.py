@@ -22,15 +22,15 @@ class _Antiderivative:
     Between two nodes it is the polynomial of fifth degree that has the integral, the signal and its slope at both ends.
     """
 
-    def __init__(self, begin: float, step: float, value: Array, after: Array, before: Array, integral: Array) -> None:
-        self.begin, self.step = begin, step
+    def __init__(self, start: float, step: float, value: Array, after: Array, before: Array, integral: Array) -> None:
+        self.start, self.step = start, step
         self.value, self.after, self.before, self.integral = value, after, before, integral
 
     def at(self, time: Array) -> tuple[Array, Array]:
         """Integral and signal at times in s within the nodes."""
         h = self.step
-        position = np.clip((time - self.begin) / h, 0.0, len(self.after))
-        # A time that is a node but for rounding belongs to the interval that begins there.
+        position = np.clip((time - self.start) / h, 0.0, len(self.after))
+        # A time that is a node except for rounding belongs to the interval that begins there.
         i = np.minimum(np.floor(position + 1e-9).astype(np.int64), len(self.after) - 1)
         x = np.clip(position - i, 0.0, 1.0)
         q0, v0, a0 = self.integral[i], h * self.value[i], h * h * self.after[i]
@@ -55,7 +55,7 @@ def _signal(setup: Setup, trajectory: Trajectory) -> _Antiderivative:
         # Trapezoidal rule with the slopes at the ends.
         mean = 0.5 * (position[1:] + position[:-1]) + trajectory.step / 12.0 * (after - before)
         integral = np.concatenate([[0.0], np.cumsum(mean * trajectory.step)])
-    return _Antiderivative(trajectory.begin, trajectory.step, position, after, before, integral)
+    return _Antiderivative(trajectory.start, trajectory.step, position, after, before, integral)
 
 
 def position_at(setup: Setup, trajectory: Trajectory, time: Array) -> Array:
@@ -64,7 +64,7 @@ def position_at(setup: Setup, trajectory: Trajectory, time: Array) -> Array:
     t = trajectory
     return (
         scale
-        * _Antiderivative(t.begin, t.step, t.position, t.velocity_after, t.velocity_before, t.integral).at(time)[1]
+        * _Antiderivative(t.start, t.step, t.position, t.velocity_after, t.velocity_before, t.integral).at(time)[1]
     )
 
 
@@ -81,7 +81,7 @@ def _weighted(setup: Setup, trajectory: Trajectory, end: Array, length: float) -
     scale = setup.rig.output_scale
     speed = scale * np.append(trajectory.velocity_after, trajectory.velocity_before[-1])
     weight = setup.speed_weight(np.abs(speed))
-    nodes = trajectory.begin + trajectory.step * np.arange(len(speed))
+    nodes = trajectory.start + trajectory.step * np.arange(len(speed))
 
     def accumulated(values: Array) -> Array:
         sums = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))])
@@ -95,7 +95,7 @@ def _weighted(setup: Setup, trajectory: Trajectory, end: Array, length: float) -
 
 
 def motion(setup: Setup, command: Array, refinement: int = 1) -> Trajectory:
-    """Motion of the machine under a command in V, from before the first frame to behind the last.
+    """Motion of the machine under a command in V, from before the first frame to after the last.
 
     Raises
     ------

@@ -161,7 +161,7 @@ def plan(seed: int, count: int) -> list[Case]:
 
 
 def _spread(generator: np.random.Generator, names: tuple[str, ...], count: int) -> list[str]:
-    """Names in random order, each as often as any other but for one."""
+    """Names in random order, each as often as any other, except for one."""
     rounds = [generator.permutation(np.array(names)) for _ in range(count // len(names) + 1)]
     return [str(name) for name in np.concatenate(rounds)[:count]]
 

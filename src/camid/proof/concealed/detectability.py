@@ -1,6 +1,6 @@
-"""How far an effect stands above the noise, and the strength that brings it there.
+"""How far an effect rises above the noise, and the strength that brings it there.
 
-The size of an effect is measured by what it leaves behind after the simulation's plant has been re-estimated: a sum of
+The size of an effect is measured by what remains after the simulation's plant has been re-estimated: a sum of
 squares of 25 times the noise variance counts as one detectable size.
 """
 
@@ -91,7 +91,7 @@ def strength_for(wanted: float, size: Callable[[float], float], start: float, la
     Returns
     -------
     float
-        Of all strengths that were tried, the one whose size is nearest to what is wanted.
+        Of all strengths that were tried, the one whose size is nearest to the required one.
     """
 
     def measured(strength: float) -> float:

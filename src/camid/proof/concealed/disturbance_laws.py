@@ -35,7 +35,7 @@ def periodic_disturbance(generator: np.random.Generator, context: Context, alter
 
 def step_disturbance(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """A load that is put on and stays."""
-    # On a frame's begin, as the integrator ends its steps there.
+    # At the start of a frame, as the integrator ends its steps there.
     time = context.period * round(context.frames * generator.uniform(0.15, 0.85))
     unit = generator.choice([-1.0, 1.0]) * context.drive
     return built_in(

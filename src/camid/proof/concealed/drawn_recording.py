@@ -221,7 +221,7 @@ def _hidden_strength(draft: Draft, effect: Effect, draws: np.random.Generator) -
 def make_gentle(draft: Draft, commands: list[Array]) -> None:
     """Reduce the strengths until the machine survives all commands, those of twice the amplitude too.
 
-    A softening spring holds only so much.
+    A softening spring holds only a limited load.
     """
     for _ in range(ATTEMPTS):
         try:

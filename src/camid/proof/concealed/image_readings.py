@@ -1,4 +1,4 @@
-"""Recordings by way of images: a marker that moves during the exposure, pixel noise, and its grey-level centroid."""
+"""Recordings measured in images: a marker that moves during the exposure, pixel noise, and its grey-level centroid."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def image_readings(
 
     result = np.empty(setup.frames)
     for k in range(setup.frames):
-        begin = k * setup.period - setup.latency - setup.exposure
-        image = expose(path, begin, setup.exposure, marker, frame)
+        start = k * setup.period - setup.latency - setup.exposure
+        image = expose(path, start, setup.exposure, marker, frame)
         seen = quantise(image, bits, relative * INTENSITY * full, generator)
         column, _ = grey_level_centroid(seen, background=BACKGROUND * full, threshold=0.0)
         result[k] = (column - half) / pixels

@@ -34,7 +34,7 @@ def _ends(segments: Segments) -> Array:
 
 
 def connected(start: Array, corner: Array) -> Segments:
-    """Straight lines through corners; constant behind the last."""
+    """Straight lines through corners; constant after the last."""
     slope = np.diff(corner, append=corner[-1]) / np.diff(start, append=start[-1] + 1.0)
     return pieces(start, corner, slope)
 
@@ -57,9 +57,9 @@ def curve(function: Curve) -> Callable[[Segments, float], Segments]:
 
     def apply(segments: Segments, period: float) -> Segments:
         fine = refined(segments, period)
-        begin, end = function(fine.value), function(_ends(fine))
+        first, last = function(fine.value), function(_ends(fine))
         duration = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2])
-        return pieces(fine.start, begin, np.where(fine.slope == 0.0, 0.0, (end - begin) / duration))
+        return pieces(fine.start, first, np.where(fine.slope == 0.0, 0.0, (last - first) / duration))
 
     return apply
 

@@ -1,6 +1,6 @@
 """Compiled integrator: classical Runge–Kutta of fourth order between events that are located in time.
 
-Events are the reversal of a mass that slides on dry friction, its breaking away from sticking, the begin and the end of
+Events are the reversal of a mass that slides on dry friction, its breaking away from sticking, the start and the end of
 a contact, and every corner of the input. Steps end at all of them, so that none crosses a kink of the force but those
 of a spring with a gap and of Jenkins elements that begin to slip, which cost the third order of the step.
 
@@ -57,15 +57,15 @@ class Trajectory:
 
     Attributes
     ----------
-    begin, step : float
+    start, step : float
         Time of the first node and distance of two nodes, in s.
     position, integral : ndarray, shape (n + 1,)
         m, and m s from the first node.
     velocity_after, velocity_before : ndarray, shape (n,)
-        Velocity in m/s at the begin and at the end of each interval between nodes.
+        Velocity in m/s at the start and at the end of each interval between nodes.
     """
 
-    begin: float
+    start: float
     step: float
     position: Array
     integral: Array

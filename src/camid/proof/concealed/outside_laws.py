@@ -115,10 +115,10 @@ def _pulse_width(full: float, pulses: int) -> InputMap:
     def apply(segments: Segments, period: float) -> Segments:
         fine = refined(segments, period)
         length = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2]) / pulses
-        begin = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
+        rise = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
         level = np.repeat(fine.value, pulses)
         duty = np.clip(np.abs(level) / full, 0.0, 0.999)
-        start = np.stack((begin, begin + duty * np.repeat(length, pulses)), axis=1)
+        start = np.stack((rise, rise + duty * np.repeat(length, pulses)), axis=1)
         value = np.stack((full * np.sign(level), np.zeros(len(duty))), axis=1)
         kept = np.ones_like(start, dtype=bool)
         kept[:, 0] = duty > 0.0

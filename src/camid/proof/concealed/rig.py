@@ -64,7 +64,7 @@ class Rig:
         return plant.monic
 
     def parameters(self) -> Array:
-        """For the integrator: nothing but this machine."""
+        """For the integrator: only this machine."""
         p = np.zeros(s.PARAMETERS)
         p[[s.MASS, s.DAMPING, s.STIFFNESS, s.ACTUATOR_CONSTANT]] = (
             self.mass,

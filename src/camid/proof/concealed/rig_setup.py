@@ -20,7 +20,7 @@ PositionMap = Callable[[Array], tuple[Array, Array]]
 FrameMap = Callable[[Array, Array, np.random.Generator | None], Array]
 NoiseColour = Callable[[np.random.Generator, int], Array]
 
-# Frames that are simulated behind the last one, for windows that reach beyond it.
+# Frames that are simulated after the last one, for windows that reach beyond it.
 TAIL = 10
 # Frames before the first, and those of a machine that is moving when the recording begins.
 LEAD, MOVING_LEAD = 8, 80
@@ -53,7 +53,7 @@ class Setup:
     position_map : callable, optional
         Distortion of the position at every instant.
     speed_weight : callable, optional
-        From speeds, in the output's units a second, to weights of the positions in the average.
+        From speeds, in the output's units per second, to weights of the positions in the average.
     before_noise, after_noise : list of callable
         Applied to the frame values.
     colour : callable, optional
@@ -107,7 +107,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Effect:
-    """A law that is built into a setup, but for its strength.
+    """A law that is built into a setup, except for its strength.
 
     Attributes
     ----------

@@ -1,1 +1,1 @@
-"""Figures of the sealed proof, a module each: ``draw`` takes scores and returns the figure and its numbers."""
+"""Figures of the sealed proof, one module per figure: ``draw`` takes scores and returns the figure and its numbers."""

@@ -59,7 +59,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     Parameters
     ----------
     scores : DataFrame
-        A row a recording, from :func:`camid.proof.scoring.score`.
+        One row per recording, from :func:`camid.proof.scoring.score`.
     """
     style.apply()
     import matplotlib.pyplot as plt

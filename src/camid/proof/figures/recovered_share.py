@@ -19,7 +19,7 @@ TARGET = 0.95
 
 
 def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw the share against the strength, a panel a kind of held-out recording.
+    """Draw the share against the strength, one panel per kind of held-out recording.
 
     Parameters
     ----------

@@ -44,12 +44,12 @@ def outcome(row: Mapping[Any, Any]) -> str:
 
 
 def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
-    """Draw a line a recording: what was concealed, how strong, what was said.
+    """Draw one line per recording: what was concealed, how strong, what was said.
 
     Parameters
     ----------
     scores : DataFrame
-        A row a recording, from :func:`camid.proof.scoring.score`.
+        One row per recording, from :func:`camid.proof.scoring.score`.
     """
     style.apply()
     import matplotlib.pyplot as plt

@@ -19,7 +19,7 @@ def draw(weights: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     Parameters
     ----------
     weights : DataFrame
-        A row a member of a class: ``weight``, ``right``.
+        One row per member of a class: ``weight``, ``right``.
     """
     style.apply()
     import matplotlib.pyplot as plt
