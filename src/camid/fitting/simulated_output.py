@@ -54,7 +54,7 @@ def _by_engine(kind: PlantKind, simulation: Simulation, recording: Recording) ->
         raise
     except (ValueError, ArithmeticError) as error:
         where = simulation.effects[0].where if simulation.effects else simulation.source
-        raise InputError(str(error), where=where, hint="see docs/effects.md") from None
+        raise InputError(str(error), where=where, hint="check the values of plant and effects") from None
 
 
 def _at_rest(

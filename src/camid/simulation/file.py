@@ -42,7 +42,11 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
     else:
         content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
-        raise InputError("this is no mapping of keys to values", where=name, hint="see README.md")
+        raise InputError(
+            "this is no mapping of keys to values",
+            where=name,
+            hint="a simulation has the keys schema, time, input, plant and sensor",
+        )
     _refuse_several(content, name)
     return _build(validated(content, name), content, name)
 
