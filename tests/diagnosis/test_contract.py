@@ -10,7 +10,7 @@ from jsonschema import Draft202012Validator
 
 import camid
 from camid.cli import main
-from camid.diagnosis.diagnosis import VERDICTS
+from camid.diagnosis.report.summary import VERDICT_WORDS
 from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.effects import known_effects
 from camid.simulation.file import load_simulation
@@ -123,7 +123,7 @@ def test_the_file_fits_its_schema(cases, name):
     assert list(Draft202012Validator(SCHEMA).iter_errors(cases[name].content)) == []
 
 
-@pytest.mark.parametrize("verdict", VERDICTS)
+@pytest.mark.parametrize("verdict", VERDICT_WORDS)
 def test_every_verdict_fits_the_schema(verdict):
     content = read_json(json.dumps(written_diagnoses.diagnosis(verdict).to_mapping()))
     Draft202012Validator(SCHEMA).validate(content)

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from camid.diagnosis.diagnosis import VERDICTS
+from camid.diagnosis.report.summary import VERDICT_WORDS
 from camid.diagnosis.results_folder import FILES
 from tests.support import ROOT
 
@@ -40,5 +40,5 @@ def test_constants_are_those_of_the_code(name, value, module):
 
 
 def test_files_and_verdicts_are_all_explained():
-    for name in (*FILES, *VERDICTS):
+    for name in (*FILES, *VERDICT_WORDS):
         assert f"`{name}`" in PAGE

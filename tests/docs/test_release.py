@@ -92,12 +92,15 @@ def test_the_wheel_holds_every_file_of_the_package(built):
     assert any(n.startswith("camid/diagnosis/report/") and not n.endswith(".py") for n in names), "no template"
 
 
-def test_the_sdist_holds_no_results(built):
+def test_the_sdist_holds_the_package_and_its_examples_alone(built):
     (sdist,) = built.glob("*.tar.gz")
     with tarfile.open(sdist) as archive:
         names = [n.partition("/")[2] for n in archive.getnames()]
     assert {"pyproject.toml", "README.md", "LICENSE", "src/camid/__init__.py", "examples/slide.csv"} <= set(names)
-    assert not [n for n in names if n.startswith(("results", "paper_figs", ".venv", ".snakemake"))]
+    assert {n.partition("/")[0] for n in names} <= {
+        *("src", "examples", "pyproject.toml", "PKG-INFO", ".gitignore"),
+        *("README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff"),
+    }
 
 
 def test_the_wheel_identifies_diagnoses_and_tracks_outside_of_the_tree(installed, folder):

@@ -31,7 +31,7 @@ PERIOD = 0.02
 def detent(tmp_path, monkeypatch):
     """The class of the page; the catalogue is as before when the test is over."""
     code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL).group(1)
-    path = tmp_path / "detent.py"  # compiled code is kept beside its source
+    path = tmp_path / "detent.py"
     path.write_text(code, encoding="utf-8")
     module = ModuleType("detent")
     module.__file__ = str(path)

@@ -9,7 +9,7 @@ from scipy.stats import binomtest, kstest
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.identification.declarations import alternative_declarations, contradiction, refitted
+from camid.identification.declarations import alternative_declarations, contradiction_sentence, refitted
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import analyse_residual
@@ -218,7 +218,7 @@ def test_what_no_declaration_explains():
     found = alternative_declarations(structure, plant, experiments)
     assert analysis.contradicts
     assert not any(a.passes for a in found)
-    sentence = contradiction(analysis, 1.0, Acquisition(PERIOD), found)
+    sentence = contradiction_sentence(analysis, 1.0, Acquisition(PERIOD), found)
     assert "no hold, exposure or latency explains it" in sentence
 
 

@@ -8,7 +8,7 @@ from ruamel.yaml import YAML
 from camid.paper.datasets import noise_samples, sampling_period_outputs
 from camid.paper.excitation import excitation_table
 from camid.paper.fig7_sampling_period.runs import identify_sampling_period
-from camid.paper.quantities import Quantities, _excitation, _sampling_period
+from camid.paper.quantities import Quantities, excitation_quantities, sampling_period_quantities
 from camid.paper.tolerances import compare
 from tests.support import ROOT
 
@@ -35,8 +35,8 @@ def failed(configuration, taps=None):
     noise = noise_samples(excitation, sweep, configuration["seed"])
     estimates = identify_sampling_period(outputs, noise, configuration["plant"], sweep, sweep["cases"])
     quantities = Quantities()
-    _excitation(quantities, excitation)
-    _sampling_period(quantities, estimates, configuration)
+    excitation_quantities(quantities, excitation)
+    sampling_period_quantities(quantities, estimates, configuration)
     tolerances = YAML(typ="safe").load(ROOT / "config/tolerances.yaml")
     guards = [entry for entry in tolerances if entry["quantity"] in GUARDED]
     assert {entry["quantity"] for entry in guards} == GUARDED

@@ -17,9 +17,10 @@ from camid.recording.options import Reading
 from camid.recording.units import Conversion
 from camid.simulation.file import load_simulation, simulation_text
 from camid.simulation.model import DeclaredEffect, Simulation
-from camid.simulation.schema import JSON_SCHEMA, SimulationFile, json_schema
+from camid.simulation.schema import SimulationFile, json_schema
 from tests.support import linear_rig as rig
 
+JSON_SCHEMA = "schemas/simulation.schema.json"  # in the package
 SCHEMA = json.loads(files("camid").joinpath(JSON_SCHEMA).read_text(encoding="utf-8"))
 
 

@@ -1,4 +1,4 @@
-"""Hold what the sealed proof measured against its targets, for README.md."""
+"""Hold what the sealed proof measured against its targets."""
 
 import subprocess
 from pathlib import Path
@@ -30,7 +30,7 @@ def revision() -> str:
 
 
 def main() -> None:
-    """Hold what the sealed proof measured against its targets, for README.md."""
+    """Hold what the sealed proof measured against its targets."""
     scores, parameters, run_times = (
         pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters", "run_times")
     )

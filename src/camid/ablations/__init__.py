@@ -1,6 +1,6 @@
 """What lies past the paper, one question per folder; ``snakemake -c2 ablation_<folder>`` answers it.
 
-A new ablation is a new folder and nothing else; the workflow finds it. Every folder holds
+The workflow finds a new ablation by its folder; docs/adding_an_ablation.md says what else it takes. Every folder holds
 
 - ``runs.py``: ``compute(settings, shared)``, the runs as a DataFrame, from the folder's settings and the sections of
   ``config/config.yaml`` that ``ablation.yaml`` names; ``quantities(table)``, the numbers that are quoted and guarded,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -59,6 +59,13 @@ class Pendulum:
         return np.array([self.is_free("gain")]), np.array(
             [False, self.is_free("damping"), self.is_free("natural_frequency")]
         )
+
+    def coefficient_rows(self) -> Iterator[tuple[str, float, float | None, str]]:
+        """Name, value, standard deviation where there is one, and unit of each parameter."""
+        units = {"natural_frequency": "rad/s", "damping": "", "gain": "y/u", "rest": "rad"}
+        for name, unit in units.items():
+            deviation = None if self.standard_deviations is None else self.standard_deviations.get(name)
+            yield name.replace("_", " "), getattr(self, name), deviation, unit
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of a simulation file: the content of ``plant``."""

@@ -12,9 +12,9 @@ from camid import __version__
 from camid.cli.shared import (
     check_output,
     column_options,
-    contradiction,
     declarations,
     declared_simulation,
+    declared_twice,
     progress_display,
     warn,
 )
@@ -64,7 +64,7 @@ def identify(
     from camid.writing import write_table
 
     if simulation is not None and order is not None:
-        raise contradiction("order", simulation)
+        raise declared_twice("order", simulation)
     if simulation is None and order is None:
         raise InputError(
             "neither --simulation nor --order is given",

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camid.number_text import percentage, plain, probability, with_deviation
 
 if TYPE_CHECKING:
-    from camid.chain.pendulum import Pendulum
     from camid.identification.identification import Identification
     from camid.identification.order_selection import OrderSelection
-    from camid.simulation.model import Simulation
 
 
 def print_identification(result: Identification, written: list[Path]) -> None:
@@ -26,9 +23,9 @@ def print_identification(result: Identification, written: list[Path]) -> None:
     table.add_column("quantity")
     table.add_column("value ± standard deviation", justify="right")
     table.add_column("unit")
-    for row in _pendulum_rows(model.pendulum) if model.pendulum is not None else _coefficient_rows(model):
-        table.add_row(*row)
-    if model.pendulum is None:
+    for name, value, deviation, unit in model.coefficient_rows():
+        table.add_row(name, with_deviation(value, deviation), unit)
+    if not model.states_characteristics:
         table.add_section()
         for found in result.characteristics():
             estimate = with_deviation(float(found["value"]), float(found["standard_deviation"]))
@@ -57,28 +54,6 @@ def print_identification(result: Identification, written: list[Path]) -> None:
 
 def _milliseconds(seconds: float | None) -> str:
     return plain(1e3 * (seconds or 0.0), 6, "ms")
-
-
-def _coefficient_rows(model: Simulation) -> Iterator[tuple[str, str, str]]:
-    """Coefficients of a transfer function with their standard deviations."""
-    deviations = model.standard_deviations
-    for name, letter, coefficients in (
-        ("numerator", "b", model.plant.numerator),
-        ("denominator", "a", model.plant.denominator),
-    ):
-        for i, value in enumerate(coefficients):
-            power = len(coefficients) - 1 - i
-            symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
-            estimate = with_deviation(value, None if deviations is None else deviations[name][i])
-            yield f"{letter}{power}{symbol}", estimate, ""
-
-
-def _pendulum_rows(pendulum: Pendulum) -> Iterator[tuple[str, str, str]]:
-    """Parameters of a pendulum with their standard deviations."""
-    units = {"natural_frequency": "rad/s", "damping": "", "gain": "y/u", "rest": "rad"}
-    for name, unit in units.items():
-        deviation = None if pendulum.standard_deviations is None else pendulum.standard_deviations.get(name)
-        yield name.replace("_", " "), with_deviation(getattr(pendulum, name), deviation), unit
 
 
 def print_orders(result: OrderSelection) -> None:

@@ -69,7 +69,7 @@ def column_options(simulation: Path | None) -> Iterator[None]:
         raise
 
 
-def contradiction(option: str, simulation: Path) -> InputError:
+def declared_twice(option: str, simulation: Path) -> InputError:
     """The error for an option that declares what the file declares already."""
     return InputError(
         f"--{option} and --simulation contradict each other", hint=f"write it into {simulation} or leave it out"
@@ -85,7 +85,7 @@ def declared_simulation(simulation: Path | None, declared: dict[str, Any]) -> Si
     given = {k: v for k, v in declared.items() if v is not None}
     if simulation is not None:
         if given:
-            raise contradiction(next(iter(given)).replace("_", "-"), simulation)
+            raise declared_twice(next(iter(given)).replace("_", "-"), simulation)
         return load_simulation(simulation)
     sensor = given.get("sensor", "camera")
     if sensor == "instant" and "exposure" in given:

@@ -10,7 +10,7 @@ import numpy as np
 
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.run import investigate
-from camid.diagnosis.validation_rows import refuse_few_rows, with_validation
+from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.effects.declared import effects_of
 from camid.engine.mechanics import NotApplicable
 from camid.errors import InputError
@@ -53,7 +53,7 @@ def diagnose(
     refuse_stillness(believed)
     recordings, experiments, held_out = experiments_of(recording, believed, progress)
     structure = structure_of(believed)
-    refuse_few_rows(structure, experiments, recordings)
+    refuse_too_short_to_diagnose(structure, experiments, recordings)
     problem = problem_of(believed, structure, recordings, experiments)
     nominal = model_of(problem, effects)
     try:

@@ -12,7 +12,7 @@ from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 
-VERDICTS = ("adequate", "explained", "partly-explained", "unexplained")
+UNLISTED = "unlisted"  # alternative of a finding that stands for physics outside the catalogue
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,9 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     return rows & experiment.used
 
 
-def refuse_few_rows(structure: Structure, experiments: list[Experiment], recordings: list[Recording]) -> None:
+def refuse_too_short_to_diagnose(
+    structure: Structure, experiments: list[Experiment], recordings: list[Recording]
+) -> None:
     """Refuse recordings too short for the tests of structure to say anything."""
     unknowns = int(structure.free.sum()) + structure.order * sum(e.estimate_initial_state for e in experiments)
     rows = int(sum(e.used.sum() for e in experiments))

@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Finding, Location, NormalisedErrors, ParameterEstimate
+from camid.diagnosis.diagnosis import UNLISTED, Finding, Location, NormalisedErrors, ParameterEstimate
 from camid.diagnosis.effect_selection import Decision, p_value
 from camid.diagnosis.hypothesis import weights
 from camid.effects import known_effects
@@ -20,7 +20,6 @@ from camid.number_text import SPACE, number, percentage, plain, with_deviation
 
 Array = NDArray[np.float64]
 
-UNLISTED = "unlisted"
 # Per cent of the output's standard deviation from which a simulation explains hardly anything.
 EXPLAINS_NOTHING = 90.0
 

@@ -45,7 +45,9 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
         try:
             found.append(kind(**declared.parameters))
         except (ValueError, TypeError) as error:
-            raise InputError(str(error), where=declared.where, hint="see docs/effects.md") from None
+            raise InputError(
+                str(error), where=declared.where, hint="; ".join(f"{p.name}: {p.meaning}" for p in kind.parameters)
+            ) from None
     return tuple(found)
 
 

@@ -14,15 +14,15 @@ from camid.effects.separating_experiment import SeparatingExperiment
 NEGLIGIBLE_ROUNDING = 0.02
 # Residuals beyond this many robust standard deviations are outliers: one in 16,000 and 1.7 million of Gaussian noise.
 OUTLYING = (4.0, 5.0, 7.0)
-FEWEST = 1
+FEWEST_REPEATED = 1
 # Values that differ by less than this share of their range are the same.
 SAME_VALUE = 1e-10
 # Digits smaller than this share of a lattice's step do not hide it.
 FINE_PRINT = 0.02
 # Residuals beyond this many robust standard deviations count as these in a regression of the variance.
-HEAVY = 6.0
+MOST_DEVIATIONS = 6.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
-CERTAIN = 1e-4
+CERTAIN_PROBABILITY = 1e-4
 # Residuals fewer than these show no spread.
 FEWEST_ROWS = 8
 
@@ -126,7 +126,7 @@ class DroppedFrames(Effect):
         inside = (values > np.min(values)) & (values < np.max(values))
         repeated = np.append(False, values[1:] == values[:-1]) & inside
         count = int(np.sum(repeated))
-        if count < FEWEST:
+        if count < FEWEST_REPEATED:
             return None
         share = count / len(values)
         fineness = resolution(values) if step is None else step
@@ -142,16 +142,20 @@ class DroppedFrames(Effect):
 def _repeated(situation: Situation) -> NDArray[np.bool_]:
     """Rows that repeat the last frame, where that is recognised."""
     found = DroppedFrames.recognise(situation)
-    return found.spoiled if found is not None and found.p_value < CERTAIN else np.zeros(len(situation.time), bool)
+    return (
+        found.spoiled
+        if found is not None and found.p_value < CERTAIN_PROBABILITY
+        else np.zeros(len(situation.time), bool)
+    )
 
 
 def _spread_over_speed(residual: Array, velocity: Array) -> Array:
     """Relative standard deviation of each row: one, or that of a noise that grows with the speed where it does."""
     # Single outliers would bend the regression, so that the largest residuals count as less.
-    limit = HEAVY * 1.4826 * float(np.median(np.abs(residual)))
+    limit = MOST_DEVIATIONS * 1.4826 * float(np.median(np.abs(residual)))
     square, speed = np.clip(residual, -limit, limit) ** 2, velocity**2
     _, slope, _, score = variance_regression(square, speed)
-    if 2.0 * tail(score) >= CERTAIN or slope <= 0.0:
+    if 2.0 * tail(score) >= CERTAIN_PROBABILITY or slope <= 0.0:
         return np.ones(len(residual))
     base = max(float(np.mean(square) - slope * np.mean(speed)), 0.05 * float(np.mean(square)))
     return np.asarray(np.sqrt((base + slope * speed) / (base + slope * float(np.median(speed)))))

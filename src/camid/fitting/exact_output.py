@@ -34,13 +34,13 @@ def exact_output(simulation: Simulation, recording: Recording) -> Array:
     monic = simulation.plant.monic
     structure = Structure.fixed(monic)
     experiment = experiment_of(recording, simulation)
-    refuse_few_rows(experiment, structure, recording)
+    refuse_too_short_for_initial_state(experiment, structure, recording)
     predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
     simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
     return from_first_known(simulated, predictor.experiments[0])
 
 
-def refuse_few_rows(experiment: Experiment, structure: Structure, recording: Recording) -> None:
+def refuse_too_short_for_initial_state(experiment: Experiment, structure: Structure, recording: Recording) -> None:
     """Refuse a recording that does not determine its initial states."""
     rows, states = experiment.used.sum(), structure.order
     if rows <= states:

@@ -65,11 +65,11 @@ class Fitted:
     @property
     def criterion(self) -> float:
         """Bayes's information criterion, up to a constant of the recordings; initial states do not count."""
-        return self.noise.deviance + len(self.residual_parameters) * float(np.log(len(self.residual)))
+        return self.noise.deviance + len(self.penalised_names) * float(np.log(len(self.residual)))
 
     @property
-    def residual_parameters(self) -> list[str]:
-        """Names of the free coefficients and parameters."""
+    def penalised_names(self) -> list[str]:
+        """Names of the parameters that the criterion counts: all that are free, but for initial states."""
         return [name for name in self.packing.names if not name.startswith("initial")]
 
     @cached_property

@@ -16,6 +16,7 @@ from camid.engine.mechanics import Chain
 from camid.engine.run import move, run, steps_of
 from camid.fitting.model import Model
 from camid.identification.experiment import Experiment
+from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
 from camid.identification.structure import Structure
 
@@ -27,7 +28,6 @@ Array = NDArray[np.float64]
 # Threads that simulate side by side.
 WORKERS = 2
 
-LARGEST_LAG = 25
 LARGEST_ORDER = 12
 ROWS_PER_COEFFICIENT = 20
 # Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak
@@ -36,7 +36,6 @@ COLOUR_PENALTY = 12.0
 # Steps in a period of simulations that rank hypotheses, and of those that decide.
 MOST_COARSE_STEPS = 12
 MOST_STEPS = 100
-ROWS_PER_LAG = 8
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from camid.effects.base import Effect
 from camid.effects.declared import effects_of
 from camid.engine.mechanics import Chain
 from camid.errors import InputError
-from camid.fitting.exact_output import from_first_known, refuse_few_rows
+from camid.fitting.exact_output import from_first_known, refuse_too_short_for_initial_state
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import kind_of, model_of, problem_of
 from camid.fitting.model import Model
@@ -54,7 +54,7 @@ def _by_engine(kind: PlantKind, simulation: Simulation, recording: Recording) ->
         raise
     except (ValueError, ArithmeticError) as error:
         where = simulation.effects[0].where if simulation.effects else simulation.source
-        raise InputError(str(error), where=where, hint="see docs/effects.md") from None
+        raise InputError(str(error), where=where, hint="check the values of plant and effects") from None
 
 
 def _at_rest(
@@ -74,7 +74,7 @@ def _with_fitted_state(
     """The chain with the initial state that fits the recorded output best, and what that was fitted to."""
     experiment = experiment_of(recording, simulation)
     structure = Structure.fixed(simulation.plant.monic)
-    refuse_few_rows(experiment, structure, recording)
+    refuse_too_short_for_initial_state(experiment, structure, recording)
     problem = problem_of(simulation, structure, [recording], [experiment]).all_fixed()
     start = problem.with_initial_states(model_of(problem, effects))
     fitted = fit(problem, start, steps=STEPS, fixed=len(effects))

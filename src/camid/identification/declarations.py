@@ -98,7 +98,7 @@ def described(acquisition: Acquisition, changed: tuple[str, ...], *, article: bo
     return ", ".join(words[part] for part in changed[:-1]) + (" and " if changed[:-1] else "") + words[changed[-1]]
 
 
-def contradiction(
+def contradiction_sentence(
     analysis: ResidualAnalysis, nrmse: float, declared: Acquisition, alternatives: list[Alternative]
 ) -> str:
     """Sentence on a residual that depends on the input, and on what explains it."""

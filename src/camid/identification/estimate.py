@@ -13,14 +13,14 @@ from camid.identification.accuracy import covariance_from
 from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records
 from camid.identification.iteration import IterationResult
+from camid.identification.likelihood_profile import Interval, intervals, standard_deviations
+from camid.identification.optimum_search import Search
+from camid.identification.optimum_selection import Rival
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Predictor
-from camid.identification.profile import Interval, intervals, standard_deviations
 from camid.identification.safeguarded import safeguarded_srivc
-from camid.identification.search import Search
-from camid.identification.selection import Rival
 from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
-from camid.identification.starts import evaluate
+from camid.identification.starts import output_errors_of
 from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
@@ -206,7 +206,7 @@ def _plain(
             start = least_squares_state_variable_filter(predictor, cut_off)
             split = structure.degree + 1
             denominator = reflect(np.concatenate([[1.0], predictor.to_physical(start)[split:]]))
-            trials += [(c.cost, c.denominator) for c in evaluate(structure, records, [denominator])]
+            trials += [(c.cost, c.denominator) for c in output_errors_of(structure, records, [denominator])]
         denominator = min(trials, key=lambda t: t[0])[1]
     predictor = Predictor.around(structure, experiments, denominator)
     scaled = denominator * predictor.time_unit ** np.arange(structure.order + 1)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.identification.accuracy import characteristics
-from camid.identification.declarations import Alternative, contradiction
+from camid.identification.declarations import Alternative, contradiction_sentence
 from camid.identification.estimate import Estimate
 from camid.identification.residual_analysis import ResidualAnalysis
 from camid.simulation.model import Simulation
@@ -102,7 +102,7 @@ class Identification:
             )
         analysis = self.residual_analysis
         if self.converged and analysis is not None and analysis.contradicts and self.acquisition is not None:
-            sentences.append(contradiction(analysis, self.nrmse, self.acquisition, self.alternatives))
+            sentences.append(contradiction_sentence(analysis, self.nrmse, self.acquisition, self.alternatives))
         open_ended = [i for i in self.estimate.intervals if not np.isfinite(i.high - i.low)]
         if open_ended:
             names = ", ".join(self._name(i.coefficient) for i in open_ended)

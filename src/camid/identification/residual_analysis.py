@@ -57,7 +57,7 @@ Array = NDArray[np.float64]
 # A p-value below this is an alarm.
 ALARM = 1e-3
 LARGEST_LAG = 25
-ROWS_A_LAG = 8
+ROWS_PER_LAG = 8
 # Residual, relative to the output, that is rounding: there is nothing to test.
 ROUNDING = 1e-9
 # Delay whose difference quotient replaces the derivative by it, in periods.
@@ -183,7 +183,7 @@ def analyse_residual(
     if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(table)) and np.max(np.abs(residual)) < 1e100):
         return None
     longest = max(int(np.count_nonzero(e.used)) for e in scaled)
-    lags = min(LARGEST_LAG, longest // ROWS_A_LAG)
+    lags = min(LARGEST_LAG, longest // ROWS_PER_LAG)
     recorded = np.concatenate([e.output[e.used] for e in scaled])
     floor = ROUNDING * float(np.linalg.norm(recorded))
     if np.linalg.norm(residual) <= floor:

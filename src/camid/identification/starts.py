@@ -22,7 +22,6 @@ from camid.identification.srivc import least_squares_state_variable_filter, refl
 from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 LONGEST_START_WINDOW = 4096
 CUT_OFFS = 8
@@ -74,7 +73,7 @@ def _activity(experiment: Experiment, part: slice) -> float:
     return float(len(output) * np.var(output)) if len(output) else 0.0
 
 
-def evaluate(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[StartCandidate]:
+def output_errors_of(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[StartCandidate]:
     """Output errors of monic denominators in SI units, numerator and initial states solved for."""
     if not denominators:
         return []
@@ -127,7 +126,9 @@ def pole_grid(period: float, count: int) -> list[Array]:
 def single_modes(structure: Structure, experiments: list[Experiment], records: Records) -> list[Array]:
     """Denominators of order two at the local minima of the output error over frequency, each with its best damping."""
     grid = _grid_for(experiments)
-    costs = np.array([c.cost for c in evaluate(structure, records, list(grid.reshape(-1, 3)))]).reshape(grid.shape[:2])
+    costs = np.array([c.cost for c in output_errors_of(structure, records, list(grid.reshape(-1, 3)))]).reshape(
+        grid.shape[:2]
+    )
     over_frequency = np.concatenate([[np.inf], costs.min(axis=1), [np.inf]])
     lowest = np.flatnonzero(
         (over_frequency[1:-1] <= over_frequency[:-2]) & (over_frequency[1:-1] <= over_frequency[2:])
@@ -154,7 +155,7 @@ def from_grid(structure: Structure, experiments: list[Experiment], records: Reco
         polynomials = [np.asarray(np.polymul(base, part), dtype=np.float64) for base in grown for part in parts]
         size = len(polynomials[0]) - 1
         partial = structure if size == structure.order else Structure.of_order(size, size - 1)
-        ranked = sorted(evaluate(partial, records, polynomials), key=lambda c: c.cost)
+        ranked = sorted(output_errors_of(partial, records, polynomials), key=lambda c: c.cost)
         grown = [c.denominator for c in ranked[: kept if size < structure.order else 2 * kept]]
     return grown
 
@@ -186,7 +187,7 @@ def grid_candidates(structure: Structure, experiments: list[Experiment], records
 
 def rank(structure: Structure, records: Records, denominators: Sequence[Array]) -> list[StartCandidate]:
     """Candidates of the right order in ascending output error, near duplicates left out."""
-    candidates = evaluate(
+    candidates = output_errors_of(
         structure,
         records,
         [

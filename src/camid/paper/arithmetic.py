@@ -11,7 +11,7 @@ import platform
 # OpenBLAS: the loops that every x86-64 processor with AVX2 has (Intel since 2013, AMD since 2015); one thread, because
 # threads share out a sum. numpy: none of the loops that only processors with AVX-512 have.
 X86_64 = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
-ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("MKL", "OMP", "OPENBLAS")}
+ONE_THREAD_OF_LINEAR_ALGEBRA = {f"{library}_NUM_THREADS": "1" for library in ("MKL", "OMP", "OPENBLAS")}
 
 
 def reproducible_environment() -> dict[str, str]:
@@ -23,4 +23,4 @@ def reproducible_environment() -> dict[str, str]:
         :mod:`camid.compiled` compiles for one kind of processor itself. On processors that are not x86-64 the digits
         are their own; they agree as tests/paper/test_arithmetic.py says.
     """
-    return {**(X86_64 if platform.machine() in {"x86_64", "AMD64"} else {}), **ONE_THREAD}
+    return {**(X86_64 if platform.machine() in {"x86_64", "AMD64"} else {}), **ONE_THREAD_OF_LINEAR_ALGEBRA}

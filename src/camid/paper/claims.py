@@ -42,7 +42,7 @@ def claims(quantities: pd.DataFrame) -> pd.DataFrame:
         Columns ``claim``, ``section``, ``verdict``, ``number``, ``target``.
     """
     value = Numbers(quantities)
-    rows = [*_imaging(value), *_models(value), *_discrete_time(value), *_identification(value)]
+    rows = [*_imaging(value), *_models(value), *_discrete_time(value), *_identification(value), *_neglected_mode(value)]
     return pd.DataFrame(rows, columns=["claim", "section", "verdict", "number", "target"])
 
 
@@ -201,6 +201,9 @@ def _identification(value: Numbers) -> Iterable[Row]:
         + (": a1 shifts as much" if not mainly else ""),
         "fig7",
     )
+
+
+def _neglected_mode(value: Numbers) -> Iterable[Row]:
     product = value("fig8", "one_percent_from_product")
     yield (
         "With a neglected mode, the accuracy is 1 % if Tω1 is large enough",
@@ -279,7 +282,7 @@ def ambiguities(quantities: pd.DataFrame) -> pd.DataFrame:
 
 
 def to_markdown(claim_table: pd.DataFrame, ambiguity_table: pd.DataFrame) -> str:
-    """Both tables as Markdown, for the README."""
+    """Both tables as Markdown."""
     from tabulate import tabulate
 
     def pipe(table: pd.DataFrame) -> str:

@@ -50,16 +50,17 @@ def all_quantities(tables: Mapping[str, pd.DataFrame], configuration: Mapping[st
         Columns ``target``, ``quantity``, ``value``, ``unit``.
     """
     quantities = Quantities()
-    _excitation(quantities, tables["excitation"])
+    excitation_quantities(quantities, tables["excitation"])
     _imaging(quantities, tables)
     _camera_models(quantities, tables["camera_models"])
     _discrete_time(quantities, tables["discrete_time"])
-    _sampling_period(quantities, tables["sampling_period"], configuration)
+    sampling_period_quantities(quantities, tables["sampling_period"], configuration)
     _neglected_mode(quantities, tables["neglected_mode"])
     return quantities.table()
 
 
-def _excitation(quantities: Quantities, excitation: pd.DataFrame) -> None:
+def excitation_quantities(quantities: Quantities, excitation: pd.DataFrame) -> None:
+    """Add those of the excitation to the quantities: length, balance and autocorrelation."""
     signal = excitation["u"].to_numpy()
     count = len(signal)
     correlation = np.fft.ifft(np.abs(np.fft.fft(signal)) ** 2).real / np.mean(signal**2)
@@ -140,7 +141,10 @@ def _discrete_time(quantities: Quantities, table: pd.DataFrame) -> None:
     quantities.add("discrete_time", "coefficients", table["coefficient"].nunique())
 
 
-def _sampling_period(quantities: Quantities, estimates: pd.DataFrame, configuration: Mapping[str, Any]) -> None:
+def sampling_period_quantities(
+    quantities: Quantities, estimates: pd.DataFrame, configuration: Mapping[str, Any]
+) -> None:
+    """Add those of Fig. 7 to the quantities: errors of each case, bounds, and where plain SRIVC fails."""
     from scipy.stats import chi2
 
     errors = [f"error_{p}" for p in PARAMETERS]

@@ -18,8 +18,10 @@ import pandas as pd
 from camid.proof.sealed_files import DIAGNOSIS, FAILURE, IMPROVED, RECORDING, SIMULATION
 
 OUTPUT = "diagnosis"
-NO_REPORT = "--no-report"  # no one reads hundreds of them, and they add nothing to diagnosis.json
-ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM", "NUMBA")}
+NO_REPORT = "--no-report"  # nobody reads hundreds of them, and they say no more than diagnosis.json
+ONE_THREAD_EACH = {
+    f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM", "NUMBA")
+}
 
 
 class ForbiddenReadError(PermissionError):
@@ -105,7 +107,7 @@ class Worker:
             text=True,
             encoding="utf-8",
             cwd=tempfile.gettempdir(),
-            env={**environment, **ONE_THREAD, "MPLBACKEND": "Agg"},
+            env={**environment, **ONE_THREAD_EACH, "MPLBACKEND": "Agg"},
         )
 
     def __enter__(self) -> Worker:

@@ -14,7 +14,8 @@ STRONG = 3.0
 LARGEST_CLASS = 4
 CONFIDENT = 0.9
 COVERAGE = 0.95
-# Entry of a class that represents physics outside the catalogue; it names nothing.
+# Alternative of a finding that stands for physics outside the catalogue and names nothing. It is part of the contract
+# of diagnosis.json, so that it is written here and not imported from what is judged.
 UNLISTED = "unlisted"
 # Input and output alone cannot tell these apart, though they sit in different places (the design, section 2).
 INSEPARABLE = (

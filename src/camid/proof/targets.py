@@ -11,6 +11,7 @@ from camid.proof.rates import median, rate
 from camid.proof.scoring import COLOURED_NOISE, STRONG
 
 HIGH_SNR = 30.0  # dB: between the 20 and the 40 dB of the recordings with an effect outside the catalogue
+ABOVE = f"above {STRONG:g} × the detectable size"
 
 
 @dataclass(frozen=True)
@@ -71,14 +72,17 @@ def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFram
     run_times : DataFrame, optional
         ``seconds``.
     """
+    found = [*_naming(scores), *_outside(scores), *_model(scores, parameters)]
+    return found if run_times is None else [*found, *_run_times(run_times["seconds"])]
+
+
+def _naming(scores: pd.DataFrame) -> list[Line]:
+    """False alarms, and effects detected, named and placed."""
     kind = scores["kind"]
     coloured = (kind == "single") & (scores["truth"] == COLOURED_NOISE)
     single = scores[(kind == "single") & (scores["multiple"] >= STRONG)]
     both = scores[(kind == "several") & (scores["strong"] >= 2)]
-    modelled = scores[kind.isin(["single", "several"]) & scores["repeatable"] & (scores["multiple"] >= STRONG)]
-    outside = scores[kind == "outside"]
-    above = f"above {STRONG:g} × the detectable size"
-    found = [
+    return [
         _share(
             "false_alarms",
             "nothing missing: false alarms",
@@ -93,12 +97,12 @@ def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFram
         _share(
             "coloured_noise_alone", "coloured noise alone: taken for something else", scores[coloured]["false_alarm"]
         ),
-        _share("detected", f"{above}: detected", single["detected"]),
-        _share("named_top", f"{above}: named first", single["top"]),
-        _share("named_in_class", f"{above}: named or in a class of at most four", single["in_class"], at_least=95.0),
-        _share("place_top", f"{above}: place right, strictly", single["place_top"]),
-        _share("place", f"{above}: place right", single["place_in_class"], at_least=95.0),
-        _share("wrong_names", f"{above}: with a wrong name besides or instead", single["wrong_names"] > 0),
+        _share("detected", f"{ABOVE}: detected", single["detected"]),
+        _share("named_top", f"{ABOVE}: named first", single["top"]),
+        _share("named_in_class", f"{ABOVE}: named or in a class of at most four", single["in_class"], at_least=95.0),
+        _share("place_top", f"{ABOVE}: place right, strictly", single["place_top"]),
+        _share("place", f"{ABOVE}: place right", single["place_in_class"], at_least=95.0),
+        _share("wrong_names", f"{ABOVE}: with a wrong name besides or instead", single["wrong_names"] > 0),
         _share("several_top", "two or more above that size: all named first", both["strong_top"] == both["strong"]),
         _share(
             "several_in_class",
@@ -106,6 +110,13 @@ def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFram
             both["strong_in_class"] == both["strong"],
             at_least=80.0,
         ),
+    ]
+
+
+def _outside(scores: pd.DataFrame) -> list[Line]:
+    """What is said of effects that the catalogue does not hold."""
+    outside = scores[scores["kind"] == "outside"]
+    return [
         *(
             _share(
                 f"outside_{level}",
@@ -118,17 +129,25 @@ def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFram
         *(
             _share(
                 f"outside_{level}_strong",
-                f"outside the catalogue, {level} dB, {above}: confidently wrong",
+                f"outside the catalogue, {level} dB, {ABOVE}: confidently wrong",
                 outside[((outside["snr_db"] >= HIGH_SNR) == (level == 40)) & (outside["multiple"] >= STRONG)][
                     "confidently_wrong"
                 ],
             )
             for level in (40, 20)
         ),
+    ]
+
+
+def _model(scores: pd.DataFrame, parameters: pd.DataFrame) -> list[Line]:
+    """What the model of a diagnosis predicts, and its parameters."""
+    with_effects = scores["kind"].isin(["single", "several"])
+    modelled = scores[with_effects & scores["repeatable"] & (scores["multiple"] >= STRONG)]
+    return [
         *(
             _median(
                 f"recovered_share_{name}",
-                f"{above}: share of the error recovered, held out, {words} (median)",
+                f"{ABOVE}: share of the error recovered, held out, {words} (median)",
                 "1",
                 modelled[f"share_{name}"],
                 at_least=0.95,
@@ -143,23 +162,24 @@ def lines(scores: pd.DataFrame, parameters: pd.DataFrame, run_times: pd.DataFram
             at_most=98.0,
         ),
     ]
-    if run_times is not None:
-        seconds = run_times["seconds"]
-        largest = float(seconds.max())
-        found += [
-            _median("run_time", "run time of a diagnosis without report.html (median)", "s", seconds, at_most=3.0),
-            Line(
-                "run_time_largest",
-                "run time of a diagnosis without report.html (largest)",
-                "s",
-                largest,
-                np.nan,
-                np.nan,
-                len(seconds),
-                at_most=10.0,
-            ),
-        ]
-    return found
+
+
+def _run_times(seconds: pd.Series) -> list[Line]:
+    """Median and largest, without a report."""
+    largest = float(seconds.max())
+    return [
+        _median("run_time", "run time of a diagnosis without report.html (median)", "s", seconds, at_most=3.0),
+        Line(
+            "run_time_largest",
+            "run time of a diagnosis without report.html (largest)",
+            "s",
+            largest,
+            np.nan,
+            np.nan,
+            len(seconds),
+            at_most=10.0,
+        ),
+    ]
 
 
 def quantities(found: list[Line], target: str) -> pd.DataFrame:
@@ -169,7 +189,7 @@ def quantities(found: list[Line], target: str) -> pd.DataFrame:
 
 
 def to_markdown(found: list[Line], stamp: str) -> str:
-    """The table for README.md, with a line that says what it was computed from."""
+    """The table as Markdown, with a line that says what it was computed from."""
 
     def number(value: float, unit: str) -> str:
         return f"{value:.1f} %" if unit == "%" else f"{value:.2f} s" if unit == "s" else f"{value:.3f}"

@@ -21,16 +21,23 @@ if TYPE_CHECKING:
     from camid.simulation.schema import EffectPart, SimulationFile
 
 
-def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simulation:
-    """Simulation of a file or of its content, see :func:`camid.simulation.file.load_simulation`.
+def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulation) -> Simulation:
+    """Read and check a simulation.
+
+    Parameters
+    ----------
+    source : path, mapping or Simulation
+        YAML 1.2 file, or its content; there, ``plant`` or its ``transfer_function`` may be a python-control system.
 
     Raises
     ------
     InputError
-        With file, line and key.
+        With file, line and key: no YAML, unknown or missing keys, values out of range, an unstable or improper plant.
     """
     from camid.simulation.schema import validated
 
+    if isinstance(source, Simulation):
+        return source
     if is_control_system(source):
         raise InputError(
             "a plant alone says nothing about input and sensor",
@@ -42,7 +49,11 @@ def read_simulation(source: str | os.PathLike[str] | Mapping[str, Any]) -> Simul
     else:
         content, name = read_yaml(Path(source)), str(source)
     if not isinstance(content, Mapping):
-        raise InputError("this is not a mapping of keys to values", where=name, hint="see README.md")
+        raise InputError(
+            "this is not a mapping of keys to values",
+            where=name,
+            hint="a simulation has the keys schema, time, input, plant and sensor",
+        )
     _refuse_several(content, name)
     return _build(validated(content, name), content, name)
 
@@ -149,24 +160,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return value
     return str(value) if isinstance(value, str) else float(value)
-
-
-def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulation) -> Simulation:
-    """Read and check a simulation.
-
-    Parameters
-    ----------
-    source : path, mapping or Simulation
-        YAML 1.2 file, or its content; there, ``plant`` or its ``transfer_function`` may be a python-control system.
-
-    Raises
-    ------
-    InputError
-        With file, line and key: not YAML, unknown or missing keys, values out of range, an unstable or improper plant.
-    """
-    if isinstance(source, Simulation):
-        return source
-    return read_simulation(source)
 
 
 def simulation_text(simulation: Simulation, comment: str = "") -> str:

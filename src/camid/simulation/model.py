@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -167,6 +168,26 @@ class Simulation:
             content["remainder"] = float(self.remainder)
         content["effects"] = [effect.to_mapping() for effect in self.effects]
         return content
+
+    @property
+    def states_characteristics(self) -> bool:
+        """Whether the rows of coefficients are natural frequency and damping themselves."""
+        return self.pendulum is not None
+
+    def coefficient_rows(self) -> Iterator[tuple[str, float, float | None, str]]:
+        """Name, value, standard deviation where there is one, and unit of what describes the plant."""
+        if self.pendulum is not None:
+            yield from self.pendulum.coefficient_rows()
+            return
+        deviations = self.standard_deviations
+        for name, letter, coefficients in (
+            ("numerator", "b", self.plant.numerator),
+            ("denominator", "a", self.plant.denominator),
+        ):
+            for i, value in enumerate(coefficients):
+                power = len(coefficients) - 1 - i
+                symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
+                yield f"{letter}{power}{symbol}", value, None if deviations is None else deviations[name][i], ""
 
     def _transfer_function(self) -> dict[str, Any]:
         plant: dict[str, Any] = {

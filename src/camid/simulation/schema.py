@@ -29,8 +29,6 @@ from pydantic_core import CoreSchema, ErrorDetails
 from camid.errors import InputError, nearest_match
 from camid.simulation.yaml_file import place, plain_truth_value
 
-JSON_SCHEMA = "schemas/simulation.schema.json"  # in the package
-
 Value = TypeVar("Value")
 
 

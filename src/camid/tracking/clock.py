@@ -19,7 +19,7 @@ COPY_DIFFERENCE, COPY_STEP = 0.5, 0.25
 # More consecutive copies are a pause of the marker.
 MOST_COPIES = 3
 # The motion is certain if it is this many standard deviations.
-CERTAIN = 5.0
+CERTAIN_MULTIPLE = 5.0
 
 
 @dataclass(frozen=True)
@@ -114,6 +114,6 @@ def repeated_frames(difference: Array, x: Array, y: Array, deviation: Array) -> 
             continue
         about = min(length[before], length[after])
         # After a copy the motion goes on in the same direction; where the marker turns round it does not.
-        if step[before] @ step[after] > 0.0 and about > CERTAIN * deviation[first]:
+        if step[before] @ step[after] > 0.0 and about > CERTAIN_MULTIPLE * deviation[first]:
             copies[first:end] |= length[first:end] < COPY_STEP * about
     return copies.astype(np.int64)

@@ -26,30 +26,6 @@ Array = NDArray[np.float64]
 QUOTED_THRESHOLDS = (0.05, 0.2, 0.5)
 
 
-def footprint_shift(diameter: float, path_diameter: float, angle: float) -> float:
-    """Outward shift from (1) of the centre of mass of everything that the disk covers, threshold 0 in the limit.
-
-    Parameters
-    ----------
-    diameter, path_diameter : float
-        Marker and circle, px; the marker is the smaller.
-    angle : float
-        Arc in an exposure, rad, below a turn.
-
-    Returns
-    -------
-    float
-        px; a ring sector between the radii R ± r and half a disk at either end. Below zero is inward.
-    """
-    radius, outer, inner = 0.5 * path_diameter, 0.5 * (path_diameter + diameter), 0.5 * (path_diameter - diameter)
-    arc = radius * np.sinc(angle / (2.0 * np.pi))
-    sector = 0.5 * angle * (outer**2 - inner**2)
-    sector_place = arc / radius * (2.0 / 3.0) * (outer**3 - inner**3) / (outer**2 - inner**2)
-    ends = 0.25 * np.pi * diameter**2
-    ends_place = radius * np.cos(0.5 * angle) - 2.0 * diameter / (3.0 * np.pi) * np.sin(0.5 * angle)
-    return float((sector * sector_place + ends * ends_place) / (sector + ends) - arc)
-
-
 def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFrame:
     """Outward shift of both centroids from equation (1).
 

@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 
 STREAM = 7
 # A run is a gross failure if it does not converge or its natural frequency is off by more than a tenth.
-GROSS = 0.1
+GROSS_FREQUENCY_ERROR = 0.1
 CUT_OFFS = np.geomspace(0.02, 1.0, 8)  # of the state-variable filters, in units of π/T
 STEIGLITZ_MCBRIDE_ITERATIONS = 10
 
@@ -184,7 +184,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
                         "period": float(period),
                         "method": method,
                         "sample": s,
-                        "gross": not abs(frequency - 1.0) <= GROSS,
+                        "gross": not abs(frequency - 1.0) <= GROSS_FREQUENCY_ERROR,
                         **by_parameter("error", error),
                         **by_parameter("bound", bound),
                     }

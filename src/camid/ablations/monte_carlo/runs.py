@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 # First number of the spawn key: streams of their own, apart from the noise samples of Fig. 7.
 STREAM = 31
 # An error beyond this share of the true value is a gross failure: at 10 dB the bound lies between 0.3 and 7 %.
-GROSS = 0.5
+GROSS_RELATIVE_ERROR = 0.5
 NORMAL_95 = 1.959964
 
 
@@ -76,7 +76,7 @@ def compute_shard(
             totals[0] += error / bound
             totals[1] += (error / bound) ** 2
             totals[2] += np.abs(error) <= NORMAL_95 * result.standard_deviations
-            totals[3] += np.abs(error) > GROSS * truth
+            totals[3] += np.abs(error) > GROSS_RELATIVE_ERROR * truth
             not_converged += not result.converged
         rows += [
             {

@@ -20,7 +20,7 @@ from camid.chain.plant import TransferFunction, second_order
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.factorisation import Records
-from camid.identification.starts import evaluate
+from camid.identification.starts import output_errors_of
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS, parameter_vector
 from camid.paper.datasets import believed_plant, noise_level
@@ -91,7 +91,7 @@ def _likelihood(
         [
             min(
                 candidate.cost
-                for candidate in evaluate(
+                for candidate in output_errors_of(
                     Structure.of_order(2, 0),
                     records,
                     [np.array([1.0, 2.0 * d * f * omega, (f * omega) ** 2]) for d in DAMPINGS],

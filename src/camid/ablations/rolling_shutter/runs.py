@@ -58,11 +58,6 @@ def measurement_row_model(path: Path, exposure: float, line_time: float, middle:
     raise ValueError("the marker moves too fast along the rows for its row to be found by iteration")
 
 
-def size_effect(diameter: float, line_time: float, acceleration: Array) -> Array:
-    """Displacement of the disk's centre of mass by the shutter to leading order, px, shape (2,)."""
-    return line_time**2 * diameter**2 / 32.0 * np.asarray(acceleration) * np.array([1.0, 3.0])
-
-
 def image_errors(
     imaging: Mapping[str, Any], line_time: float, exposure: float, frequency: float, diameter: float, count: int
 ) -> dict[str, float]:

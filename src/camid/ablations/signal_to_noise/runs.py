@@ -28,7 +28,7 @@ POWER_READING, AMPLITUDE_READING = 10.0, 20.0
 # An rms error this many times the bound has left it; with 100 samples chance alone does that once in 400 times.
 LEFT_BOUND = 1.2
 # A run with an error this many times its bound found another optimum; its error has no useful mean square.
-GROSS = 10.0
+GROSS_MULTIPLE_OF_BOUND = 10.0
 STREAM = 3
 
 
@@ -78,7 +78,7 @@ def compute(settings: Mapping[str, Any], shared: Mapping[str, Any]) -> pd.DataFr
 
 def is_gross(table: pd.DataFrame) -> pd.Series:
     """Which runs did not converge or are off by more than ten bounds in some parameter."""
-    off = [table[f"error_{p}"].abs() > GROSS * table[f"bound_{p}"] for p in PARAMETERS]
+    off = [table[f"error_{p}"].abs() > GROSS_MULTIPLE_OF_BOUND * table[f"bound_{p}"] for p in PARAMETERS]
     return ~table["converged"].astype(bool) | off[0] | off[1] | off[2]
 
 

@@ -35,7 +35,6 @@ from camid.paper.datasets import believed_plant, noise_level, with_closing_frame
 Array = NDArray[np.float64]
 
 SIGNALS = ("prbs", "two-amplitudes", "multilevel", "multisine")
-PLANTS = ("linear", "cubic-stiffness", "dead-zone")
 STREAM = 6
 # Two halves differ if chance does as much in one of a thousand cases.
 SIGNIFICANT = 0.001

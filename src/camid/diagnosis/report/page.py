@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +12,6 @@ from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
-from camid.writing import write_whole
 
 STRUCTURE_BELOW = 0.01  # p-values below it are set in bold: chance hardly makes them
 HOLDS = {"zoh": "zero-order hold", "foh": "first-order hold", "band-limited": "band-limited input"}
@@ -242,22 +240,3 @@ def render(diagnosis: Diagnosis) -> str:
         lstrip_blocks=True,
     )
     return environment.get_template("report.html").render(_context(diagnosis))
-
-
-def write_report(diagnosis: Diagnosis, path: str | os.PathLike[str]) -> None:
-    """Write report.html.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    path : path
-        One file, UTF-8, which holds everything that it shows.
-
-    Raises
-    ------
-    InputError
-        If the folder does not exist or cannot be written to.
-    """
-    page = render(diagnosis)
-    # A name from a file system may hold bytes that are not text.
-    write_whole(path, lambda temporary: temporary.write_bytes(page.encode("utf-8", errors="replace")))

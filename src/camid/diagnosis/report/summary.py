@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
+from camid.diagnosis.diagnosis import UNLISTED, Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.number_text import number, percentage, printable, probability, span, unit_of, with_deviation
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ VERDICT_WORDS = {
     "partly-explained": ("◐", "Partly explained", "something is named, and something structured remains"),
     "unexplained": ("?", "Unexplained", "something is left out, and this recording does not say what"),
 }
-UNLISTED = "unlisted"
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 

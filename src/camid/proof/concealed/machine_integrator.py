@@ -24,7 +24,7 @@ LARGEST_PHASE = 0.06  # rad of the fastest oscillation in a step
 LARGEST_DECAY = 1.0  # of a step beside the shortest time constant
 FEWEST_STEPS, MOST_STEPS = 10, 2000
 LOCATED = 1e-12  # share of a step to which an event is located
-NO_EVENT, REVERSAL, CONTACT, BREAK_AWAY = 0, 1, 2, 3
+REVERSAL, CONTACT, BREAK_AWAY = 1, 2, 3
 
 
 class DivergedError(ValueError):

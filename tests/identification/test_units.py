@@ -5,7 +5,7 @@ import pytest
 
 import camid
 from camid.simulation.file import load_simulation
-from tests.identification.test_loading import believed, load, refusal, table
+from tests.identification.test_from_recordings import believed, load, refusal, table
 
 
 @pytest.mark.parametrize(

@@ -17,15 +17,15 @@ from camid.identification.accuracy import innovation_variance
 from camid.identification.discrete_time_start import alias_denominators
 from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records
+from camid.identification.optimum_selection import Optimum, Rival, conclusive, plausible_cost, rivals, select
 from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
-from camid.identification.selection import Optimum, Rival, conclusive, plausible_cost, rivals, select
 from camid.identification.starts import (
     StartCandidate,
     discrete_time_candidates,
-    evaluate,
     filter_candidates,
     grid_candidates,
+    output_errors_of,
     start_window,
 )
 from camid.identification.structure import Structure
@@ -146,7 +146,7 @@ class Search:
             return  # a belief below the Shannon frequency rules the faster twins out
         aliases = alias_denominators(best.poles, self.windows[0].acquisition.period)
         limit = plausible_cost(best)
-        near = [c for c in evaluate(self.structure, self.records, aliases) if c.cost <= limit]
+        near = [c for c in output_errors_of(self.structure, self.records, aliases) if c.cost <= limit]
         self.optima += [self.optimum(c) for c in near]
         chosen = self.best()
         if chosen is not None and (chosen.past_shannon or rivals(chosen, self.optima)):

@@ -19,7 +19,7 @@ from camid.identification.safeguarded import safeguarded_srivc
 Array = NDArray[np.float64]
 
 # Below this relative standard deviation the first order has been right wherever it was tried, so the check is skipped.
-CERTAIN = 0.05
+CERTAIN_DEVIATION = 0.05
 # 95 % of a normal variable lie within this many standard deviations, and the deviance there is its square.
 WIDTH = 1.959964
 # Shares of the parabola's deviance between which the first order is left as it is.
@@ -71,7 +71,7 @@ def intervals(predictor: Predictor, fit: IterationResult, covariance: Array) -> 
     scaled = covariance * np.outer(scale, scale)
     deviations = np.sqrt(np.diag(scaled))
     noise = fit.cost / max(len(predictor.target) - int(predictor.free.sum()), 1)
-    weak = predictor.free[:count] & (deviations[:count] > CERTAIN * np.abs(fit.parameters[:count]))
+    weak = predictor.free[:count] & (deviations[:count] > CERTAIN_DEVIATION * np.abs(fit.parameters[:count]))
     if noise <= 0.0 or not weak.any():
         return []
     profile = _Profile(predictor, fit, scaled, noise)
