@@ -131,6 +131,11 @@ def pendulums(draw):
     return {"plant": pendulum.transfer_function(), "pendulum": pendulum}
 
 
+# Parameters of effects are Python identifiers. (The YAML library writes a key that starts with a colon
+# so that it cannot be read again; column names are values, in which any text survives.)
+parameter_names = st.from_regex(r"[a-z][a-z0-9_]{0,12}", fullmatch=True)
+
+
 @st.composite
 def simulations(draw):
     start = draw(st.floats(-1e6, 1e6))
@@ -140,8 +145,8 @@ def simulations(draw):
     effects = st.builds(
         DeclaredEffect,
         identifier=names,
-        parameters=st.dictionaries(names, finite | names | st.lists(finite, max_size=3), max_size=3),
-        standard_deviations=st.none() | st.dictionaries(names, finite, min_size=1, max_size=3),
+        parameters=st.dictionaries(parameter_names, finite | names | st.lists(finite, max_size=3), max_size=3),
+        standard_deviations=st.none() | st.dictionaries(parameter_names, finite, min_size=1, max_size=3),
     )
     limit = {"limit": draw(positive)} if draw(st.booleans()) else {}
     return Simulation(
