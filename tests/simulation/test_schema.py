@@ -18,6 +18,7 @@ from camid.recording.units import Conversion
 from camid.simulation.file import load_simulation, simulation_text
 from camid.simulation.model import DeclaredEffect, Simulation
 from camid.simulation.schema import SimulationFile, json_schema
+from camid.simulation.yaml_file import read_yaml, yaml_text
 from tests.support import linear_rig as rig
 
 JSON_SCHEMA = "schemas/simulation.schema.json"  # in the package
@@ -131,11 +132,6 @@ def pendulums(draw):
     return {"plant": pendulum.transfer_function(), "pendulum": pendulum}
 
 
-# Parameters of effects are Python identifiers. (The YAML library writes a key that starts with a colon
-# so that it cannot be read again; column names are values, in which any text survives.)
-parameter_names = st.from_regex(r"[a-z][a-z0-9_]{0,12}", fullmatch=True)
-
-
 @st.composite
 def simulations(draw):
     start = draw(st.floats(-1e6, 1e6))
@@ -145,8 +141,8 @@ def simulations(draw):
     effects = st.builds(
         DeclaredEffect,
         identifier=names,
-        parameters=st.dictionaries(parameter_names, finite | names | st.lists(finite, max_size=3), max_size=3),
-        standard_deviations=st.none() | st.dictionaries(parameter_names, finite, min_size=1, max_size=3),
+        parameters=st.dictionaries(names, finite | names | st.lists(finite, max_size=3), max_size=3),
+        standard_deviations=st.none() | st.dictionaries(names, finite, min_size=1, max_size=3),
     )
     limit = {"limit": draw(positive)} if draw(st.booleans()) else {}
     return Simulation(
@@ -187,6 +183,13 @@ def test_any_simulation_is_written_and_read_back(tmp_path_factory, simulation):
     Draft202012Validator(SCHEMA).validate(simulation.to_mapping())
     read = load_simulation(path)
     assert read.to_mapping() == simulation.to_mapping()
+
+
+@pytest.mark.parametrize("key", [":", ":a", "a:", "", "-", "? b", "{", "#", "&a", "true", "1e3", "a\nb", "é" * 200])
+def test_any_key_is_written_and_read_back(tmp_path, key):
+    content = {"effects": [{"parameters": {key: 1.0}}], key: {"nested": [{key: "x"}]}}
+    (tmp_path / "written.yaml").write_text(yaml_text(content), encoding="utf-8")
+    assert read_yaml(tmp_path / "written.yaml") == content
 
 
 # -- whatever a file holds, it is a simulation or an InputError of one line -------------------------------------------

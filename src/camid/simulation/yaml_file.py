@@ -1,14 +1,18 @@
-"""YAML files whose keys remember their lines, so that an error names file, line and key."""
+"""YAML files: read, with keys that remember their lines so that an error names file, line and key; and written."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from camid.errors import InputError
 
 Where = Callable[..., str]  # file, line and dotted key of the keys that lead to a value
+# Keys that mean themselves without quotes, in any style of YAML, unless they read as a number or a truth value.
+PLAIN_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
 
 def read_yaml(path: Path) -> Any:
@@ -38,6 +42,32 @@ def read_yaml(path: Path) -> Any:
     except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
         problem = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError(f"not valid YAML: {problem}", where=str(path), hint="write it as text") from None
+
+
+def yaml_text(content: Mapping[str, Any]) -> str:
+    """A mapping as YAML 1.2, whose keys keep their order and may be any text."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.nodes import MappingNode, ScalarNode
+    from ruamel.yaml.representer import SafeRepresenter
+
+    class QuotingRepresenter(SafeRepresenter):
+        """Quotes unusual keys: as its emitter writes ``{:a: 1}``, the key is not read back."""
+
+        def represent_mapping(self, tag: Any, mapping: Any, flow_style: bool | None = None) -> MappingNode:
+            node = super().represent_mapping(tag, mapping, flow_style)
+            for key, _ in node.value:
+                if isinstance(key, ScalarNode) and not PLAIN_KEY.fullmatch(key.value):
+                    key.style = '"'
+            return node
+
+    yaml = YAML(typ="safe", pure=True)
+    yaml.Representer = QuotingRepresenter
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = 120
+    stream = StringIO()
+    yaml.dump(content, stream)
+    return stream.getvalue()
 
 
 def plain_truth_value(value: Any) -> Any:
