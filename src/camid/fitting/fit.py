@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.engine.mechanics import NotApplicable
-from camid.fitting.model import Model
 from camid.fitting.packing import Packing
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Noise, Problem
 
 Array = NDArray[np.float64]

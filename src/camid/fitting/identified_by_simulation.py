@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.estimate import Estimate
 from camid.identification.identification import Identification

@@ -16,7 +16,7 @@ from camid.engine.run import move, observed
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import STEPS
 from camid.fitting.initial_motion import recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment

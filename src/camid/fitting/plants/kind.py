@@ -19,7 +19,7 @@ from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure

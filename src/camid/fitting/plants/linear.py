@@ -16,7 +16,7 @@ from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identified_exactly import identify_exactly
 from camid.fitting.initial_motion import companion_state, recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.estimate import estimate
