@@ -16,8 +16,9 @@ from camid.errors import InputError
 from camid.recording.options import Reading
 from camid.recording.units import Conversion
 from camid.simulation.file import load_simulation, simulation_text
+from camid.simulation.json_schema import json_schema
 from camid.simulation.model import DeclaredEffect, Simulation
-from camid.simulation.schema import SimulationFile, json_schema
+from camid.simulation.schema import SimulationFile
 from camid.simulation.yaml_file import read_yaml, yaml_text
 from tests.support import linear_rig as rig
 
@@ -27,7 +28,7 @@ SCHEMA = json.loads(files("camid").joinpath(JSON_SCHEMA).read_text(encoding="utf
 
 def test_the_committed_json_schema_is_that_of_the_models():
     committed = files("camid").joinpath(JSON_SCHEMA).read_text(encoding="utf-8")
-    assert committed == json_schema(), f"run python -m camid.simulation.schema > src/camid/{JSON_SCHEMA}"
+    assert committed == json_schema(), f"run python -m camid.simulation.json_schema > src/camid/{JSON_SCHEMA}"
     Draft202012Validator.check_schema(SCHEMA)
 
 

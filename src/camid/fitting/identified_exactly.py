@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
-from camid.identification.declarations import alternative_declarations
+from camid.identification.declaration_search import alternative_declarations
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.experiment import Experiment
 from camid.identification.identification import Identification

@@ -34,7 +34,7 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     InputError
         With file, line and key: no YAML, unknown or missing keys, values out of range, an unstable or improper plant.
     """
-    from camid.simulation.schema import validated
+    from camid.simulation.refusals import validated
 
     if isinstance(source, Simulation):
         return source
