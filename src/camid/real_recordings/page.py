@@ -22,6 +22,10 @@ THESIS_MASS, THESIS_LENGTH, THESIS_GRAVITY = 0.2235, 0.31692, 9.82  # kg, m, m/s
 THESIS_COULOMB, THESIS_VISCOUS = 4.1e-3, 0.5e-3  # N m, N m s
 
 
+# Effects that would explain what the experiment lets one expect, whether or not a diagnosis names them.
+SUSPECTED = {"pendulum_clip": "perspective"}
+
+
 @dataclass(frozen=True)
 class TableLine:
     """A line of a table.
@@ -131,7 +135,7 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
     ----------
     template : Path
         Jinja template, in which ``value(recording, quantity, format)``, ``table(recording)``, ``effects(recording)``
-        and ``named(recording, effect)`` insert results.
+        and ``suspicion_confirmed(recording)`` insert results.
     quantities : dict of DataFrame
         By recording.
     """
@@ -154,14 +158,14 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
             words.append(f"`{effect}` ({', '.join(numbers)})")
         return ", ".join(words) or "nothing"
 
-    def named(name: str, effect: str) -> bool:
-        return f"named_{effect}" in set(quantities[name]["quantity"])
+    def suspicion_confirmed(name: str) -> bool:
+        return f"named_{SUSPECTED[name]}" in set(quantities[name]["quantity"])
 
     functions: dict[str, Callable[..., Any]] = {
         "value": value,
         "table": lambda name: table(name, quantities[name]),
         "effects": effects,
-        "named": named,
+        "suspicion_confirmed": suspicion_confirmed,
     }
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
     return _wrapped(environment.from_string(template.read_text(encoding="utf-8")).render(**functions))
