@@ -38,7 +38,8 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     Raises
     ------
     InputError
-        If recording and simulation do not fit together, or the initial state is to be fitted and there is no output.
+        If recording and simulation do not fit together, or the initial state, an offset or a bias is to be fitted and
+        there is no output.
     """
     return _simulated_table(recording, load_simulation(simulation))
 
@@ -47,7 +48,7 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
     """Table of the simulated output for every experiment in a recording."""
     import pandas as pd
 
-    recordings = load_recordings(recording, believed, output_needed=believed.estimates_initial_state)
+    recordings = load_recordings(recording, believed, output_needed=believed.is_fitted_to_output)
     added = {*kind_of(believed, recordings).simulated_columns, *(["experiment"] if len(recordings) > 1 else [])}
     for name in (believed.time_column, believed.output_column):
         if name in added:

@@ -297,6 +297,7 @@ class InputBias(Effect):
     separated_by = (SeparatingExperiment.REVERSED_INPUT,)
     strength = "bias"
     keeps_hold = True
+    is_constant = True
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Add the bias."""

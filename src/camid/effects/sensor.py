@@ -241,6 +241,7 @@ class SensorOffset(Effect):
     parameters = (Parameter("offset", "y", "offset b"),)
     separated_by = (SeparatingExperiment.REVERSED_INPUT,)
     strength = "offset"
+    is_constant = True
 
     def observe(self, output: Array, time: Array) -> Array:
         """Add the offset."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,19 +27,25 @@ def exact_output(simulation: Simulation, recording: Recording) -> Array:
     InputError
         If there are fewer samples than initial states.
     """
-    if not simulation.estimates_initial_state or simulation.plant.order == 0:
+    if not simulation.is_fitted_to_output or simulation.plant.order == 0:
         acquisition = acquisition_of(recording, simulation)
         signal = (
             np.zeros(len(recording)) if simulation.input_column is None else recording.columns[simulation.input_column]
         )
-        return sample(simulation.plant, signal, acquisition)
+        return sample(simulation.plant, signal, acquisition) + simulation.known_offset
     monic = simulation.plant.monic
     structure = Structure.fixed(monic)
-    experiment = experiment_of(recording, simulation)
+    experiment = experiment_to_fit(recording, simulation)
     refuse_too_short_for_initial_state(experiment, structure, recording)
     predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
     simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
     return from_first_known(simulated, predictor.experiments[0])
+
+
+def experiment_to_fit(recording: Recording, simulation: Simulation) -> Experiment:
+    """A recording as a simulation run is fitted to it: with those constants unknown that are declared so."""
+    offset, bias = simulation.offset == "estimate", simulation.bias == "estimate"
+    return replace(experiment_of(recording, simulation), estimate_offset=offset, estimate_bias=bias)
 
 
 def refuse_too_short_for_initial_state(experiment: Experiment, structure: Structure, recording: Recording) -> None:

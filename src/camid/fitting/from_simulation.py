@@ -64,15 +64,17 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
     pendulum = believed.pendulum
     if pendulum is not None:
         gain_free = bool(_free_numerator(believed)[0])
-        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), None if gain_free else pendulum.gain)
-    return FreeDecay() if believed.input_column is None else LinearPlant()
+        fixed_gain = None if gain_free else pendulum.gain
+        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain, offset=believed.known_offset)
+    kind = FreeDecay if believed.input_column is None else LinearPlant
+    return kind(offset=believed.known_offset)
 
 
 def problem_of(
     believed: Simulation, structure: Structure, recordings: list[Recording], experiments: list[Experiment]
 ) -> Problem:
     """What is fitted and diagnosed."""
-    kind = kind_of(believed, recordings)
+    kind = kind_of(believed, recordings).with_unknown(experiments)
     return Problem(
         structure,
         kind.compared(experiments),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,7 @@ def _identification(task: IdentificationTask, result: Estimate, experiments: lis
         exposure=experiments[0].acquisition.exposure if believed.sensor == "camera" else None,
         free_numerator=free_numerator,
         free_denominator=free_denominator,
+        **_constants(result),
         # Where the data leave a coefficient undetermined there is no accuracy to write down.
         standard_deviations={
             "numerator": [float(v) for v in deviations[:split]],
@@ -72,6 +74,17 @@ def _identification(task: IdentificationTask, result: Estimate, experiments: lis
         nrmse_validation=nrmse(held_out) if any(k.any() for k in held_out) else None,
         acquisition=experiments[0].acquisition,
     )
+
+
+def _constants(result: Estimate) -> dict[str, Any]:
+    """Offset and bias, where they were estimated, as a simulation holds them."""
+    found: dict[str, Any] = {}
+    for name, constant in (("offset", result.offset), ("bias", result.bias)):
+        if constant is not None:
+            known = np.isfinite(constant.standard_deviation)
+            found[name] = constant.value
+            found[f"{name}_deviation"] = constant.standard_deviation if known else None
+    return found
 
 
 def _analysed(

@@ -52,7 +52,7 @@ class Packing:
                 names.append(f"{i} {parameter.name}")
         constants = problem.kind.free_constants()
         for constant in constants:
-            units.append(_measure(problem, constant.scale, model.constants[constant.name]))
+            units.append(_measure(problem, constant.scale, float(model.constants[constant.name])))
             lower.append(constant.lower)
             upper.append(constant.upper)
             names.append(constant.name)
@@ -128,6 +128,10 @@ def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
 def _measure(problem: Problem, scale: str, value: float) -> float:
     if scale == "period":
         return float(problem.acquisition.period)
+    if scale == "output":
+        return float(np.std(problem.output)) or 1.0
+    if scale == "input":
+        return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
     if scale == "resolution":
         return 1.0 / problem.duration
     return 1.0 if scale == "one" or value == 0.0 else abs(value)

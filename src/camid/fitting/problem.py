@@ -120,7 +120,7 @@ class Problem:
 
     def with_initial_states(self, model: Model) -> Model:
         """The model with the initial states that a fit starts from."""
-        if not any(e.estimate_initial_state for e in self.experiments):
+        if not any(e.estimate_initial_state or e.estimate_offset or e.estimate_bias for e in self.experiments):
             return replace(model, initial=tuple(None for _ in self.experiments))
         return self.kind.with_initial_states(self, model)
 

@@ -9,13 +9,13 @@ from camid.effects.base import Effect
 from camid.effects.declared import effects_of
 from camid.engine.mechanics import Chain
 from camid.errors import InputError
-from camid.fitting.exact_output import from_first_known, refuse_too_short_for_initial_state
+from camid.fitting.exact_output import experiment_to_fit, from_first_known, refuse_too_short_for_initial_state
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import kind_of, model_of, problem_of
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.identification.experiment import Experiment
-from camid.identification.from_recordings import acquisition_of, experiment_of
+from camid.identification.from_recordings import acquisition_of
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
 from camid.simulation.model import Simulation
@@ -44,7 +44,7 @@ def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Arra
 def _by_engine(kind: PlantKind, simulation: Simulation, recording: Recording) -> tuple[Array, Array | None]:
     try:
         effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
-        if simulation.estimates_initial_state:
+        if simulation.is_fitted_to_output:
             chain, experiment = _with_fitted_state(simulation, recording, effects)
             output, control = kind.output_and_control(chain, experiment.signal, recording.time)
             return (from_first_known(output, experiment) if control is None else output), control
@@ -72,7 +72,7 @@ def _with_fitted_state(
     simulation: Simulation, recording: Recording, effects: tuple[Effect, ...]
 ) -> tuple[Chain, Experiment]:
     """The chain with the initial state that fits the recorded output best, and what that was fitted to."""
-    experiment = experiment_of(recording, simulation)
+    experiment = experiment_to_fit(recording, simulation)
     structure = Structure.fixed(simulation.plant.monic)
     refuse_too_short_for_initial_state(experiment, structure, recording)
     problem = problem_of(simulation, structure, [recording], [experiment]).all_fixed()

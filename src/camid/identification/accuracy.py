@@ -140,14 +140,14 @@ def innovation_variance(experiment: Experiment) -> float:
     For white output noise this is the noise variance whatever the plant, so it tells whether an output-error fit has
     reached its global optimum.
     """
-    output, signal = experiment.output, experiment.signal
+    signal, output = experiment.for_regression()
     count = len(output)
     length = min(LONGEST_REGRESSION, count // 10)
     if length < 2:
         return 0.0
     rows = experiment.used[length:]
     driven = bool(np.any(signal))
-    freedom = int(rows.sum()) - (2 * length + 1 if driven else length)
+    freedom = int(rows.sum()) - (2 * length + 1 if driven else length) - int(experiment.estimate_offset)
     if freedom < length:
         return 0.0
     if rows.all():

@@ -166,7 +166,7 @@ class _Family:
 
         place = int(np.argmin([cost(v) for v in self.grid]))
         bounds = self.grid[max(place - 1, 0)], self.grid[min(place + 1, len(self.grid) - 1)]
-        power = sum(float(np.sum(e.output[e.used] ** 2)) for e in experiments)
+        power = sum(float(np.sum(e.position[e.used] ** 2)) for e in experiments)
         for tolerance, largest in REFINEMENTS:
             if tried[min(tried, key=lambda v: tried[v][0])][0] <= largest**2 * power:
                 minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": tolerance})

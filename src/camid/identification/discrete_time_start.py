@@ -133,9 +133,10 @@ def discrete_time_poles(experiment: Experiment, order: int) -> list[ComplexArray
         return []
     if not np.any(experiment.signal):
         lags = range(0)
+    signal, output = experiment.for_regression()
     found = _steiglitz_mcbride(
-        experiment.signal,
-        experiment.output,
+        signal,
+        output,
         experiment.used,
         order,
         lags.start,

@@ -32,6 +32,21 @@ FINAL_ITERATIONS = 1000
 
 
 @dataclass(frozen=True)
+class Constant:
+    """A constant that was estimated beside the plant.
+
+    Attributes
+    ----------
+    value : float
+    standard_deviation : float
+        Infinite where the data leave it undetermined.
+    """
+
+    value: float
+    standard_deviation: float
+
+
+@dataclass(frozen=True)
 class Estimate:
     """An identified plant.
 
@@ -55,6 +70,8 @@ class Estimate:
     intervals : list of Interval
         95 % intervals where the data say so little that the output error is not a parabola; the standard deviations
         then reach to their farther ends.
+    bias, offset : Constant or None
+        What is added to the input and to the output, in units of u and of y, where it was unknown.
     """
 
     plant: TransferFunction
@@ -67,6 +84,8 @@ class Estimate:
     free: NDArray[np.bool_]
     rivals: list[Rival]
     intervals: list[Interval]
+    bias: Constant | None = None
+    offset: Constant | None = None
 
 
 def estimate(
@@ -98,9 +117,13 @@ def estimate(
     """
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
+    experiments = _centred(experiments, method)
     units = _units(experiments)
     gain = units.output / units.signal
-    scaled = [replace(e, signal=e.signal / units.signal, output=e.output / units.output) for e in experiments]
+    scaled = [
+        replace(e, signal=e.signal / units.signal, output=e.output / units.output, offset=e.offset / units.output)
+        for e in experiments
+    ]
     result = _estimate_scaled(
         replace(structure, numerator=structure.numerator / gain),
         scaled,
@@ -108,7 +131,19 @@ def estimate(
         method,
         progress,
     )
-    return _in_units(result, units)
+    return _in_units(result, units, experiments[0].offset)
+
+
+def _centred(experiments: list[Experiment], method: str) -> list[Experiment]:
+    """The experiments counted from the mean output where the offset is unknown: numbers of pixels lose no digits so.
+
+    SRIVC as published knows of no constant, and takes the mean as the offset.
+    """
+    if not any(e.estimate_offset for e in experiments):
+        return experiments
+    mean = float(np.mean(np.concatenate([e.output[e.used] for e in experiments])))
+    published = method == "plain-srivc"
+    return [replace(e, offset=mean, estimate_offset=not published) for e in experiments]
 
 
 @dataclass(frozen=True)
@@ -124,7 +159,7 @@ class _Units:
 
 def _units(experiments: list[Experiment]) -> _Units:
     signal = max(float(np.max(np.abs(e.signal))) for e in experiments)
-    output = max(float(np.max(np.abs(e.output))) for e in experiments)
+    output = max(float(np.max(np.abs(e.position))) for e in experiments)
     signal, output = (float(2.0 ** np.round(np.log2(largest or 1.0))) for largest in (signal, output))
     return _Units(signal, output)
 
@@ -133,7 +168,7 @@ def _times_gain(plant: TransferFunction, gain: float) -> TransferFunction:
     return TransferFunction(tuple(gain * b for b in plant.numerator), plant.denominator)
 
 
-def _in_units(result: Estimate, units: _Units) -> Estimate:
+def _in_units(result: Estimate, units: _Units, known_offset: float) -> Estimate:
     """The estimate for the recording as it came."""
     gain = units.output / units.signal
     factors = np.ones(len(result.free))
@@ -149,7 +184,15 @@ def _in_units(result: Estimate, units: _Units) -> Estimate:
             Interval(i.coefficient, factors[i.coefficient] * i.low, factors[i.coefficient] * i.high)
             for i in result.intervals
         ],
+        bias=_scaled(result.bias, units.signal),
+        offset=_scaled(result.offset, units.output, known_offset),
     )
+
+
+def _scaled(constant: Constant | None, unit: float, known: float = 0.0) -> Constant | None:
+    if constant is None:
+        return None
+    return Constant(known + unit * constant.value, unit * constant.standard_deviation)
 
 
 def _estimate_scaled(
@@ -241,4 +284,18 @@ def _summarise(predictor: Predictor, fit: IterationResult, others: list[Rival]) 
         free=predictor.structure.free,
         rivals=others,
         intervals=found,
+        **_constants(predictor, fit, covariance),
     )
+
+
+def _constants(predictor: Predictor, fit: IterationResult, covariance: Array) -> dict[str, Constant]:
+    """Bias and offset with their standard deviations, where they were estimated."""
+    found = {}
+    values = dict(zip(("bias", "offset"), predictor.bias_and_offset(fit.parameters), strict=True))
+    for place, name, unknown in (
+        (-1, "offset", predictor.records.sensor_offset),
+        (-2 if predictor.records.sensor_offset else -1, "bias", predictor.records.input_bias),
+    ):
+        if unknown:
+            found[name] = Constant(values[name], float(np.sqrt(covariance[place, place])))
+    return found

@@ -25,6 +25,12 @@ class Experiment:
         Rows that are fitted; the others are simulated through.
     estimate_initial_state : bool
         False: at rest before the first sample.
+    offset : float
+        Reading of the sensor at the plant's zero, in units of y; where it is estimated, what is known of it beforehand.
+    estimate_offset : bool
+        Whether the offset is unknown. One for all experiments of a rig.
+    estimate_bias : bool
+        Whether an unknown constant is added to the input from the first sample on. One for all experiments of a rig.
     """
 
     signal: Array
@@ -32,6 +38,23 @@ class Experiment:
     acquisition: Acquisition
     used: NDArray[np.bool_]
     estimate_initial_state: bool = False
+    offset: float = 0.0
+    estimate_offset: bool = False
+    estimate_bias: bool = False
+
+    @property
+    def position(self) -> Array:
+        """Output samples counted from the offset that is known, shape (N,)."""
+        return self.output if self.offset == 0.0 else self.output - self.offset
+
+    def for_regression(self) -> tuple[Array, Array]:
+        """Input and position, shapes (N,), about their means where the offset is unknown, as if beside a constant."""
+        if not self.estimate_offset:
+            return self.signal, self.position
+        rows = self.used
+        driven = bool(np.any(self.signal))
+        signal = self.signal - np.mean(self.signal[rows]) if driven else self.signal
+        return signal, self.position - np.mean(self.position[rows])
 
     @property
     def free_motion_before_record(self) -> bool:

@@ -41,6 +41,8 @@ class Records(NamedTuple):
     period, start, length : ndarray, shape (E,)
         In seconds, see :meth:`camid.chain.acquisition.Acquisition.window`.
     delay : ndarray of int, shape (E,)
+    input_bias, sensor_offset : bool
+        Whether a constant that is added to all inputs, or to all outputs, is unknown.
     """
 
     signal: Array
@@ -55,6 +57,8 @@ class Records(NamedTuple):
     start: Array
     length: Array
     delay: NDArray[np.int64]
+    input_bias: bool
+    sensor_offset: bool
 
     @classmethod
     def of(cls, experiments: Sequence[Experiment]) -> Records:
@@ -63,7 +67,7 @@ class Records(NamedTuple):
         inputs = [driven(e.signal, e.acquisition.hold) for e in experiments]
         return cls(
             np.concatenate([signal for signal, _ in inputs], dtype=np.float64),
-            np.concatenate([e.output for e in experiments], dtype=np.float64),
+            np.concatenate([e.position for e in experiments], dtype=np.float64),
             np.concatenate([e.used for e in experiments]),
             np.cumsum([0, *(len(e.output) for e in experiments)]),
             np.array([first_order for _, first_order in inputs]),
@@ -74,7 +78,13 @@ class Records(NamedTuple):
             np.array([w[1] for w in windows]),
             np.array([w[2] for w in windows]),
             np.array([w[0] for w in windows]),
+            any(e.estimate_bias for e in experiments),
+            any(e.estimate_offset for e in experiments),
         )
+
+    def linear_unknowns(self, order: int) -> int:
+        """How many numbers beside the coefficients are fitted: initial polynomials, bias and offset."""
+        return order * int(self.initial.sum()) + int(self.input_bias) + int(self.sensor_offset)
 
 
 # Sums may be taken in any order, so that the loops use the processor's vectors.
@@ -105,19 +115,28 @@ def fold(triangle: Array, block: Array, rows: int) -> None:
 
 
 @njit
-def _companion_system(  # noqa: PLR0912 - loops over elements, which compile fastest
-    numerator: Array, denominator: Array, initial: Array, estimated: bool, sensitive: bool
+def _companion_system(  # noqa: C901, PLR0912 - loops over elements, which compile fastest
+    numerator: Array,
+    denominator: Array,
+    initial: Array,
+    bias: float,
+    estimated: bool,
+    biased: bool,
+    sensitive: bool,
 ) -> tuple[Array, Array, Array]:
-    """Augmented matrix, start and output rows of the chains z = u/A, z̃ = y/A and z_δ = δ/A (the last two as needed).
+    """Augmented matrix, start and output rows of the chains z = u/A, z̃ = y/A, z_δ = δ/A and z_1 = 1/A.
 
-    Output rows: simulated output, then its derivatives by [b_0 … b_m, a_1 … a_n, c_1 … c_n].
+    All but the first are there as needed; a state that stays at one, behind the last chain, drives it.
+    Output rows: simulated output, then its derivatives by [b_0 … b_m, a_1 … a_n, c_1 … c_n, bias].
     """
     order, split = len(denominator) - 1, len(numerator)
     forced = order if sensitive else 0
-    size = order + forced + (order if estimated else 0)
     free = order + forced
+    constant = free + (order if estimated else 0)
+    chains = constant + (order if biased else 0)
+    size = chains + (1 if biased else 0)
     augmented = np.zeros((size + 2, size + 2))
-    for chain in range(0, size, order):
+    for chain in range(0, chains, order):
         for i in range(order):
             augmented[chain, chain + i] = -denominator[1 + i]
         for i in range(order - 1):
@@ -125,7 +144,7 @@ def _companion_system(  # noqa: PLR0912 - loops over elements, which compile fas
     augmented[0, size] = 1.0
     augmented[size, size + 1] = 1.0
     start = np.zeros(size + 2)
-    rows = np.zeros((1 + split + order + (order if estimated else 0), size + 2))
+    rows = np.zeros((1 + split + order + (order if estimated else 0) + (1 if biased else 0), size + 2))
     for j in range(split):
         degree = split - 1 - j
         if degree == order:  # z^(n) = u - a_1 z^(n-1) - … - a_n z
@@ -134,8 +153,18 @@ def _companion_system(  # noqa: PLR0912 - loops over elements, which compile fas
             rows[1 + j, size] = 1.0
         else:
             rows[1 + j, order - 1 - degree] = 1.0
+        if biased:
+            for i in range(order):
+                rows[1 + j, constant + i] = rows[1 + j, i]
+            rows[1 + j, chains] = rows[1 + j, size]
+            for i in range(constant, size):
+                rows[len(rows) - 1, i] += numerator[j] * rows[1 + j, i]
+                rows[1 + j, i] *= bias
         for i in range(size + 2):
             rows[0, i] += numerator[j] * rows[1 + j, i]
+    if biased:
+        augmented[constant, chains] = 1.0
+        start[chains] = 1.0
     if estimated:
         start[free] = 1.0
         for i in range(order):
@@ -173,8 +202,9 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
     ----------
     numerator, denominator : ndarray, shapes (m + 1,) and (n + 1,)
         In scaled time, monic denominator.
-    initial : ndarray, shape (n times the experiments with unknown initial state,)
-        Initial polynomials, concatenated.
+    initial : ndarray, shape (q,)
+        Initial polynomials, n coefficients for each experiment with unknown initial state, concatenated; then the bias
+        of the input and the offset of the sensor, where they are unknown.
     records : Records
     time_unit : float
         Seconds in a unit of the scaled time.
@@ -192,13 +222,17 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
     """
     order, split = len(denominator) - 1, len(numerator)
     columns = split + order + len(initial)
+    offset_column, biased = columns - 1, records.input_bias
+    bias_column = offset_column - 1 if records.sensor_offset else offset_column
+    offset = initial[len(initial) - 1] if records.sensor_offset else 0.0
+    bias = initial[bias_column - split - order] if biased else 0.0
     triangle = np.zeros((columns + 1, columns + 1))
     block = np.zeros((columns + 1, BLOCK))
     filled, position, cost = 0, 0, 0.0
     for e in range(len(records.offsets) - 1):
         estimated = records.initial[e]
         augmented, start, rows = _companion_system(
-            numerator, denominator, initial[position : position + order], estimated, sensitive
+            numerator, denominator, initial[position : position + order], bias, estimated, biased, sensitive
         )
         size = len(start) - 2
         period = records.period[e] / time_unit
@@ -215,7 +249,7 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
         following = np.zeros(size + 2)
         outputs = 1 + split + (order if sensitive else 0)
         for j in range(-delay, count - delay):
-            if estimated and j == begins_moving:
+            if (estimated or biased) and j == begins_moving:
                 for row in range(size):
                     now[row] += start[row]
             now[size], now[size + 1] = begin_interval(records.signal, begin, count, j, first_order, period)
@@ -240,12 +274,16 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
                     for column in range(size + 2):
                         total += second[row, column] * following[column]
                 if row == 0:
-                    residual[frame] = records.output[frame] - total
+                    residual[frame] = records.output[frame] - total - offset
+                elif biased and row == len(rows) - 1:
+                    block[bias_column, filled] = total
                 elif row <= split + order:
                     block[row - 1, filled] = total
                 else:
                     block[position + row - 1, filled] = total
             if used:
+                if records.sensor_offset:
+                    block[offset_column, filled] = 1.0
                 block[columns, filled] = residual[frame]
                 cost += residual[frame] * residual[frame]
                 filled += 1
@@ -270,7 +308,7 @@ def output_error_costs(
     denominators: Array,
     numerator: Array,
     free_numerator: NDArray[np.bool_],
-    initial_count: int,
+    linear_unknowns: int,
     records: Records,
 ) -> Array:
     """Output error of many denominators, each with its best numerator and initial states (variable projection).
@@ -282,8 +320,8 @@ def output_error_costs(
     numerator : ndarray, shape (m + 1,)
         In SI units; only the entries that are not free count.
     free_numerator : ndarray of bool, shape (m + 1,)
-    initial_count : int
-        Number of unknown initial-state coefficients.
+    linear_unknowns : int
+        See :meth:`Records.linear_unknowns`.
     records : Records
 
     Returns
@@ -294,10 +332,10 @@ def output_error_costs(
     order, split = denominators.shape[1] - 1, len(numerator)
     costs = np.empty(len(denominators))
     residual = np.empty(len(records.signal))
-    initial = np.zeros(initial_count)
-    chosen = np.empty(split + initial_count, np.int64)
+    initial = np.zeros(linear_unknowns)
+    chosen = np.empty(split + linear_unknowns, np.int64)
     number = 0
-    for i in range(split + order + initial_count):
+    for i in range(split + order + linear_unknowns):
         if i >= split + order or (i < split and free_numerator[i]):
             chosen[number] = i
             number += 1

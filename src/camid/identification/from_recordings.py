@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.errors import InputError
 from camid.identification.experiment import Experiment
+from camid.identification.unknown_constants import with_unknown_constants
 from camid.recording.recording import Recording, read_recordings
+from camid.recording.units import Conversion
 from camid.simulation.model import Simulation
 
 RecordingSource = str | os.PathLike[str] | Any
@@ -40,9 +42,9 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
     required = [column for column in named if column is not None]
     optional = [] if output_needed else [simulation.output_column]
     held = [column for column in (roles["input"], roles["reference"]) if column is not None]
-    conversions = {simulation.output_column: reading.output}
+    conversions = {simulation.output_column: _from_zero(reading.output, simulation)}
     if roles["input"] is not None:
-        conversions[roles["input"]] = reading.input
+        conversions[roles["input"]] = replace(reading.input, offset=reading.input.offset + simulation.known_bias)
     if roles["reference"] is not None:
         conversions[roles["reference"]] = reading.reference
     return read_recordings(
@@ -54,6 +56,13 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
         dict.fromkeys(held, simulation.hold),
         conversions,
     )
+
+
+def _from_zero(conversion: Conversion, simulation: Simulation) -> Conversion:
+    """Conversion of the output; a controller knows the position, so in a closed loop it is read without its offset."""
+    if simulation.controller is None or not isinstance(simulation.offset, float):
+        return conversion
+    return replace(conversion, offset=conversion.offset - simulation.offset)
 
 
 def acquisition_of(recording: Recording, simulation: Simulation) -> Acquisition:
@@ -87,7 +96,12 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
             hint=f"the recording lasts {recording.time[-1] - recording.time[0]:g} s: choose a shorter leave_out",
         )
     return Experiment(
-        signal, recording.columns[simulation.output_column], acquisition, used, simulation.estimates_initial_state
+        signal,
+        recording.columns[simulation.output_column],
+        acquisition,
+        used,
+        simulation.estimates_initial_state,
+        simulation.known_offset,
     )
 
 
@@ -133,7 +147,7 @@ def experiments_of(
             where=recordings[0].source,
             hint="for a free decay say input: null in the simulation",
         )
-    return recordings, experiments, held_out
+    return recordings, with_unknown_constants(experiments, believed), held_out
 
 
 def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

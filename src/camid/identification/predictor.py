@@ -27,8 +27,9 @@ Array = NDArray[np.float64]
 class Predictor:
     """Simulated outputs and sensitivities for all experiments of one rig, in scaled time.
 
-    The parameter vector is [b_0 … b_m, a_1 … a_n, c of experiment 1, c of experiment 2, …]; the coefficients are scaled
-    with the time unit so that they are of the order of one, see :meth:`to_physical`.
+    The parameter vector is [b_0 … b_m, a_1 … a_n, c of experiment 1, c of experiment 2, …, bias, offset], the last two
+    where they are unknown; the coefficients are scaled with the time unit so that they are of the order of one, see
+    :meth:`to_physical`.
     """
 
     structure: Structure
@@ -43,8 +44,8 @@ class Predictor:
             self.records = Records.of(self.experiments)
         self.target = self.records.output[self.records.used]
         self.target_norm = float(np.linalg.norm(self.target))
-        initial = sum(self.structure.order for e in self.experiments if e.estimate_initial_state)
-        self.free = np.concatenate([self.structure.free, np.ones(initial, bool)])
+        unknowns = self.records.linear_unknowns(self.structure.order)
+        self.free = np.concatenate([self.structure.free, np.ones(unknowns, bool)])
 
     @classmethod
     def around(
@@ -68,7 +69,7 @@ class Predictor:
 
     def scale(self) -> Array:
         """The same for the whole parameter vector; initial-state coefficients stay in scaled time."""
-        return np.concatenate([self.coefficient_scale(), np.ones(self.initial_count)])
+        return np.concatenate([self.coefficient_scale(), np.ones(self.linear_unknowns)])
 
     def to_physical(self, parameters: Array) -> Array:
         """[b_0 … b_m, a_1 … a_n] in SI units."""
@@ -77,12 +78,12 @@ class Predictor:
 
     def from_physical(self, coefficients: Array, initial: Array | None = None) -> Array:
         """Parameter vector of coefficients in SI units, initial states zero where they are not given."""
-        rest = np.zeros(self.initial_count) if initial is None else initial
+        rest = np.zeros(self.linear_unknowns) if initial is None else initial
         return np.concatenate([coefficients * self.coefficient_scale(), rest])
 
     @property
-    def initial_count(self) -> int:
-        """Number of initial-state coefficients in all experiments."""
+    def linear_unknowns(self) -> int:
+        """Number of initial-state coefficients in all experiments, and of unknown constants."""
         return len(self.free) - len(self.structure.free)
 
     def split(self, parameters: Array) -> tuple[Array, Array, list[Array | None]]:
@@ -100,11 +101,18 @@ class Predictor:
                 initial.append(None)
         return numerator, denominator, initial
 
+    def bias_and_offset(self, parameters: Array) -> tuple[float, float]:
+        """Constant that is added to the input, and what is left of the sensor's offset beside what is known."""
+        offset = float(parameters[-1]) if self.records.sensor_offset else 0.0
+        place = -2 if self.records.sensor_offset else -1
+        return float(parameters[place]) if self.records.input_bias else 0.0, offset
+
     # -- model -----------------------------------------------------------------------------------------------------
 
     def simulate(self, parameters: Array) -> list[Array]:
-        """Sensor output of every experiment, all rows: shapes (N,)."""
+        """Sensor output of every experiment, its offset included, all rows: shapes (N,)."""
         numerator, denominator, initial = self.split(parameters)
+        bias, offset = self.bias_and_offset(parameters)
         order = self.structure.order
         output_row = numerator @ derivative_rows(denominator, range(self.structure.degree, -1, -1))
         results = []
@@ -121,11 +129,12 @@ class Predictor:
                     vector,
                     start,
                     row[None, :],
-                    experiment.signal,
+                    experiment.signal + bias,
                     experiment.acquisition,
                     self.time_unit,
                     before_record=experiment.free_motion_before_record,
                 )[:, 0]
+                + (experiment.offset + offset)
             )
         return results
 
@@ -140,6 +149,7 @@ class Predictor:
             Derivatives of the simulated output, also for coefficients that are not free.
         """
         numerator, denominator, initial = self.split(parameters)
+        bias, offset = self.bias_and_offset(parameters)
         order, split = self.structure.order, self.structure.degree + 1
         columns = len(parameters)
         block = companion(denominator)
@@ -171,19 +181,36 @@ class Predictor:
                 vector,
                 start,
                 selection,
-                experiment.signal,
+                experiment.signal + bias,
                 experiment.acquisition,
                 self.time_unit,
                 before_record=experiment.free_motion_before_record,
             )[experiment.used]
-            outputs.append(result[:, 0])
+            outputs.append(result[:, 0] + offset)
             table = np.zeros((len(result), columns))
             table[:, : split + order] = result[:, 1 : 1 + split + order]
             if polynomial is not None:
                 table[:, position : position + order] = result[:, 1 + split + order :]
                 position += order
+            if self.records.sensor_offset:
+                table[:, -1] = 1.0
+            if self.records.input_bias:
+                table[:, -2 if self.records.sensor_offset else -1] = self._of_unit_bias(experiment, block, output_row)
             tables.append(table)
         return self.target - np.concatenate(outputs), np.concatenate(tables)
+
+    def _of_unit_bias(self, experiment: Experiment, block: Array, output_row: Array) -> Array:
+        """What a bias of one changes in the used rows, shape (M,)."""
+        order = self.structure.order
+        return respond(
+            block,
+            np.eye(order)[0],
+            np.zeros(order),
+            output_row[None, :],
+            np.ones(len(experiment.signal)),
+            experiment.acquisition,
+            self.time_unit,
+        )[experiment.used, 0]
 
     def factorise(self, parameters: Array, *, sensitive: bool = True) -> tuple[Array, float, Array]:
         """Triangle R of the QR factorisation of [sensitivities, residual], sum of squares, and residual of every row.
@@ -238,11 +265,11 @@ class Predictor:
         return self._solve_linear(parameters, linear)
 
     def with_fitted_initial_states(self, coefficients: Array) -> Array:
-        """Parameter vector of coefficients in SI units with the initial states that fit them best."""
+        """Parameter vector of coefficients in SI units with the initial states and constants that fit them best."""
         parameters = self.from_physical(coefficients)
         linear = np.zeros(len(parameters), bool)
         linear[len(self.structure.free) :] = True
-        return self._solve_linear(parameters, linear)[0] if self.initial_count else parameters
+        return self._solve_linear(parameters, linear)[0] if self.linear_unknowns else parameters
 
     def _solve_linear(self, parameters: Array, linear: NDArray[np.bool_]) -> tuple[Array, float]:
         """The parameters with those that enter linearly solved for, and the sum of squares that is left."""

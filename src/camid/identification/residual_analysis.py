@@ -184,7 +184,7 @@ def analyse_residual(
         return None
     longest = max(int(np.count_nonzero(e.used)) for e in scaled)
     lags = min(LARGEST_LAG, longest // ROWS_PER_LAG)
-    recorded = np.concatenate([e.output[e.used] for e in scaled])
+    recorded = np.concatenate([e.position[e.used] for e in scaled])
     floor = ROUNDING * float(np.linalg.norm(recorded))
     if np.linalg.norm(residual) <= floor:
         deviance = len(residual) * float(np.log(max(floor**2, np.finfo(float).tiny) / len(residual)))
@@ -192,7 +192,8 @@ def analyse_residual(
     if lags < 1 or len(residual) <= 3 * (table.shape[1] + len(scaled)):
         return ResidualAnalysis(lags, None, None, 0, np.nan)
     first = max(0, min(e.acquisition.window()[0] for e in scaled) - 4)
-    others = [_otherwise(predictor, i, parameters) - (recorded - residual) for i in range(3)]
+    simulated = np.concatenate([e.output[e.used] for e in scaled]) - residual
+    others = [_otherwise(predictor, i, parameters) - simulated for i in range(3)]
     return _tested(Rows.of(scaled, residual, table, np.column_stack(others), lags, first), lags)
 
 
@@ -219,10 +220,12 @@ def in_units_of_the_data(
     """The same in units of about the largest input and output, whose squares do not overflow; and the unit of gains."""
     signal, output = (
         float(2.0 ** np.round(np.log2(max(float(np.max(np.abs(v), initial=0.0)) for v in values) or 1.0)))
-        for values in ([e.signal for e in experiments], [e.output[e.used] for e in experiments])
+        for values in ([e.signal for e in experiments], [e.position[e.used] for e in experiments])
     )
     gain = output / signal
-    scaled = [replace(e, signal=e.signal / signal, output=e.output / output) for e in experiments]
+    scaled = [
+        replace(e, signal=e.signal / signal, output=e.output / output, offset=e.offset / output) for e in experiments
+    ]
     return (
         replace(structure, numerator=structure.numerator / gain),
         TransferFunction(tuple(b / gain for b in plant.numerator), plant.denominator),

@@ -71,6 +71,10 @@ def _regression(predictor: Predictor, filter_denominator: Array, outputs: list[A
                 before_record=experiment.free_motion_before_record,
             )
             position += order
+        if predictor.records.sensor_offset:
+            # A(p)/F of a constant is a_n/F of it, once the filter has settled.
+            ones = np.ones(len(output))
+            table[:, -1] = filtered_derivatives(ones, filter_denominator, between_samples, unit)[:, -1]
         tables.append(table[experiment.used])
         regressands.append(derivatives[experiment.used, 0])
     return np.concatenate(tables), np.concatenate(regressands)
@@ -88,11 +92,12 @@ def least_squares_state_variable_filter(predictor: Predictor, cut_off: float) ->
     Returns
     -------
     ndarray
-        Parameter vector in scaled units; what is not free keeps its value.
+        Parameter vector in scaled units; what is not free keeps its value. An unknown offset is taken into account and
+        stands in it times the last coefficient of the denominator; an unknown bias is not.
     """
     order = predictor.structure.order
     filter_denominator = np.asarray(np.poly(np.full(order, -cut_off * predictor.time_unit)), dtype=np.float64)
-    outputs = [e.output for e in predictor.experiments]
+    outputs = [e.position for e in predictor.experiments]
     regressors, regressand = _regression(predictor, filter_denominator, outputs)
     parameters = predictor.from_physical(predictor.structure.coefficients())
     free = predictor.free
@@ -117,7 +122,7 @@ def plain_srivc(
     """
     split, order = predictor.structure.degree + 1, predictor.structure.order
     free = predictor.free
-    recorded = [e.output for e in predictor.experiments]
+    recorded = [e.position for e in predictor.experiments]
     parameters = start.copy()
     converged, iterations = False, 0
     while iterations < maximum_iterations and not converged:
@@ -125,7 +130,8 @@ def plain_srivc(
         filter_denominator = reflect(np.concatenate([[1.0], parameters[split : split + order]]))
         auxiliary = parameters.copy()
         auxiliary[split : split + order] = filter_denominator[1:]
-        simulated = predictor.simulate(auxiliary)
+        known = [e.offset for e in predictor.experiments]
+        simulated = [x - offset for x, offset in zip(predictor.simulate(auxiliary), known, strict=True)]
         regressors, regressand = _regression(predictor, filter_denominator, recorded)
         instruments, _ = _regression(predictor, filter_denominator, simulated)
         regressand = regressand - regressors[:, ~free] @ parameters[~free]
@@ -142,7 +148,7 @@ def plain_srivc(
         parameters[free] = estimate
         converged = bool(change < tolerance)
     residual = predictor.target - np.concatenate(
-        [x[e.used] for x, e in zip(predictor.simulate(parameters), predictor.experiments, strict=True)]
+        [x[e.used] - e.offset for x, e in zip(predictor.simulate(parameters), predictor.experiments, strict=True)]
     )
     cost = sum_of_squares(residual)
     stable = not np.any(np.roots(np.concatenate([[1.0], parameters[split : split + order]])).real > 0.0)

@@ -81,7 +81,7 @@ def output_errors_of(structure: Structure, records: Records, denominators: Seque
         np.ascontiguousarray(denominators, dtype=np.float64),
         np.ascontiguousarray(structure.numerator, dtype=np.float64),
         structure.free_numerator,
-        structure.order * int(records.initial.sum()),
+        records.linear_unknowns(structure.order),
         records,
     )
     return [StartCandidate(d, float(c)) for d, c in zip(denominators, costs, strict=True)]

@@ -86,8 +86,10 @@ def _check_layout(written: RecordingPart, where: Where) -> None:
 
 def _conversion(part: Any, key: str, where: Where) -> Conversion:
     """Conversion of the column that a part of the file names; a part that is not there has the default one."""
-    unit = getattr(part, "unit", None)
-    scale, offset = getattr(part, "scale", 1.0), getattr(part, "offset", 0.0)
+    from camid.simulation.schema import Converted
+
+    unit, scale = getattr(part, "unit", None), getattr(part, "scale", 1.0)
+    offset = part.offset if isinstance(part, Converted) else 0.0  # that of a sensor belongs to the model
     if scale == 0.0:
         raise InputError("a scale of zero makes every number zero", where=where(key, "scale"), hint="give another")
     if unit is not None:

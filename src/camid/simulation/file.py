@@ -100,6 +100,7 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         raise InputError(
             "an instant sensor has no exposure", where=where("sensor", "exposure"), hint="remove it or say kind: camera"
         )
+    _refuse_unknown_constants(file, where)
     # Without a time column, what camid writes still has one.
     time_column = file.time.column
     if time_column is None:
@@ -112,6 +113,12 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         sensor=sensor.kind,
         exposure=sensor.exposure,
         latency=sensor.latency,
+        offset=_plain(sensor.offset),
+        offset_deviation=None if sensor.standard_deviations is None else sensor.standard_deviations.offset,
+        bias=None if driven is None else _plain(driven.bias),
+        bias_deviation=None
+        if driven is None or driven.standard_deviations is None
+        else driven.standard_deviations.bias,
         initial_state=file.initial_state,
         validation=None if validation is None else (validation.start, validation.end),
         effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(file.effects)),
@@ -121,6 +128,34 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         reading=reading,
         **plant,
     )
+
+
+def _refuse_unknown_constants(file: SimulationFile, where: Where) -> None:
+    """Refuse constants that are to be estimated where nothing can tell them from others."""
+    pendulum = "pendulum" in type(file.plant).model_fields
+    hint = "give a number, or leave it out"
+    if file.sensor.offset == "estimate":
+        if file.controller is not None:
+            raise InputError(
+                "in a closed loop the sensor's offset looks like one of the reference",
+                where=where("sensor", "offset"),
+                hint=hint,
+            )
+        if pendulum:
+            raise InputError(
+                "a pendulum's offset is the angle at which it hangs still",
+                where=where("sensor", "offset"),
+                hint="leave it out: rest is estimated",
+            )
+    bias = None if file.input is None else file.input.bias
+    if bias is not None and file.controller is not None:
+        raise InputError(
+            "in a closed loop the input column is what the controller puts out",
+            where=where("input", "bias"),
+            hint="declare the bias among the effects, as input-bias",
+        )
+    if bias == "estimate" and pendulum:
+        raise InputError("a pendulum's bias is not estimated", where=where("input", "bias"), hint=hint)
 
 
 def _controller(file: SimulationFile, where: Where) -> Controller | None:

@@ -20,6 +20,13 @@ from camid.simulation.control_systems import continuous_plant
 Array = NDArray[np.float64]
 
 
+def _constant(name: str, value: float | str | None, deviation: float | None) -> dict[str, Any]:
+    """Part of the file that declares a constant; empty where nothing is said of it."""
+    if value is None:
+        return {}
+    return {name: value} | ({} if deviation is None else {"standard_deviations": {name: deviation}})
+
+
 @dataclass(frozen=True)
 class DeclaredEffect:
     """An effect as the file declares it; :mod:`camid.effects` knows what it means.
@@ -67,6 +74,10 @@ class Simulation:
         Seconds; None means the period of the recording.
     latency : float
         Seconds.
+    offset, bias : float or "estimate" or None
+        What the sensor reads at the plant's zero, and what the actuator adds to the input; None where nothing is said.
+    offset_deviation, bias_deviation : float or None
+        Their standard deviations, where they were estimated.
     initial_state : {"zero", "estimate"}
     validation : tuple of float or None
         Start and end in seconds of the rows that are not fitted.
@@ -97,6 +108,10 @@ class Simulation:
     sensor: str = "camera"
     exposure: float | None = None
     latency: float = 0.0
+    offset: float | str | None = None
+    bias: float | str | None = None
+    offset_deviation: float | None = None
+    bias_deviation: float | None = None
     initial_state: str = "zero"
     validation: tuple[float, float] | None = None
     free_numerator: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
@@ -121,6 +136,21 @@ class Simulation:
     def estimates_initial_state(self) -> bool:
         """Whether the initial state is fitted."""
         return self.initial_state == "estimate"
+
+    @property
+    def is_fitted_to_output(self) -> bool:
+        """Whether a simulation run fits something to the recorded output: the initial state, an offset or a bias."""
+        return self.estimates_initial_state or "estimate" in (self.offset, self.bias)
+
+    @property
+    def known_offset(self) -> float:
+        """The sensor's offset, zero where it is not known, and where it was subtracted as the recording was read."""
+        return self.offset if isinstance(self.offset, float) and self.controller is None else 0.0
+
+    @property
+    def known_bias(self) -> float:
+        """The input's bias, zero where it is not known."""
+        return self.bias if isinstance(self.bias, float) else 0.0
 
     def acquisition(self, period: float, uncertainty: float = 0.0) -> Acquisition:
         """Hold and sensor for a recording with this period, known to an uncertainty in seconds.
@@ -147,9 +177,11 @@ class Simulation:
         if self.sensor == "camera" and self.exposure is not None:
             sensor["exposure"] = float(self.exposure)
         sensor["latency"] = float(self.latency)
+        sensor |= _constant("offset", self.offset, self.offset_deviation)
         plant = self._transfer_function() if self.pendulum is None else self.pendulum.to_mapping()
         time: dict[str, Any] = {"column": self.time_column, **reading.time.to_mapping()}
         driven = {"column": self.input_column, "hold": self.hold, **reading.input.to_mapping()}
+        driven |= _constant("bias", self.bias, self.bias_deviation)
         content: dict[str, Any] = {"schema": 1}
         if described := reading.to_mapping():
             content["recording"] = described

@@ -50,6 +50,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False), _PLAIN]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0), _PLAIN]
 TruthValue = Annotated[StrictBool, _PLAIN]
 NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0), _PLAIN]
+Estimated = Number | Literal["estimate"]
 Coefficients = Annotated[list[Number], Field(min_length=1)]
 
 
@@ -106,12 +107,29 @@ class TimePart(Part):
     )
 
 
-class Converted(Part):
-    """Unit, scale and offset of a column."""
+class Scaled(Part):
+    """Unit and scale of a column."""
 
     unit: NotNull[Text] = Field(default=None, description="Unit of the cells, such as mm, deg or mV; SI by default.")
-    scale: Number = Field(default=1.0, description="value = scale · (cell in SI units) + offset.")
+    scale: Number = Field(default=1.0, description="Factor of the cells, once they are in SI units.")
+
+
+class Converted(Scaled):
+    """Unit, scale and offset of a column."""
+
     offset: Number = Field(default=0.0, description="value = scale · (cell in SI units) + offset.")
+
+
+class OffsetDeviation(Part):
+    """Standard deviation of the sensor's offset."""
+
+    offset: NonNegative = Field(description="In units of the output.")
+
+
+class BiasDeviation(Part):
+    """Standard deviation of the input's bias."""
+
+    bias: NonNegative = Field(description="In units of the input.")
 
 
 class InputPart(Converted):
@@ -119,9 +137,15 @@ class InputPart(Converted):
 
     column: Text = Field(description="Name of the input column.")
     hold: Literal["zoh", "foh", "band-limited"] = Field(description="Intersample behaviour of the input.")
+    bias: NotNull[Estimated] = Field(
+        default=None,
+        description="Constant that the actuator adds to the input from the first sample on. Where nothing is said it "
+        "is estimated for a transfer function that integrates, and zero for others, which show it as an offset.",
+    )
+    standard_deviations: NotNull[BiasDeviation] = Field(default=None, description="Of the bias, as estimated.")
 
 
-class SensorPart(Converted):
+class SensorPart(Scaled):
     """The output column and the sensor that measures it."""
 
     column: Text = Field(description="Name of the output column.")
@@ -130,6 +154,12 @@ class SensorPart(Converted):
         default=None, description="τ in seconds, at most the period, which is the default."
     )
     latency: NonNegative = Field(default=0.0, description="ℓ in seconds, default 0.")
+    offset: NotNull[Estimated] = Field(
+        default=None,
+        description="Reading at the plant's zero: scale · (cell in SI units) = y + offset. Where nothing is said "
+        "identify, order and diagnose estimate it, and simulate takes zero; with estimate, simulate fits it, too.",
+    )
+    standard_deviations: NotNull[OffsetDeviation] = Field(default=None, description="Of the offset, as estimated.")
 
 
 class ControllerPart(Converted):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from camid.chain.controller import Loop
 from camid.chain.plant import TransferFunction
+from camid.effects.actuator import InputBias
 from camid.effects.base import Effect, Parameter, Situation
+from camid.effects.sensor import SensorOffset
 from camid.engine.mechanics import Chain
 from camid.engine.run import run, steps_of
 from camid.fitting.fit import Fitted
@@ -34,6 +36,9 @@ Array = NDArray[np.float64]
 
 # Force, as a share of the largest input, that a plant which is not linear is asked about.
 SMALL_FORCE = 1e-4
+# Constants that every kind may have, measured by what they are added to.
+OFFSET = Parameter("offset", "y", "reading at the plant's zero", scale="output")
+BIAS = Parameter("bias", "u", "what is added to the input", scale="input")
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,16 @@ class PlantKind:
         Places of the chain whose faults the residual does not show.
     why_hidden : str
         Why not.
+    offset, bias : float
+        What the sensor reads at the plant's zero, and what is added to the input, as they are believed.
+    offset_free, bias_free : bool
+        Whether they are re-estimated.
     """
+
+    offset: float = field(default=0.0, kw_only=True)
+    offset_free: bool = field(default=False, kw_only=True)
+    bias: float = field(default=0.0, kw_only=True)
+    bias_free: bool = field(default=False, kw_only=True)
 
     prescribes_order: ClassVar[str | None] = None
     why_no_other_orders: ClassVar[tuple[str, str] | None] = None
@@ -83,25 +97,40 @@ class PlantKind:
 
     def constants(self) -> dict[str, float]:
         """Nominal values of the plant's constants beside the coefficients."""
-        return {}
+        found = {}
+        if self.offset_free or self.offset != 0.0:
+            found[OFFSET.name] = self.offset
+        if self.bias_free:
+            found[BIAS.name] = self.bias
+        return found
 
     def free_constants(self) -> tuple[Parameter, ...]:
-        """Those of them that are re-estimated; a ``scale`` of ``one`` or ``value`` says what each is measured by."""
-        return ()
+        """Those of them that are re-estimated; ``scale`` says what each is measured by."""
+        return (OFFSET,) * self.offset_free + (BIAS,) * self.bias_free
 
     def completed(self, coefficients: Array) -> Array:
         """Coefficients, shape (m + 1 + n,), with those set that follow from others."""
         return coefficients
 
     def all_fixed(self) -> Self:
-        """The same with nothing to be re-estimated."""
+        """The same with nothing of the plant to be re-estimated; unknown offsets and biases stay unknown."""
         return self
+
+    def with_unknown(self, experiments: Sequence[Experiment]) -> Self:
+        """The same with those constants free that are unknown of the experiments."""
+        offset, bias = (any(e.estimate_offset for e in experiments), any(e.estimate_bias for e in experiments))
+        return replace(self, offset_free=offset, bias_free=bias)
 
     # -- how it is simulated -----------------------------------------------------------------------------------------
 
     def forces(self, model: Model) -> tuple[Effect, ...]:
         """What turns the linear chain into this plant, as the engine takes it."""
-        return ()
+        found: tuple[Effect, ...] = ()
+        if BIAS.name in model.constants:
+            found += (InputBias(bias=model.constants[BIAS.name]),)
+        if OFFSET.name in model.constants:
+            found += (SensorOffset(offset=model.constants[OFFSET.name]),)
+        return found
 
     def loop(self, index: int) -> Loop | None:
         """The controller that makes the input of a recording, if one does."""
@@ -131,7 +160,7 @@ class PlantKind:
 
     def at_plant(self, positions: Array, model: Model) -> Array:
         """Recorded positions as the plant's forces count them."""
-        return positions
+        return positions - model.constants.get(OFFSET.name, 0.0)
 
     def recorded_positions(self, problem: Problem) -> Sequence[Array]:
         """Recorded positions of each recording, shapes (N,)."""
@@ -143,6 +172,10 @@ class PlantKind:
 
     def unseen(self, effect: type[Effect]) -> str | None:
         """Why recordings of this kind cannot show an effect; None if they can."""
+        if self.offset_free and effect is SensorOffset:
+            return "the simulation does not say where the sensor's zero is, so that is estimated with the plant"
+        if self.bias_free and effect is InputBias:
+            return "the simulation says nothing of it, so it is estimated with the plant"
         return None
 
     def situations(self, problem: Problem, model: Model, index: int) -> tuple[Situation, Situation]:
@@ -246,13 +279,24 @@ class PlantKind:
         covariance = np.square(lead) * fitted.covariance[:count, :count]
         finite = bool(np.all(np.isfinite(covariance)))
         return replace(
-            believed,
+            self._with_constants(believed, fitted),
             plant=TransferFunction(
                 tuple(lead * b for b in plant.numerator), tuple(lead * a for a in plant.denominator)
             ),
             standard_deviations=_in_shape(structure, np.sqrt(np.abs(np.diag(covariance)))) if finite else None,
             covariance=structure.full_covariance(covariance).tolist() if finite else None,
         )
+
+    def _with_constants(self, believed: Simulation, fitted: Fitted) -> Simulation:
+        """The simulation with offset and bias as they were estimated, in place of what it said of them."""
+        found: dict[str, float | None] = {}
+        names = fitted.packing.names
+        for constant in self.free_constants():
+            if constant in (OFFSET, BIAS):
+                variance = float(fitted.covariance[names.index(constant.name), names.index(constant.name)])
+                found[constant.name] = float(fitted.model.constants[constant.name])
+                found[f"{constant.name}_deviation"] = float(np.sqrt(variance)) if np.isfinite(variance) else None
+        return replace(believed, **found)  # type: ignore[arg-type]
 
 
 def _in_shape(structure: Structure, deviations: Array) -> dict[str, list[float]]:

@@ -16,7 +16,7 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_exactly import identify_exactly
 from camid.fitting.initial_motion import companion_state, recorded_start
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.kind import PlantKind
+from camid.fitting.plants.kind import BIAS, OFFSET, PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.estimate import estimate
 from camid.identification.predictor import Predictor
@@ -61,24 +61,35 @@ class LinearPlant(PlantKind):
         coefficients = np.array([*result.plant.numerator, *result.plant.denominator[1:]])
         if len(coefficients) != len(structure.free):  # a leading coefficient of the numerator that came out as zero
             coefficients = start.coefficients
-        return evaluate(problem, problem.with_initial_states(Model(coefficients)))
+        return evaluate(problem, problem.with_initial_states(Model(coefficients, constants=start.constants)))
 
     def _refit_with_effects(self, problem: Problem, start: Model) -> Fitted:
         return fit(problem, start, steps=STEPS)
 
     def with_initial_states(self, problem: Problem, model: Model) -> Model:
-        """The model with the initial states that fit its linear part best."""
+        """The model with the initial states and unknown constants that fit its linear part best."""
         structure = problem.structure
         denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
         predictor = Predictor.around(structure, problem.experiments, denominator)
-        polynomials = predictor.split(predictor.with_fitted_initial_states(model.coefficients))[2]
+        parameters = predictor.with_fitted_initial_states(model.coefficients)
+        polynomials = predictor.split(parameters)[2]
         initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
-        found = replace(model, initial=initial)
+        found = replace(model, initial=initial, constants=self._fitted_constants(problem, predictor, parameters))
         if not model.effects:
             return found
         # Effects may have bent the motion so far from the linear one that its best state is none; the recording shows
         # it.
         return min((found, recorded_start(problem, model)), key=lambda start: _misfit(problem, start))
+
+    def _fitted_constants(self, problem: Problem, predictor: Predictor, parameters: Array) -> dict[str, float]:
+        """The plant's constants, those that are unknown as a fit found them."""
+        bias, offset = predictor.bias_and_offset(parameters)
+        found = self.constants()
+        if self.offset_free:
+            found[OFFSET.name] = problem.experiments[0].offset + offset
+        if self.bias_free:
+            found[BIAS.name] = bias
+        return found
 
     def identified(self, problem: Problem, task: IdentificationTask) -> Identification:
         """By the method asked for, with the tests of the residual."""

@@ -50,11 +50,11 @@ class PendulumKind(PlantKind):
 
     def constants(self) -> dict[str, float]:
         """The angle at rest."""
-        return {REST.name: self.rest}
+        return {**super().constants(), REST.name: self.rest}
 
     def free_constants(self) -> tuple[Parameter, ...]:
         """The angle at rest, unless it is known."""
-        return (REST,) if self.rest_free else ()
+        return (*super().free_constants(), REST) if self.rest_free else super().free_constants()
 
     def completed(self, coefficients: Array) -> Array:
         """Coefficients with the numerator that a known gain prescribes."""
@@ -68,11 +68,11 @@ class PendulumKind(PlantKind):
 
     def forces(self, model: Model) -> tuple[Effect, ...]:
         """By how much the sine reduces the linear restoring force."""
-        return (SineRestoringForce(rest=model.constants[REST.name]),)
+        return (*super().forces(model), SineRestoringForce(rest=model.constants[REST.name]))
 
     def at_plant(self, positions: Array, model: Model) -> Array:
         """Angles from rest."""
-        return positions - model.constants[REST.name]
+        return super().at_plant(positions, model) - model.constants[REST.name]
 
     def starts_from_regression(self, problem: Problem, model: Model) -> list[Model]:
         """From the linear regression ÿ = -a_1 ẏ - a_2 (sin y cos r - cos y sin r) + b_0 u; none where it fails.
