@@ -10,7 +10,7 @@ from typing import Any
 from camid.errors import InputError
 
 Where = Callable[..., str]  # file, line and dotted key of the keys that lead to a value
-# What begins a text that ruamel.yaml writes without quotes in a mapping on one line, such as {:a: ?b}, and does not read back.
+# First characters of text that ruamel.yaml leaves unquoted within braces, and then cannot read back: {:a: ?b}.
 NEED_QUOTES = (":", "?")
 
 
