@@ -64,7 +64,7 @@ class Fitted:
 
     @property
     def criterion(self) -> float:
-        """Bayes's information criterion, up to a constant of the recordings; initial states do not count."""
+        """The Bayesian information criterion, up to a constant of the recordings; initial states do not count."""
         return self.noise.deviance + len(self.penalised_names) * float(np.log(len(self.residual)))
 
     @property

@@ -13,8 +13,8 @@ from camid.chain.plant import TransferFunction
 from camid.identification.residual_analysis import (
     ALARM,
     ResidualAnalysis,
-    shown,
 )
+from camid.number_text import equals_probability, percentage, plain
 
 Array = NDArray[np.float64]
 
@@ -68,13 +68,13 @@ class Alternative:
 def described(acquisition: Acquisition, changed: tuple[str, ...], *, article: bool = True) -> str:
     """What an acquisition says about the parts that are named."""
     a, an = ("a ", "an ") if article else ("", "")
-    exposure = f"exposure of {1e3 * (acquisition.exposure or 0.0):.4g} ms"
+    exposure = f"exposure of {plain(1e3 * (acquisition.exposure or 0.0))} ms"
     instant = acquisition.sensor == "instant"
     words = {
         "hold": f"hold {acquisition.hold}",
         "sensor": f"{an}instant sensor" if instant else f"{a}camera with an {exposure}",
         "exposure": f"{an}{exposure}",
-        "latency": f"{a}latency of {1e3 * acquisition.latency:.4g} ms",
+        "latency": f"{a}latency of {plain(1e3 * acquisition.latency)} ms",
     }
     return ", ".join(words[part] for part in changed[:-1]) + (" and " if changed[:-1] else "") + words[changed[-1]]
 
@@ -83,16 +83,16 @@ def contradiction_sentence(
     analysis: ResidualAnalysis, nrmse: float, declared: Acquisition, alternatives: list[Alternative]
 ) -> str:
     """Sentence on a residual that depends on the input, and on what explains it."""
-    sentence = f"the residual depends on the input (p {shown(analysis.independence_p or 0.0)})"
-    before = f"{100.0 * nrmse:.3g} %"
+    sentence = f"the residual depends on the input (p {equals_probability(analysis.independence_p or 0.0)})"
+    before = percentage(nrmse)
     if not any(a.passes for a in alternatives):
         sentence += ", and no hold, exposure or latency explains it"
         better = [a for a in alternatives if a.nrmse < nrmse]
         if better:
             best = better[0]
             sentence += (
-                f" (best: {described(best.acquisition, best.changed)}, from {before} to {100.0 * best.nrmse:.3g} %, "
-                f"p {shown(best.analysis.independence_p or 0.0)})"
+                f" (best: {described(best.acquisition, best.changed)}, from {before} to {percentage(best.nrmse)}, "
+                f"p {equals_probability(best.analysis.independence_p or 0.0)})"
             )
         return sentence + ": order too low, nonlinearity, feedback, …"
     named = explanations(alternatives)
@@ -101,12 +101,12 @@ def contradiction_sentence(
         return (
             f"{sentence}: the declared {described(declared, one.changed, article=False)} "
             f"contradict{'' if len(one.changed) > 1 else 's'} the data; with "
-            f"{described(one.acquisition, one.changed)} the residual falls from {before} to {100.0 * one.nrmse:.3g} % "
+            f"{described(one.acquisition, one.changed)} the residual falls from {before} to {percentage(one.nrmse)} "
             f"and passes the test{_probability(one)}"
         )
     parts = ("hold", "sensor", "latency")
     to = ", ".join(
-        f"to {100.0 * a.nrmse:.3g} % with {described(a.acquisition, a.changed)}{_probability(a)}" for a in named
+        f"to {percentage(a.nrmse)} with {described(a.acquisition, a.changed)}{_probability(a)}" for a in named
     )
     return (
         f"{sentence}: the declaration ({described(declared, parts)}) contradicts the data; the residual falls from "
@@ -126,4 +126,4 @@ def explanations(alternatives: list[Alternative]) -> list[Alternative]:
 
 def _probability(alternative: Alternative) -> str:
     p = alternative.analysis.independence_p
-    return "" if p is None or p < ALARM else f" (p {shown(p)})"
+    return "" if p is None or p < ALARM else f" (p {equals_probability(p)})"

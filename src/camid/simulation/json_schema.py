@@ -13,7 +13,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from camid.simulation.schema import SimulationFile
 
 
-class _WithoutNoise(GenerateJsonSchema):
+class _WithoutRepetition(GenerateJsonSchema):
     """A JSON schema without titles and defaults that repeat names and absence."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:
@@ -27,7 +27,7 @@ class _WithoutNoise(GenerateJsonSchema):
 
 def json_schema() -> str:
     """The JSON schema of a simulation file, as it is in the package."""
-    schema = SimulationFile.model_json_schema(schema_generator=_WithoutNoise)
+    schema = SimulationFile.model_json_schema(schema_generator=_WithoutRepetition)
     schema = {"$schema": GenerateJsonSchema.schema_dialect, "title": "camid simulation, version 1", **schema}
     schema["title"] = "camid simulation, version 1"
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from io import StringIO
 from pathlib import Path
@@ -11,8 +10,8 @@ from typing import Any
 from camid.errors import InputError
 
 Where = Callable[..., str]  # file, line and dotted key of the keys that lead to a value
-# Keys that mean themselves without quotes, in any style of YAML, unless they read as a number or a truth value.
-PLAIN_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+# First characters of text that ruamel.yaml leaves unquoted within braces, and then cannot read back: {:a: ?b}.
+NEED_QUOTES = (":", "?")
 
 
 def read_yaml(path: Path) -> Any:
@@ -45,20 +44,18 @@ def read_yaml(path: Path) -> Any:
 
 
 def yaml_text(content: Mapping[str, Any]) -> str:
-    """A mapping as YAML 1.2, whose keys keep their order and may be any text."""
+    """A mapping as YAML 1.2, whose keys keep their order; keys and values may be any text."""
     from ruamel.yaml import YAML
-    from ruamel.yaml.nodes import MappingNode, ScalarNode
+    from ruamel.yaml.nodes import ScalarNode
     from ruamel.yaml.representer import SafeRepresenter
 
     class QuotingRepresenter(SafeRepresenter):
-        """Quotes unusual keys: as its emitter writes ``{:a: 1}``, the key is not read back."""
+        """Quotes what its emitter would write so that it cannot be read back."""
 
-        def represent_mapping(self, tag: Any, mapping: Any, flow_style: bool | None = None) -> MappingNode:
-            node = super().represent_mapping(tag, mapping, flow_style)
-            for key, _ in node.value:
-                if isinstance(key, ScalarNode) and not PLAIN_KEY.fullmatch(key.value):
-                    key.style = '"'
-            return node
+        def represent_scalar(self, tag: Any, value: Any, style: Any = None, anchor: Any = None) -> ScalarNode:
+            if style is None and isinstance(value, str) and value.startswith(NEED_QUOTES):
+                style = '"'
+            return super().represent_scalar(tag, value, style=style, anchor=anchor)
 
     yaml = YAML(typ="safe", pure=True)
     yaml.Representer = QuotingRepresenter
