@@ -252,11 +252,11 @@ _announced: set[str] = set()
 
 
 def announce(module: str) -> None:
-    """Say on standard error, once per process and room, what the reader waits for."""
-    room = next((words for name, words in PURPOSES.items() if module.startswith(f"{name}.")), module)
-    if room not in _announced:
-        _announced.add(room)
-        print(f"camid: compiling {room}, once per installation", file=sys.stderr, flush=True)
+    """Say on standard error, once per process and purpose, what the user waits for."""
+    purpose = next((words for name, words in PURPOSES.items() if module.startswith(f"{name}.")), module)
+    if purpose not in _announced:
+        _announced.add(purpose)
+        print(f"camid: compiling {purpose}, once per installation", file=sys.stderr, flush=True)
 
 
 def keep_quiet() -> None:

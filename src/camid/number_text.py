@@ -109,6 +109,12 @@ def probability(value: float | None) -> str:
     return f"< {number(SMALLEST_PROBABILITY, 1)}" if value < SMALLEST_PROBABILITY else number(value, 2)
 
 
+def equals_probability(value: float) -> str:
+    """A p-value after its sign of equality, ``= 0.054`` or ``< 0.0001``."""
+    text = probability(value)
+    return text if text.startswith("<") else f"= {text}"
+
+
 def printable(name: str) -> str:
     """A name from a file, without line breaks and control characters."""
     return "".join(c if c.isprintable() else "?" for c in name)

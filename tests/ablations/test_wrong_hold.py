@@ -9,7 +9,7 @@ from camid.ablations.wrong_hold.drawing import draw
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import second_order
-from camid.identification.declarations import refitted
+from camid.identification.declaration_search import refitted
 from camid.identification.estimate import estimate
 from camid.identification.structure import Structure
 

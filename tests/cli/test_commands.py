@@ -1,66 +1,17 @@
-"""The commands: exit codes, one-line messages, and files that are written whole or left alone."""
+"""The commands: what they print, and files that are written whole."""
 
 import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from ruamel.yaml import YAML
 
 from camid.cli import main
 from tests.support import linear_rig as rig
-
-
-@pytest.fixture(scope="module")
-def film():
-    return rig.recording().to_csv(index=False)
-
-
-@pytest.fixture
-def bench(film, tmp_path, monkeypatch):
-    """A folder with a recording and the simulation that fits it, and the current one."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "recording.csv").write_text(film)
-    rig.write_yaml(rig.simulation(), tmp_path / "S.yaml")
-    return tmp_path
-
-
-IDENTIFY = ["identify", "recording.csv", "--simulation", "S.yaml", "--output", "model.yaml"]
-SIMULATE = ["simulate", "recording.csv", "--simulation", "S.yaml", "--output", "simulated.csv"]
-
-
-def load(path):
-    return YAML(typ="safe", pure=True).load(path)
-
-
-def contents():
-    return {path: path.read_bytes() for path in Path().iterdir() if path.is_file()}
-
-
-def refusal(capsys, arguments):
-    """Run a command that has to fail and return its message."""
-    before = contents()
-    assert main(arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("camid: error: ")
-    assert err.endswith("\n")
-    assert err.count("\n") == 1
-    assert "Traceback" not in err
-    after = contents()
-    assert after == before
-    return err
-
-
-def replaced(arguments, *changes):
-    changed = [*arguments]
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        changed[changed.index(old)] = new
-    return changed
+from tests.support.command_lines import IDENTIFY, SIMULATE, load, replaced
 
 
 def test_identify_writes_a_model_that_both_commands_accept(bench, capsys):
@@ -156,132 +107,6 @@ def test_options_say_what_a_file_says(bench, capsys, options):
     np.testing.assert_allclose(by_options["denominator"], by_file["denominator"], rtol=1e-4)
     assert main(["identify", "recording.csv", "--order", "2", "0", "--json"]) == 0
     assert abs(json.loads(capsys.readouterr().out)["denominator"][1] - by_file["denominator"][1]) > 1e-3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (replaced(IDENTIFY, "recording.csv", "none.csv"), "none.csv: no such file"),
-        (replaced(SIMULATE, "recording.csv", "none.csv"), "none.csv: no such file"),
-        (replaced(IDENTIFY, "S.yaml", "none.yaml"), "none.yaml: no such file"),
-        (replaced(SIMULATE, "recording.csv", "."), ".: this is a folder"),
-        (replaced(SIMULATE, "S.yaml", "."), ".: this is a folder"),
-        (replaced(SIMULATE, "recording.csv", "n" * 300), "File name too long"),
-        (replaced(SIMULATE, "S.yaml", "n" * 300), "File name too long"),
-        (replaced(SIMULATE, "simulated.csv", "n" * 300), "File name too long"),
-        (replaced(SIMULATE, "recording.csv", "two\nlines"), "two?lines: no such file"),
-        (replaced(SIMULATE, "simulated.csv", "recording.csv"), "recording.csv: --output would overwrite"),
-        (replaced(SIMULATE, "simulated.csv", "./S.yaml"), "S.yaml: --output would overwrite"),
-        (replaced(IDENTIFY, "model.yaml", "S.yaml"), "S.yaml: --output would overwrite"),
-        (replaced(IDENTIFY, "model.yaml", "recording.csv"), "recording.csv: --output would overwrite"),
-        (replaced(IDENTIFY, "model.yaml", "none/model.yaml"), "none: no such folder"),
-        (replaced(SIMULATE, "simulated.csv", "none/simulated.csv"), "none: no such folder"),
-        (replaced(IDENTIFY, "model.yaml", "."), ".: this is a folder"),
-        (replaced(SIMULATE, "simulated.csv", ""), "this is a folder"),
-        (["identify", "recording.csv"], "neither --simulation nor --order is given"),
-        ([*IDENTIFY, "--order", "2", "0"], "--order and --simulation contradict each other"),
-        ([*IDENTIFY, "--hold", "foh"], "--hold and --simulation contradict each other"),
-        ([*IDENTIFY, "--initial-state", "zero"], "--initial-state and --simulation contradict each other"),
-        (["identify", "recording.csv", "--order", "-1", "0"], "order -1 0 is improper"),
-        (["identify", "recording.csv", "--order", "0", "0"], "order 0 0 is improper"),
-        (["identify", "recording.csv", "--order", "2", "-1"], "order 2 -1 is improper"),
-        (["identify", "recording.csv", "--order", "1", "2"], "order 1 2 is improper"),
-        (["identify", "recording.csv", "--order", "2"], "--order"),
-        (["identify", "recording.csv", "--order", "2", "x"], "'x' is not a valid integer"),
-        (["identify", "recording.csv", "--order", "300", "200"], "fewer than needed for 501 parameters"),
-        (["identify", "recording.csv", "--order", "2", "0", "--output-column", "x"], "no column 'x'"),
-        (["identify", "recording.csv", "--order", "2", "0", "--output-column", "u"], "input and output are the same"),
-        (["identify", "recording.csv", "--order", "2", "0", "--output-column", "t"], "time and output are the same"),
-        (["identify", "recording.csv", "--order", "2", "0", "--exposure", "0"], "--exposure 0; it takes a positive"),
-        (["identify", "recording.csv", "--order", "2", "0", "--exposure", "nan"], "--exposure nan"),
-        (["identify", "recording.csv", "--order", "2", "0", "--exposure", "0.06"], "is longer than the period"),
-        (["identify", "recording.csv", "--order", "2", "0", "--latency", "-1"], "--latency -1; it takes a zero or"),
-        (["identify", "recording.csv", "--order", "2", "0", "--latency", "1e300"], "is longer than recording.csv"),
-        (
-            ["identify", "recording.csv", "--order", "2", "0", "--sensor", "instant", "--exposure", "0.01"],
-            "no exposure",
-        ),
-        (["identify", "recording.csv", "--order", "2", "0", "--method", "magic"], "'magic' is not one of"),
-        ([*IDENTIFY, "--colour", "red"], "--colour"),
-        ([*IDENTIFY, "--residuals", "model.yaml"], "--output and --residuals are the same file"),
-        ([*IDENTIFY, "--residuals", "./model.yaml"], "--output and --residuals are the same file"),
-        ([*IDENTIFY, "--residuals", "recording.csv"], "recording.csv: --residuals would overwrite"),
-        ([*IDENTIFY, "--residuals", "none/residuals.csv"], "none: no such folder"),
-        (["identify", "recording.csv", "recording.csv", "--order", "2", "0"], "the same recording is named twice"),
-        (["order", "recording.csv", "--largest", "0"], "the largest order is 0"),
-        (["order", "recording.csv", "--largest", "x"], "'x' is not a valid integer"),
-        (["order", "none.csv"], "none.csv: no such file"),
-        (["order", "recording.csv", "--input-column", "v"], "say --time-column, --input-column, --output-column"),
-        (["order", "recording.csv", "--simulation", "S.yaml", "--hold", "foh"], "--hold and --simulation contradict"),
-        (["order", "recording.csv", "--output", "recording.csv"], "recording.csv: --output would overwrite"),
-        (["order", "recording.csv", "--output", "none/table.csv"], "none: no such folder"),
-        (["simulate", "recording.csv", "--simulation", "S.yaml"], "Missing option '--output'"),
-        (["simulate"], "Missing argument"),
-        (["divine", "recording.csv"], "divine"),
-    ],
-)
-def test_wrong_arguments_are_refused_in_one_line(bench, capsys, arguments, said):
-    (bench / "model.yaml").write_text("older result")
-    (bench / "simulated.csv").write_text("older result")
-    assert said in refusal(capsys, arguments)
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"initial_stat": "zero"}, "S.yaml, line"),
-        (
-            {"sensor": {"column": "y", "kind": "camera", "exposure": 0.051}},
-            "S.yaml, sensor: exposure = 0.051 s is longer",
-        ),
-        (
-            {"sensor": {"column": "y", "kind": "camera", "latency": 30.0}},
-            "S.yaml, sensor: latency = 30 s is longer than",
-        ),
-        ({"input": {"column": "", "hold": "zoh"}}, "recording.csv: no column ''"),
-        ({"time": {"column": "two\nlines"}}, "no column 'two?lines'"),
-        ({"sensor": {"column": "t", "kind": "camera"}}, "S.yaml: time and output are the same column 't'"),
-        ({"input": {"column": "y", "hold": "zoh"}}, "S.yaml: input and output are the same column 'y'"),
-        (
-            {"controller": {"reference": "r", "position_gain": 1.0, "velocity_gain": 1.0}},
-            "recording.csv: no column 'r'",
-        ),
-        ({"plant": rig.plant([1.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
-        ({"input": {"column": ["u", "v"], "hold": "zoh"}}, "input: camid identifies one input and one output"),
-        ({"sensor": {"column": ["y", "z"], "kind": "camera"}}, "sensor: camid identifies one input and one output"),
-    ],
-)
-@pytest.mark.parametrize("command", [IDENTIFY, SIMULATE])
-def test_wrong_simulations_are_refused_in_one_line(bench, capsys, command, changes, said):
-    (bench / command[-1]).write_text("older result")
-    rig.write_yaml(rig.simulation(**changes), bench / "S.yaml")
-    assert said in refusal(capsys, command)
-
-
-@pytest.mark.parametrize(
-    "changes", [{"time": {"column": "simulated"}}, {"sensor": {"column": "simulated", "kind": "camera"}}]
-)
-def test_no_recorded_column_is_lost_to_the_result(bench, capsys, changes):
-    table = pd.read_csv("recording.csv")
-    table.assign(simulated=table["t"]).to_csv("recording.csv", index=False)
-    rig.write_yaml(rig.simulation(**changes), bench / "S.yaml")
-    assert "S.yaml: a recorded column is called 'simulated' like the result" in refusal(capsys, SIMULATE)
-
-
-@pytest.mark.parametrize("command", [IDENTIFY, SIMULATE])
-def test_a_bad_cell_is_refused_in_one_line(bench, capsys, command):
-    lines = (bench / "recording.csv").read_text().splitlines()
-    lines[100] = lines[100].rpartition(",")[0] + ",broken"
-    (bench / "recording.csv").write_text("\n".join(lines))
-    (bench / command[-1]).write_text("older result")
-    assert "recording.csv, line 101, column 'y': 'broken' where a number should be" in refusal(capsys, command)
-
-
-def test_the_output_may_not_be_an_input_by_another_name(bench, capsys):
-    (bench / "link.csv").symlink_to("recording.csv")
-    assert "would overwrite" in refusal(capsys, replaced(SIMULATE, "simulated.csv", "link.csv"))
-    os.mkfifo("pipe")
-    assert "a device or a pipe" in refusal(capsys, replaced(SIMULATE, "simulated.csv", "pipe"))
 
 
 def test_undetermined_coefficients_have_no_accuracy(bench, capsys):
@@ -381,13 +206,6 @@ def test_the_correlations_of_the_residual(bench, capsys):
         assert abs(row["crosscorrelation"]) < row["bound_crosscorrelation"] < 2.7 / 20.0
 
 
-def test_nothing_is_written_if_there_is_no_residual(bench, capsys):
-    """The folder of one of two outputs is missing: neither is written."""
-    arguments = [*IDENTIFY, "--residuals", "none/residuals.csv"]
-    assert "none: no such folder" in refusal(capsys, arguments)
-    assert not (bench / "model.yaml").exists()
-
-
 def test_a_wrong_declaration_is_warned_of(bench, capsys):
     assert main(["identify", "recording.csv", "--order", "2", "0", "--sensor", "instant", "--json"]) == 0
     out, err = capsys.readouterr()
@@ -444,14 +262,3 @@ def test_what_is_known_can_be_said_on_the_command_line(bench, capsys):
     said = capsys.readouterr().out
     for word in ("--latency", "plant.free", "--initial-state estimate", "several recordings", "camid order"):
         assert word in said
-
-
-@pytest.mark.parametrize(
-    ("command", "said"), [("identify", "camid diagnose re-estimates"), ("order", "remove the effects")]
-)
-def test_linear_commands_refuse_effects(bench, capsys, command, said):
-    effects = [{"id": "dead-zone", "parameters": {"half_width": 0.1}}]
-    rig.write_yaml(rig.simulation(effects=effects), bench / "S.yaml")
-    message = refusal(capsys, [command, "recording.csv", "--simulation", "S.yaml"])
-    assert said in message
-    assert "S.yaml, line" in message

@@ -18,6 +18,12 @@ from tests.support.mass_on_spring import record, simulation
 COMMAND = ["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "found"]
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _compiled():
+    """A whole diagnosis, so that no test's command is the first one and says that it compiles."""
+    camid.diagnose(record(count=200), simulation())
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The current folder, with a recording and the simulation that fits it."""

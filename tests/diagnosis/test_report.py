@@ -13,7 +13,7 @@ import pytest
 
 from camid.diagnosis.diagnosis import Location, ParameterEstimate
 from camid.diagnosis.report import page as report
-from camid.diagnosis.report import pictures, summary
+from camid.diagnosis.report import panel, pictures, summary
 from camid.effects import known_effects
 from camid.number_text import SPACE
 from tests.support import written_diagnoses
@@ -165,12 +165,12 @@ def test_medians_show_the_law_through_outliers():
     x = random.uniform(-1.0, 1.0, 4000)
     y = np.sign(x) + 0.1 * random.standard_normal(4000)
     y[::40] = 50.0
-    centres, quartiles = pictures._bins(x, y)
+    centres, quartiles = panel.quartiles_of_bins(x, y)
     away = np.abs(centres) > 0.1
     assert away.sum() >= 16
     assert np.abs(quartiles[away, 1] - np.sign(centres[away])).max() < 0.06
     assert np.all(np.diff(quartiles, axis=1) > 0.0)
-    levels, _ = pictures._bins(np.tile([-1.0, 0.5], 100), np.ones(200))
+    levels, _ = panel.quartiles_of_bins(np.tile([-1.0, 0.5], 100), np.ones(200))
     assert levels.tolist() == [-1.0, 0.5]
 
 
@@ -178,8 +178,8 @@ def test_thinning_keeps_the_extremes():
     time = np.arange(50_000.0)
     values = np.sin(time)
     values[12_345] = 9.0
-    thin_time, thin = pictures._thinned(time, values)
-    assert len(thin) <= pictures.LARGEST_LINE
+    thin_time, thin = panel.thinned(time, values)
+    assert len(thin) <= panel.LARGEST_LINE
     assert thin.max() == 9.0
     assert thin_time[thin.argmax()] == 12_345.0
     assert np.all(np.diff(thin_time) >= 0.0)

@@ -14,7 +14,7 @@ from camid.diagnosis.screening import screen
 from camid.effects import known_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.linear import LinearPlant
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment

@@ -6,7 +6,7 @@ import pytest
 
 from camid.effects import known_effects
 from camid.fitting.from_simulation import kind_of
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.closed_loop import ClosedLoop
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
 from camid.fitting.plants.pendulum import PendulumKind

@@ -9,7 +9,8 @@ from scipy.stats import binomtest, kstest
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.identification.declarations import alternative_declarations, contradiction_sentence, refitted
+from camid.identification.declaration_search import alternative_declarations, refitted
+from camid.identification.declarations import contradiction_sentence
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import analyse_residual

@@ -4,7 +4,6 @@ import pytest
 
 from camid.chain.camera_models import closed_form
 from camid.paper.cases import declared_experiment
-from camid.paper.dataset_files import read_configuration, write_dataset
 from camid.paper.datasets import (
     neglected_mode_outputs,
     noise_level,
@@ -13,6 +12,7 @@ from camid.paper.datasets import (
     sweep_periods,
     with_closing_frame,
 )
+from camid.workflow.dataset_files import read_configuration, write_dataset
 
 PLANT = {"static_gain": 1.0, "natural_frequency": 10.0, "damping": 0.1}
 SWEEP = {"start": 0.02, "stop": 0.1, "step": 0.04, "noise_samples": 2}

@@ -9,7 +9,7 @@ from camid.paper.datasets import noise_samples, sampling_period_outputs
 from camid.paper.excitation import excitation_table
 from camid.paper.fig7_sampling_period.runs import identify_sampling_period
 from camid.paper.quantities import Quantities, excitation_quantities, sampling_period_quantities
-from camid.paper.tolerances import compare
+from camid.workflow.tolerances import compare
 from tests.support import ROOT
 
 GUARDED = {"largest_error_camera", "largest_error_foh-argument", "largest_side_of_autocorrelation"}

@@ -16,7 +16,7 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
 from camid.proof.concealed.cases import CATALOGUE, OUTSIDE
 from camid.proof.concealed.detectability import Belief
-from camid.proof.concealed.drawn_recording import draw_draft
+from camid.proof.concealed.drawn_recording import draw_recording
 from camid.proof.concealed.generator import Case, make, plan
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
@@ -119,10 +119,10 @@ def test_the_walk_finds_an_import(tmp_path):
 
 
 def one_that(identity: str, fits, smallest: float = 3.0):
-    """A recording of a catalogue's law that stands well above the noise, and whose draft fits."""
+    """A recording of a catalogue's law that stands well above the noise, and whose drawn fits."""
     for index in range(301, 500):
         case = Case(3, index, "several", (identity,))
-        if not fits(draw_draft(*started(case))):
+        if not fits(draw_recording(*started(case))):
             continue
         made = make(case)
         effect = made.truth["effects"][0]
@@ -208,7 +208,7 @@ def reference(truth: dict, u: np.ndarray, frames: int, steps: int = 120) -> np.n
     ],
 )
 def test_truth_describes_the_motion_in_units_of_the_recording(identity):
-    made = one_that(identity, lambda draft: draft.setup.rig.order == 2 and not draft.setup.moving)
+    made = one_that(identity, lambda drawn: drawn.setup.rig.order == 2 and not drawn.setup.moving)
     truth = made.truth
     frames = 60
     expected = reference(truth, made.same_kind["u"].to_numpy(), frames)
@@ -254,7 +254,7 @@ def exact(truth: dict, u: np.ndarray, kind: str) -> np.ndarray:
     ["delay", "exposure", "actuator-lag", "extra-mode", "gain-asymmetry", "dead-zone", "saturation", "input-hold"],
 )
 def test_truth_of_linear_and_static_effects_is_exact(identity):
-    made = one_that(identity, lambda draft: not draft.setup.moving, smallest=1.0)
+    made = one_that(identity, lambda drawn: not drawn.setup.moving, smallest=1.0)
     declared = made.simulation["sensor"]
     frames = slice(0, len(made.same_kind) - 2)  # the straight line from the last sample has no known end
     for table in (made.same_kind, made.double_amplitude):
@@ -350,7 +350,7 @@ def test_nothing_concealed_leaves_nothing_over():
 
 
 def test_images_measure_the_motion():
-    index = next(i for i in range(200) if draw_draft(*started(Case(41, i, "none"))).images)
+    index = next(i for i in range(200) if draw_recording(*started(Case(41, i, "none"))).images)
     made = make(Case(41, index, "none"))
     assert made.truth["images"]
     assert made.truth["frames"] <= 500

@@ -11,7 +11,7 @@ from camid.proof.concealed import vector_layout as s
 from camid.proof.concealed.camera_readings import clean, motion, readings
 from camid.proof.concealed.cases import CATALOGUE
 from camid.proof.concealed.detectability import strength_for
-from camid.proof.concealed.drawn_recording import add_effect, draw_draft
+from camid.proof.concealed.drawn_recording import add_effect, draw_recording
 from camid.proof.concealed.generator import Case, make
 from camid.proof.concealed.machine_integrator import DivergedError
 from camid.proof.concealed.rig import draw_rig
@@ -61,20 +61,20 @@ LAWS = [
 
 
 def drafted(identity: str, law: str, seed: int = 0):
-    """A draft with one effect of the law that is asked for."""
+    """A drawn with one effect of the law that is asked for."""
     for index in range(seed, seed + 60):
-        draft = draw_draft(Case(11, index, "several", (identity,)), np.random.default_rng([11, index]))
-        add_effect(draft, identity, np.random.default_rng([12, index]))
-        if draft.effects[0].effect.law == law:
-            return draft
+        drawn = draw_recording(Case(11, index, "several", (identity,)), np.random.default_rng([11, index]))
+        add_effect(drawn, identity, np.random.default_rng([12, index]))
+        if drawn.effects[0].effect.law == law:
+            return drawn
     raise AssertionError(f"no {law} in 60 draws")
 
 
 @pytest.mark.parametrize(("identity", "law"), LAWS)
 def test_half_the_step_changes_nothing(identity, law):
-    draft = drafted(identity, law)
-    setup = draft.setup_with(draft.effects)
-    coarse, fine = (readings(setup, motion(setup, draft.command, refinement)) for refinement in (1, 2))
+    drawn = drafted(identity, law)
+    setup = drawn.setup_with(drawn.effects)
+    coarse, fine = (readings(setup, motion(setup, drawn.command, refinement)) for refinement in (1, 2))
     assert np.max(np.abs(coarse - fine)) < 5e-5 * np.std(fine)
 
 
@@ -93,12 +93,12 @@ def test_dry_friction_sticks_until_the_drive_exceeds_it():
 
 
 def test_stuck_mass_does_not_creep():
-    draft = drafted("coulomb-friction", "catalogue")
-    draft.setup.parameters[:] = draft.setup_with(draft.effects).parameters
-    draft.setup.parameters[[s.DRY_COULOMB, s.DRY_BREAKAWAY]] = (
-        0.3 * draft.context().peak * draft.setup.rig.actuator_constant
+    drawn = drafted("coulomb-friction", "catalogue")
+    drawn.setup.parameters[:] = drawn.setup_with(drawn.effects).parameters
+    drawn.setup.parameters[[s.DRY_COULOMB, s.DRY_BREAKAWAY]] = (
+        0.3 * drawn.context().peak * drawn.setup.rig.actuator_constant
     )
-    trajectory = motion(draft.setup, draft.command)
+    trajectory = motion(drawn.setup, drawn.command)
     still = (trajectory.velocity_after == 0.0) & (trajectory.velocity_before == 0.0)
     assert 0.02 < np.mean(still) < 0.98
     # Where the mass is at rest at both ends of an interval, it has mostly not moved in between.
@@ -115,15 +115,15 @@ def test_runaway_is_reported():
 
 @pytest.mark.parametrize("identity", ["quadratic-drag", "lens-distortion", "delay", "step-disturbance"])
 def test_effect_has_the_size_that_was_drawn(identity):
-    draft = draw_draft(Case(21, 7, "several", (identity,)), np.random.default_rng(7))
-    effect = CATALOGUE[identity].law(np.random.default_rng(8), draft.context(), False)
-    strength = strength_for(6.0, lambda g: draft.size(effect, g), effect.start, effect.high)
-    assert draft.size(effect, strength) == pytest.approx(6.0, rel=0.1)
-    setup = draft.setup.copy()
+    drawn = draw_recording(Case(21, 7, "several", (identity,)), np.random.default_rng(7))
+    effect = CATALOGUE[identity].law(np.random.default_rng(8), drawn.context(), False)
+    strength = strength_for(6.0, lambda g: drawn.size(effect, g), effect.start, effect.high)
+    assert drawn.size(effect, strength) == pytest.approx(6.0, rel=0.1)
+    setup = drawn.setup.copy()
     effect.apply(setup, strength)
-    output = clean(setup, readings(setup, motion(setup, draft.command)))
-    left = draft.belief.left_over_after_estimate(draft.recorded(draft.command), output)
-    assert np.sqrt(left / 25.0) / draft.noise_std(output) == pytest.approx(6.0, rel=0.1)
+    output = clean(setup, readings(setup, motion(setup, drawn.command)))
+    left = drawn.belief.left_over_after_estimate(drawn.recorded(drawn.command), output)
+    assert np.sqrt(left / 25.0) / drawn.noise_std(output) == pytest.approx(6.0, rel=0.1)
 
 
 def test_strength_is_the_largest_where_the_family_ends():

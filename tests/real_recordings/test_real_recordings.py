@@ -12,9 +12,9 @@ import pytest
 from ruamel.yaml import YAML
 
 import camid
-from camid.paper.tolerances import compare, without_targets
 from camid.real_recordings.download import BENCHMARK_RECORDINGS, FOLDER_VARIABLE, SILVERBOX_PERIOD, SILVERBOX_TRAINING
 from camid.real_recordings.page import page
+from camid.workflow.tolerances import compare, without_targets
 from tests.support import ROOT
 
 SHIFT = 1234.5  # seconds

@@ -16,8 +16,10 @@ from camid.errors import InputError
 from camid.recording.options import Reading
 from camid.recording.units import Conversion
 from camid.simulation.file import load_simulation, simulation_text
+from camid.simulation.json_schema import json_schema
 from camid.simulation.model import DeclaredEffect, Simulation
-from camid.simulation.schema import SimulationFile, json_schema
+from camid.simulation.schema import SimulationFile
+from camid.simulation.yaml_file import read_yaml, yaml_text
 from tests.support import linear_rig as rig
 
 JSON_SCHEMA = "schemas/simulation.schema.json"  # in the package
@@ -26,7 +28,7 @@ SCHEMA = json.loads(files("camid").joinpath(JSON_SCHEMA).read_text(encoding="utf
 
 def test_the_committed_json_schema_is_that_of_the_models():
     committed = files("camid").joinpath(JSON_SCHEMA).read_text(encoding="utf-8")
-    assert committed == json_schema(), f"run python -m camid.simulation.schema > src/camid/{JSON_SCHEMA}"
+    assert committed == json_schema(), f"run python -m camid.simulation.json_schema > src/camid/{JSON_SCHEMA}"
     Draft202012Validator.check_schema(SCHEMA)
 
 
@@ -131,11 +133,6 @@ def pendulums(draw):
     return {"plant": pendulum.transfer_function(), "pendulum": pendulum}
 
 
-# Parameters of effects are Python identifiers. (The YAML library writes a key that starts with a colon
-# so that it cannot be read again; column names are values, in which any text survives.)
-parameter_names = st.from_regex(r"[a-z][a-z0-9_]{0,12}", fullmatch=True)
-
-
 @st.composite
 def simulations(draw):
     start = draw(st.floats(-1e6, 1e6))
@@ -145,8 +142,8 @@ def simulations(draw):
     effects = st.builds(
         DeclaredEffect,
         identifier=names,
-        parameters=st.dictionaries(parameter_names, finite | names | st.lists(finite, max_size=3), max_size=3),
-        standard_deviations=st.none() | st.dictionaries(parameter_names, finite, min_size=1, max_size=3),
+        parameters=st.dictionaries(names, finite | names | st.lists(finite, max_size=3), max_size=3),
+        standard_deviations=st.none() | st.dictionaries(names, finite, min_size=1, max_size=3),
     )
     limit = {"limit": draw(positive)} if draw(st.booleans()) else {}
     return Simulation(
@@ -187,6 +184,15 @@ def test_any_simulation_is_written_and_read_back(tmp_path_factory, simulation):
     Draft202012Validator(SCHEMA).validate(simulation.to_mapping())
     read = load_simulation(path)
     assert read.to_mapping() == simulation.to_mapping()
+
+
+@pytest.mark.parametrize(
+    "text", [":", ":a", "a:", "", "-", "?", "?b", "? b", "{", "#", "&a", "true", "1e3", "a\nb", "é" * 200]
+)
+def test_any_text_is_written_and_read_back(tmp_path, text):
+    content = {"effects": [{"parameters": {text: 1.0}}, [text]], text: {"nested": [{text: text}], "value": text}}
+    (tmp_path / "written.yaml").write_text(yaml_text(content), encoding="utf-8")
+    assert read_yaml(tmp_path / "written.yaml") == content
 
 
 # -- whatever a file holds, it is a simulation or an InputError of one line -------------------------------------------

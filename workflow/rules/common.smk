@@ -11,7 +11,7 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "workflow")]
 
 import jsonschema
 import yaml
-from camid.paper.arithmetic import reproducible_environment
+from camid.workflow.arithmetic import reproducible_environment
 from code_digest import CodeDigest
 from snakemake.exceptions import WorkflowError
 

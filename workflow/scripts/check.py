@@ -8,8 +8,8 @@ import pandas as pd
 from jsonschema import validate
 from ruamel.yaml import YAML
 
-from camid.paper.job import logged
-from camid.paper.tolerances import compare, print_comparison, without_targets
+from camid.workflow.job import logged
+from camid.workflow.tolerances import compare, print_comparison, without_targets
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camid.paper.claims import ambiguities, claims, to_markdown
-from camid.paper.job import logged, tables
 from camid.paper.quantities import all_quantities
+from camid.workflow.job import logged, tables
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camid.paper.dataset_files import write_dataset
-from camid.paper.job import arguments, function_of, logged, parameters_of
+from camid.workflow.dataset_files import write_dataset
+from camid.workflow.job import arguments, function_of, logged, parameters_of
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

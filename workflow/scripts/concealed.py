@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job import logged
 from camid.plotting import rounded
 from camid.proof.rates import coverage
 from camid.proof.targets import lines, quantities, to_markdown
+from camid.workflow.job import logged
 from camid.writing import write_whole
 
 if TYPE_CHECKING:

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.paper.job import logged
 from camid.proof.concealed.generator import make, plan
 from camid.proof.sealed_files import seal_cases, write_case
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.dataset_files import write_dataset
-from camid.paper.job import logged
 from camid.proof.score_table import score_cases
 from camid.proof.sealed_files import check_seals
+from camid.workflow.dataset_files import write_dataset
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.paper.job import logged
 from camid.proof.sealing import new_salt
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job import logged
 from camid.plotting import save
 from camid.proof.figures.sample import draw
 from camid.proof.targets import lines, quantities
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.dataset_files import write_dataset
-from camid.paper.job import logged
+from camid.workflow.dataset_files import write_dataset
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

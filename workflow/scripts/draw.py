@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from camid.paper.job import arguments, function_of, logged
 from camid.plotting import save
+from camid.workflow.job import arguments, function_of, logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.ablations.monte_carlo.runs import combine
-from camid.paper.dataset_files import read_configuration, write_dataset
-from camid.paper.job import logged
+from camid.workflow.dataset_files import read_configuration, write_dataset
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job import logged
 from camid.real_recordings.drawing import draw, save
 from camid.real_recordings.laws import law
 from camid.real_recordings.results import Results, quantities
+from camid.workflow.job import logged
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake

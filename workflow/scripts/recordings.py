@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.paper.job import logged
 from camid.real_recordings.page import page
+from camid.workflow.job import logged
 from camid.writing import write_whole
 
 if TYPE_CHECKING:

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.paper.job import logged
 from camid.real_recordings.download import silverbox_parts
+from camid.workflow.job import logged
 from camid.writing import write_table
 
 if TYPE_CHECKING:

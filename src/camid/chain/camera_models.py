@@ -188,7 +188,7 @@ def closed_form(static_gain: float, natural_frequency: float, damping: float, pe
 
 
 def first_order_hold_equivalent(plant: TransferFunction, period: float) -> control.TransferFunction:
-    """Triangle-hold equivalent of a plant by python-control, the oracle for the remark behind (14)."""
+    """Triangle-hold equivalent of a plant by python-control, the reference for the remark after (14)."""
     import control
 
     return control.sample_system(plant.to_control(), period, method="foh")

@@ -135,7 +135,7 @@ def sampling_matrices(
     augmented : ndarray, shape (p + 2, p + 2)
         State matrix with the input and its slope as the last two states, so that one exponential serves both holds.
     period, start, length : float
-        Sampling period, and begin and length of the sensor's window, in the time unit of the matrix.
+        Sampling period, and start and length of the sensor's window, in the time unit of the matrix.
     straddles : bool
         Whether the window ends in the next interval of the input.
 
@@ -163,10 +163,10 @@ def sampling_matrices(
 
 
 @njit
-def begin_interval(
+def input_at_start(
     signal: Array, first: int, count: int, j: int, first_order: bool, period: float
 ) -> tuple[float, float]:
-    """Input and its slope at the begin of interval j of a record that starts at ``signal[first]``; zero outside it."""
+    """Input and its slope at the start of interval j of a record that starts at ``signal[first]``; zero outside it."""
     if j < 0 or j >= count:
         return 0.0, 0.0
     value = signal[first + j]
@@ -188,7 +188,7 @@ def _run(
     start: float,
     length: float,
     straddles: bool,
-    begin: int,
+    first_interval: int,
 ) -> Array:
     """Sampled sensor outputs of a linear system with one held input; see :func:`respond`."""
     order = state_matrix.shape[0]
@@ -207,16 +207,16 @@ def _run(
     now = np.zeros(order + 2)
     following = np.zeros(order + 2)
     for j in range(-delay, count - delay):
-        if j == begin:
+        if j == first_interval:
             for row in range(order):
                 now[row] += initial_state[row]
-        now[order], now[order + 1] = begin_interval(signal, 0, count, j, first_order, period)
+        now[order], now[order + 1] = input_at_start(signal, 0, count, j, first_order, period)
         for row in range(order):
             total = 0.0
             for column in range(order + 2):
                 total += transition[row, column] * now[column]
             following[row] = total
-        following[order], following[order + 1] = begin_interval(signal, 0, count, j + 1, first_order, period)
+        following[order], following[order + 1] = input_at_start(signal, 0, count, j + 1, first_order, period)
         frame = j + delay
         for row in range(outputs):
             total = 0.0
@@ -354,7 +354,7 @@ def derivative_rows(denominator: Array, degrees: range | list[int]) -> Array:
 def sample(
     plant: TransferFunction, signal: Array, acquisition: Acquisition, initial_state: Array | None = None
 ) -> Array:
-    """Output samples of a plant behind a hold and before a sensor, exact to rounding.
+    """Output samples of a plant between a hold and a sensor, exact to rounding.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Plants: transfer functions in descending powers of s, and their exchange with python-control."""
+"""Plants: transfer functions in descending powers of s, to and from python-control."""
 
 from __future__ import annotations
 

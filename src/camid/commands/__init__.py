@@ -1,1 +1,1 @@
-"""One module a command: load, call, write. :mod:`camid.cli` parses and prints; here nothing is computed."""
+"""One module per command: load, call, write. :mod:`camid.cli` parses and prints; here nothing is computed."""

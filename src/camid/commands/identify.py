@@ -8,6 +8,7 @@ from dataclasses import replace
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of, problem_of, refuse_stillness, structure_of
+from camid.fitting.identification_task import IdentificationTask
 from camid.identification.estimate import METHODS
 from camid.identification.experiment import Experiment
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
@@ -77,7 +78,8 @@ def _identified(
     _refuse_undetermined(structure, believed, recordings, experiments)
     problem = problem_of(believed, structure, recordings, experiments)
     try:
-        found = problem.kind.identified(problem, believed, recordings, held_out, nominal, method, progress)
+        task = IdentificationTask(believed, recordings, held_out, nominal, method, progress)
+        found = problem.kind.identified(problem, task)
     except (ValueError, ArithmeticError) as error:
         raise InputError(
             f"no estimate: {error}", where=recordings[0].source, hint="try another order, or check the units"

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from camid.errors import InputError
+from camid.fitting.from_simulation import kind_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.simulation.file import load_simulation
 
@@ -56,12 +57,10 @@ def select_order(
             where=believed.effects[0].where,
             hint="remove the effects",
         )
-    if believed.controller is not None:
-        raise InputError(
-            "order compares plants driven by an open-loop input, and this one has a controller",
-            where=believed.source,
-            hint="write the plant, and let identify or diagnose estimate it in its loop",
-        )
+    refused = kind_of(believed, []).why_no_other_orders
+    if refused is not None:
+        problem, hint = refused
+        raise InputError(f"order compares {problem}", where=believed.source, hint=hint)
     if largest < 1:
         raise InputError(f"the largest order is {largest}", hint="it takes at least one pole")
     recordings, experiments, _ = experiments_of(recording, believed, progress)

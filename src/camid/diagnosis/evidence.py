@@ -11,7 +11,7 @@ from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, St
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.mismatch_location import PlaceTest
 from camid.fitting.fit import Fitted
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]

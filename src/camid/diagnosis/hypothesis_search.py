@@ -13,7 +13,7 @@ from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import WORKERS, Problem
 

@@ -30,7 +30,7 @@ from camid.diagnosis.verdict import effect_deviations, explanation, findings, ve
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure

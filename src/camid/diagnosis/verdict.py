@@ -50,7 +50,7 @@ def findings(
     validation: Sequence[float | None],
     unlisted: float,
 ) -> list[Finding]:
-    """One finding an effect, the strongest first.
+    """One finding per effect, the strongest first.
 
     Parameters
     ----------

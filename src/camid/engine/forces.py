@@ -62,7 +62,7 @@ class Mechanics(NamedTuple):
     state_matrix : ndarray, shape (q, q)
         The last state is the integral of the measured motion.
     input_vector, force_vector : ndarray, shape (q,)
-        Of the input behind the actuator and of a force at the plant's input.
+        Of the input after the actuator and of a force at the plant's input.
     measured, position, velocity : ndarray, shape (q,)
         Rows for the motion that the sensor sees, for the motion that the forces depend on, and for its velocity (per
         unit of time) without what input and force do to it at once.

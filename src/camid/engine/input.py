@@ -28,7 +28,7 @@ def grid_input(
     loop: Loop | None = None,
     known_force: tuple[Array, str] | None = None,
 ) -> tuple[Array, Array]:
-    """Input at the begin and end of each step of the grid, without what a controller adds to it.
+    """Input at the start and end of each step of the grid, without what a controller adds to it.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def feedback_of(loop: Loop | None, steps: int) -> Feedback:
 
 
 def _between(signal: Array, hold: str, delay: int, steps: int) -> tuple[Array, Array]:
-    """Input at the begin and end of each step, zero before the record and constant past it."""
+    """Input at the start and end of each step, zero before the record and constant past it."""
     signal, _ = driven(np.asarray(signal, dtype=float), hold)
     first = np.concatenate([np.zeros(delay), signal, np.full(MARGIN, signal[-1])])
     if hold == "zoh":

@@ -1,6 +1,6 @@
 """A chain, and the linear system with forces that the compiled integrator takes in its place.
 
-Dynamics before the plant, the plant and dynamics behind it become one companion system in scaled time, with the
+Dynamics before the plant, the plant and dynamics after it become one companion system in scaled time, with the
 integral of the measured motion as its last state; the effects' forces become addresses of compiled functions.
 """
 
@@ -78,7 +78,7 @@ class Chain:
         return acquisition
 
     def whole_plant(self) -> TransferFunction:
-        """Plant with the linear dynamics before and behind it."""
+        """Plant with the linear dynamics before and after it."""
         plant = self.plant
         for effect in self.effects:
             for part in (effect.before_plant(), effect.after_plant()):
@@ -107,7 +107,7 @@ def companion_block(plant: TransferFunction, unit: float) -> tuple[Array, Array,
 
 
 class _Line(NamedTuple):
-    """Linear dynamics before the plant, the plant, and those behind it, as one system in scaled time.
+    """Linear dynamics before the plant, the plant, and those after it, as one system in scaled time.
 
     ``plant`` says where the plant's states lie; ``measured`` and ``position`` are rows for the motion that the sensor
     sees and for that of the plant, before the integral of the measured motion is added as the last state.
@@ -123,8 +123,8 @@ class _Line(NamedTuple):
 
 def _line(chain: Chain, unit: float) -> _Line:
     before = [p for e in chain.effects if (p := e.before_plant()) is not None]
-    behind = [p for e in chain.effects if (p := e.after_plant()) is not None]
-    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *behind)]
+    after = [p for e in chain.effects if (p := e.after_plant()) is not None]
+    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *after)]
     size = sum(len(b[0]) for b in blocks)
     matrix = np.zeros((size + 1, size + 1))
     input_vector, force_vector = np.zeros(size + 1), np.zeros(size + 1)

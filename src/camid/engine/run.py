@@ -1,7 +1,7 @@
 """The engine: the whole chain hold → actuator → plant → sensor with any effects of the catalogue.
 
-A chain that is linear behind a held or straight input takes the exact path of :mod:`camid.chain.exact`; any other is
-run by the compiled integrator on a grid of several steps per frame, and the sensor reads the motion between the nodes.
+A linear chain with a held or straight input takes the exact path of :mod:`camid.chain.exact`; any other is run
+by the compiled integrator on a grid of several steps per frame, and the sensor reads the motion between the nodes.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ MOST_STEPS = 400
 MOST_STEPS_ASTRAY = 64
 # Nodes of the grid of a simulation that doubts itself, beyond which it is left to.
 MOST_NODES = 200_000
-# Change of the motion from half as many steps, in its standard deviations, that is none.
-SETTLED = 2e-5
+# Largest difference from the motion with half as many steps, in its standard deviations, that counts as none.
+LARGEST_CHANGE = 2e-5
 # How much finer than at first the steps become where a simulation doubts itself.
 MOST_FINER = 16
 # Steps per frame, and their length in radians, where an actuator bends the input within a frame: kinks lie anywhere.
@@ -97,7 +97,7 @@ def _acts_on_motion(effect: Effect) -> bool:
 
 
 def _exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
-    """Output of a chain that is linear behind a held or straight input, or None."""
+    """Output of a linear chain with a held or straight input, or None."""
     if chain.loop is not None or chain.known_force is not None:
         return None
     if any(_acts_on_motion(e) or _overrides(e, "windows", "measure") for e in chain.effects):
@@ -162,7 +162,7 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
         # A motion that runs away may do so with any step, so that not much is spent on it.
         if doubt <= most_doubt or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):
             break
-        if coarser is not None and np.max(np.abs(position[::2] - coarser)) <= SETTLED * np.std(position):
+        if coarser is not None and np.max(np.abs(position[::2] - coarser)) <= LARGEST_CHANGE * np.std(position):
             break
         coarser = position
         steps = 2 * steps

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.engine.mechanics import NotApplicable
-from camid.fitting.model import Model
 from camid.fitting.packing import Packing
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Noise, Problem
 
 Array = NDArray[np.float64]
@@ -64,7 +64,7 @@ class Fitted:
 
     @property
     def criterion(self) -> float:
-        """Bayes's information criterion, up to a constant of the recordings; initial states do not count."""
+        """The Bayesian information criterion, up to a constant of the recordings; initial states do not count."""
         return self.noise.deviance + len(self.penalised_names) * float(np.log(len(self.residual)))
 
     @property

@@ -11,7 +11,7 @@ from camid.chain.controller import Loop
 from camid.chain.exact import time_scale
 from camid.effects.base import Effect
 from camid.errors import InputError
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.closed_loop import ClosedLoop
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.plants.linear import FreeDecay, LinearPlant

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from camid.chain.exact import time_scale
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.initial_motion import recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]

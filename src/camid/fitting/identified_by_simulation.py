@@ -5,29 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.fitting.model import Model
+from camid.fitting.identification_task import IdentificationTask
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.estimate import Estimate
 from camid.identification.identification import Identification
-from camid.recording.recording import Recording
-from camid.simulation.model import Simulation
 
 
-def identify_by_simulation(
-    problem: Problem, believed: Simulation, recordings: list[Recording], held_out: list[NDArray[np.bool_]]
-) -> Identification:
-    """Output error through the engine; in a closed loop the error of the control.
-
-    Parameters
-    ----------
-    problem : Problem
-    believed : Simulation
-        Without effects.
-    recordings : list of Recording
-        Of one rig.
-    held_out : list of ndarray of bool
-        Validation rows.
-    """
+def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identification:
+    """Output error through the engine, whatever the method asked for; in a closed loop the error of the control."""
     structure, kind = problem.structure, problem.kind
     nominal = Model(structure.coefficients(), constants=kind.constants())
     fitted = kind.refit(problem, problem.with_initial_states(nominal))
@@ -53,13 +39,13 @@ def identify_by_simulation(
         [],
     )
     return Identification(
-        simulation=kind.written_back(believed, structure, fitted),
+        simulation=kind.written_back(task.believed, structure, fitted),
         estimate=estimate,
         converged=estimate.converged,
-        period=recordings[0].period,
+        period=task.recordings[0].period,
         rows_fitted=len(fitted.residual),
         nrmse=error([e.used for e in problem.experiments]),
-        nrmse_validation=error(held_out) if any(k.any() for k in held_out) else None,
+        nrmse_validation=error(task.held_out) if any(k.any() for k in task.held_out) else None,
         acquisition=problem.acquisition,
         method=kind.method,
     )

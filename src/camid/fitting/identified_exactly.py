@@ -9,57 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
-from camid.identification.declarations import alternative_declarations
+from camid.fitting.identification_task import IdentificationTask
+from camid.fitting.problem import Problem
+from camid.identification.declaration_search import alternative_declarations
 from camid.identification.estimate import Estimate, estimate
 from camid.identification.experiment import Experiment
 from camid.identification.identification import Identification
 from camid.identification.residual_analysis import analyse_residual
 from camid.identification.structure import Structure
-from camid.recording.recording import Recording
-from camid.simulation.model import Simulation
 
 
-def identify_exactly(
-    believed: Simulation,
-    structure: Structure,
-    recordings: list[Recording],
-    experiments: list[Experiment],
-    held_out: list[NDArray[np.bool_]],
-    nominal: TransferFunction | None,
-    method: str,
-    progress: Callable[[str], None] | None,
-) -> Identification:
-    """Estimate, test the residual, and fit other declarations where it contradicts this one.
-
-    Parameters
-    ----------
-    believed : Simulation
-        Without effects.
-    structure : Structure
-        Of the plant that is looked for.
-    recordings, experiments : list
-        Of one rig.
-    held_out : list of ndarray of bool
-        Validation rows.
-    nominal : TransferFunction, optional
-        Plant to start from.
-    method : str
-        See :func:`camid.identification.estimate.estimate`.
-    progress : callable, optional
-    """
-    result = estimate(structure, experiments, nominal=nominal, method=method, progress=progress)
-    identification = _identification(believed, result, recordings, experiments, held_out)
+def identify_exactly(problem: Problem, task: IdentificationTask) -> Identification:
+    """Estimate, test the residual, and fit other declarations where it contradicts this one."""
+    structure, experiments, progress = problem.structure, problem.experiments, task.progress
+    result = estimate(structure, experiments, nominal=task.nominal, method=task.method, progress=progress)
+    identification = _identification(task, result, experiments)
     return _analysed(identification, structure, experiments, progress)
 
 
-def _identification(
-    believed: Simulation,
-    result: Estimate,
-    recordings: list[Recording],
-    experiments: list[Experiment],
-    held_out: list[NDArray[np.bool_]],
-) -> Identification:
+def _identification(task: IdentificationTask, result: Estimate, experiments: list[Experiment]) -> Identification:
     """The estimate as a simulation, with its errors."""
+    believed, held_out = task.believed, task.held_out
     lead = believed.plant.denominator[0] if len(believed.plant.denominator) == result.plant.order + 1 else 1.0
     split = len(result.plant.numerator)
     deviations, covariance = abs(lead) * result.standard_deviations, np.square(lead) * result.covariance
@@ -96,7 +66,7 @@ def _identification(
         simulation=model,
         estimate=result,
         converged=result.converged,
-        period=recordings[0].period,
+        period=task.recordings[0].period,
         rows_fitted=int(sum(k.sum() for k in fitted)),
         nrmse=nrmse(fitted),
         nrmse_validation=nrmse(held_out) if any(k.any() for k in held_out) else None,

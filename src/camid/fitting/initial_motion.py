@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from camid.chain.exact import companion, time_scale
 from camid.engine.mechanics import companion_block
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.structure import Structure
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.base import Parameter
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]

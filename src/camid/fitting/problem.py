@@ -14,7 +14,7 @@ from camid.chain.acquisition import Acquisition
 from camid.effects.base import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import move, run, steps_of
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness

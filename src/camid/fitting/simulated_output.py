@@ -12,7 +12,7 @@ from camid.errors import InputError
 from camid.fitting.exact_output import from_first_known, refuse_too_short_for_initial_state
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import kind_of, model_of, problem_of
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.identification.experiment import Experiment
 from camid.identification.from_recordings import acquisition_of, experiment_of

@@ -10,7 +10,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
 from camid.identification.experiment import Experiment
-from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE
+from camid.identification.iteration_result import LARGEST_CONDITION, UNDETERMINED_SHARE
 from camid.identification.predictor import Predictor
 from camid.identification.structure import Structure
 
@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 
 LONGEST_REGRESSION = 30
 # Smallest pivot of a Cholesky factorisation that leaves half of the digits.
-SOUND_PIVOT = 1e-4
+SMALLEST_PIVOT = 1e-4
 # Smallest share of the power that may be left, as a difference of two powers, before its digits are lost.
-SOUND_REMAINDER = 1e-5
+SMALLEST_REMAINDER = 1e-5
 
 
 def inverse_information(sensitivities: Array, coefficients: int | None = None) -> tuple[Array, bool]:
@@ -189,7 +189,7 @@ def _lagged_products(output: Array, signal: Array, length: int) -> Array:
 
 @njit(fastmath={"reassoc", "contract"})
 def _power_left(products: Array) -> float:
-    """Sum of squares that a regression of the last column on the others leaves; NaN where normal equations are unsound.
+    """Sum of squares that a regression of the last column on the others leaves; NaN where it loses its digits.
 
     Cholesky's last pivot is the distance of the last column from the span of those before it.
     """
@@ -208,10 +208,10 @@ def _power_left(products: Array) -> float:
             if j < i:
                 factor[i, j] = total / factor[j, j]
             elif i < size - 1:
-                if not total > SOUND_PIVOT**2:
+                if not total > SMALLEST_PIVOT**2:
                     return np.nan
                 factor[i, i] = np.sqrt(total)
-    return total * products[size - 1, size - 1] if total > SOUND_REMAINDER else np.nan
+    return total * products[size - 1, size - 1] if total > SMALLEST_REMAINDER else np.nan
 
 
 def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str, float | str]]:

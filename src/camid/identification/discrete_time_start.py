@@ -21,7 +21,8 @@ ComplexArray = NDArray[np.complex128]
 HIGHEST_FREQUENCY = 2.6
 MOST_ALIAS_COMBINATIONS = 64
 STEIGLITZ_MCBRIDE_ITERATIONS = 12
-SETTLED = 1e-5
+# Largest change of a coefficient of the denominator from one iteration to the next that ends them.
+COEFFICIENT_TOLERANCE = 1e-5
 
 
 @njit
@@ -92,7 +93,7 @@ def _steiglitz_mcbride(
         if not np.all(np.isfinite(denominator)):
             found.pop()
             break
-        if change < SETTLED:
+        if change < COEFFICIENT_TOLERANCE:
             break
     return np.array(found).reshape(len(found), order + 1)
 

@@ -12,7 +12,7 @@ from camid.chain.plant import TransferFunction
 from camid.identification.accuracy import covariance_from
 from camid.identification.experiment import Experiment
 from camid.identification.factorisation import Records
-from camid.identification.iteration import IterationResult
+from camid.identification.iteration_result import IterationResult
 from camid.identification.likelihood_profile import Interval, intervals, standard_deviations
 from camid.identification.optimum_search import Search
 from camid.identification.optimum_selection import Rival

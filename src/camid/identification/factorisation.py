@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import begin_interval, driven, sampling_matrices
+from camid.chain.exact import driven, input_at_start, sampling_matrices
 from camid.compiled import njit
 
 if TYPE_CHECKING:
@@ -208,7 +208,7 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
         first = rows @ first
         second = rows @ second
         straddles, first_order, delay = records.straddles[e], records.first_order[e], records.delay[e]
-        begin, count = records.offsets[e], records.offsets[e + 1] - records.offsets[e]
+        offset, count = records.offsets[e], records.offsets[e + 1] - records.offsets[e]
         begins_moving = -delay if records.early[e] else 0
         _clear(block, 0, columns + 1)
         now = np.zeros(size + 2)
@@ -218,17 +218,17 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
             if estimated and j == begins_moving:
                 for row in range(size):
                     now[row] += start[row]
-            now[size], now[size + 1] = begin_interval(records.signal, begin, count, j, first_order, period)
+            now[size], now[size + 1] = input_at_start(records.signal, offset, count, j, first_order, period)
             for row in range(size):
                 total = 0.0
                 for column in range(size + 2):
                     total += transition[row, column] * now[column]
                 following[row] = total
             if straddles:
-                following[size], following[size + 1] = begin_interval(
-                    records.signal, begin, count, j + 1, first_order, period
+                following[size], following[size + 1] = input_at_start(
+                    records.signal, offset, count, j + 1, first_order, period
                 )
-            frame = begin + j + delay
+            frame = offset + j + delay
             used = records.used[frame]
             for row in range(len(rows)):
                 if row > 0 and (not used or outputs <= row < 1 + split + order):

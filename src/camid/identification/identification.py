@@ -13,6 +13,7 @@ from camid.identification.accuracy import characteristics
 from camid.identification.declarations import Alternative, contradiction_sentence
 from camid.identification.estimate import Estimate
 from camid.identification.residual_analysis import ResidualAnalysis
+from camid.number_text import percentage, plain
 from camid.simulation.model import Simulation
 from camid.writing import without_infinities
 
@@ -109,11 +110,11 @@ class Identification:
             sentences.append(f"the data do not limit {names}: no accuracy can be stated (longer record? less noise?)")
         named = [r for r in self.estimate.rivals if r.weight >= NAMED_WEIGHT][:MOST_NAMED_RIVALS]
         for rival in named:
-            modes = ", ".join(f"{value:.5g}" for value in rival.natural_frequencies)
-            dampings = ", ".join(f"{value:.2g}" for value in rival.damping_ratios)
+            modes = ", ".join(plain(value, 5) for value in rival.natural_frequencies)
+            dampings = ", ".join(plain(value, 2) for value in rival.damping_ratios)
             sentences.append(
                 f"the data cannot tell this plant from one with poles of {modes} rad/s and damping {dampings} (weight "
-                f"{rival.weight:.2g}): another sampling period would"
+                f"{plain(rival.weight, 2)}): another sampling period would"
             )
         if len(self.estimate.rivals) > len(named):
             sentences.append(f"{len(self.estimate.rivals) - len(named)} less likely plants are listed by --json")
@@ -126,7 +127,7 @@ class Identification:
             effective = len(residual) * (1.0 - correlation) / (1.0 + correlation)
             if mean**2 > OFFSET_SHARE * power and mean**2 > OFFSET_SIGNIFICANCE**2 * (power - mean**2) / effective:
                 sentences.append(
-                    f"the residual has a mean of {mean:.3g}, {100.0 * mean**2 / power:.0f} % of its power: the "
+                    f"the residual has a mean of {plain(mean, 3)}, {percentage(mean**2 / power, 2)} of its power: the "
                     "recording has an offset, which a linear model at rest does not have; remove the means of input "
                     "and output"
                 )

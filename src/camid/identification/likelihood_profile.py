@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.iteration import IterationResult
+from camid.identification.iteration_result import IterationResult
 from camid.identification.predictor import Predictor
 from camid.identification.safeguarded import safeguarded_srivc
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camid.chain.plant import polynomial_roots
 from camid.identification.accuracy import LONGEST_REGRESSION
-from camid.identification.iteration import IterationResult, has_stable
+from camid.identification.iteration_result import IterationResult, has_stable
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.identification.iteration import IterationResult
+from camid.identification.iteration_result import IterationResult
 from camid.identification.predictor import Predictor
 
 

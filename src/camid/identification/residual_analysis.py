@@ -48,6 +48,7 @@ from camid.identification.residual_statistics import (
     whiteness,
 )
 from camid.identification.structure import Structure
+from camid.number_text import equals_probability
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,10 +106,10 @@ class ResidualAnalysis:
         if self.whiteness_p is None:
             return "residual: too few samples to test"
         white = self.whiteness_p >= ALARM
-        sentence = f"residual: {'white' if white else 'not white'} (p {shown(self.whiteness_p)})"
+        sentence = f"residual: {'white' if white else 'not white'} (p {equals_probability(self.whiteness_p)})"
         if self.independence_p is not None:
             verdict = "depends on the input" if self.contradicts else "independent of the input"
-            sentence += f", {verdict} (p {shown(self.independence_p)})"
+            sentence += f", {verdict} (p {equals_probability(self.independence_p)})"
         return sentence if white else f"{sentence}; the standard deviations are meant for white noise"
 
     def to_mapping(self) -> dict[str, Any]:
@@ -148,11 +149,6 @@ class ResidualAnalysis:
             columns[2:] = crosscorrelations_with_bounds(self.rows, lag)
         names = ("autocorrelation", "bound_autocorrelation", "crosscorrelation", "bound_crosscorrelation")
         return pd.DataFrame({"lag": lag, "seconds": period * lag, **dict(zip(names, columns, strict=True))})
-
-
-def shown(p: float) -> str:
-    """A p-value as people read it, with its sign of equality."""
-    return f"= {p:.2g}" if p >= 1e-99 else "< 1e-99"
 
 
 def analyse_residual(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from camid.chain.plant import STABILITY_TOLERANCE
 from camid.compiled import njit
 from camid.identification.factorisation import Records, factorise, solve
-from camid.identification.iteration import LARGEST_CONDITION, UNDETERMINED_SHARE, IterationResult
+from camid.identification.iteration_result import LARGEST_CONDITION, UNDETERMINED_SHARE, IterationResult
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]
@@ -23,14 +23,14 @@ LARGEST_DAMPING = 1e8
 # Shares of the promised gain below which a step was too long, and above which it may be longer.
 BROKEN_PROMISE, KEPT_PROMISE = 0.25, 0.75
 # Smallest share of a column's length beside the others for which Gram–Schmidt is as good as singular values.
-SOUND = 1e-4
+SMALLEST_INDEPENDENT_SHARE = 1e-4
 # Iterations between two reports of progress.
 REPORTED_ITERATIONS = 10
 
 
 @njit
 def _is_stable(denominator: Array) -> bool:
-    """As :func:`camid.identification.iteration.has_stable`; non-negative coefficients suffice up to the order two."""
+    """As :func:`camid.identification.iteration_result.has_stable`; non-negative coefficients suffice to order two."""
     negative = False
     for coefficient in denominator:
         if not np.isfinite(coefficient):
@@ -180,9 +180,9 @@ def _iterate(  # noqa: C901, PLR0912 - a call between the parts would cost more 
         if not _all_finite(triangle):
             return parameters, cost, damping, False, True, iteration
         direct, left_over, offset, independence = solve(triangle, moving)
-        sound = independence > SOUND and np.isfinite(left_over)
+        well_conditioned = independence > SMALLEST_INDEPENDENT_SHARE and np.isfinite(left_over)
         determined = True
-        if not sound or damping > 0.0:
+        if not well_conditioned or damping > 0.0:
             singular, right, lengths, projected, kept = _decomposed(triangle, moving)
             power = 0.0
             for value in projected:
@@ -196,7 +196,7 @@ def _iterate(  # noqa: C901, PLR0912 - a call between the parts would cost more 
             return parameters, cost, damping, determined, True, iteration
         accepted = False
         while not accepted and damping < LARGEST_DAMPING:
-            if sound and damping == 0.0:
+            if well_conditioned and damping == 0.0:
                 step, promised = direct, offset * offset
             else:
                 singular, right, lengths, projected, kept = _decomposed(triangle, moving)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import companion, derivative_rows, respond
-from camid.identification.iteration import IterationResult, sum_of_squares
+from camid.identification.iteration_result import IterationResult, sum_of_squares
 from camid.identification.predictor import Predictor
 
 Array = NDArray[np.float64]

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from camid.number_text import SPACE, number, plain, span
 from camid.proof.rates import median, rate
 from camid.proof.scoring import COLOURED_NOISE, STRONG
 
 HIGH_SNR = 30.0  # dB: between the 20 and the 40 dB of the recordings with an effect outside the catalogue
-ABOVE = f"above {STRONG:g} × the detectable size"
+ABOVE = f"above {plain(STRONG)} × the detectable size"
 
 
 @dataclass(frozen=True)
@@ -191,26 +192,25 @@ def quantities(found: list[Line], target: str) -> pd.DataFrame:
 def to_markdown(found: list[Line], stamp: str) -> str:
     """The table as Markdown, with a line that says what it was computed from."""
 
-    def number(value: float, unit: str) -> str:
-        return f"{value:.1f} %" if unit == "%" else f"{value:.2f} s" if unit == "s" else f"{value:.3f}"
+    def measured(value: float, unit: str) -> str:
+        return number(value) + ("" if unit == "1" else SPACE + unit)
 
     def target(line: Line) -> str:
-        if line.met is None:
-            return "–"
-        low, high = line.at_least, line.at_most
+        low, high, unit = line.at_least, line.at_most, "" if line.unit == "1" else line.unit
         if low is not None and high is not None:
-            return f"{low:g} to {high:g} {line.unit}"
-        sign, bound = ("≥", low) if low is not None else ("≤", high)
-        return f"{sign} {bound:g}{'' if line.unit == '1' else ' ' + line.unit}"
+            return span((low, high), unit)
+        if low is not None:
+            return f"≥ {plain(low, unit=unit)}"
+        return "–" if high is None else f"≤ {plain(high, unit=unit)}"
 
     table = []
     for line in found:
         known = np.isfinite(line.low) and np.isfinite(line.high)
-        interval = f"{number(line.low, line.unit)} to {number(line.high, line.unit)}" if known else "–"
-        measured = number(line.value, line.unit) if np.isfinite(line.value) else "–"
+        interval = f"{measured(line.low, line.unit)} to {measured(line.high, line.unit)}" if known else "–"
+        value = measured(line.value, line.unit) if np.isfinite(line.value) else "–"
         met = {True: "yes", False: "**no**", None: "–"}[line.met] if np.isfinite(line.value) else "–"
         table.append(
-            {"": line.title, "target": target(line), "measured": measured, "95 % interval": interval, "of": line.count}
+            {"": line.title, "target": target(line), "measured": value, "95 % interval": interval, "of": line.count}
             | {"met": met}
         )
     return f"{pd.DataFrame(table).to_markdown(index=False, disable_numparse=True)}\n\n{stamp}\n"

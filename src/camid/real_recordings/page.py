@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import floor, log10
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from camid.number_text import plain, with_deviation
 from camid.real_recordings.results import MODELS
 
 BASELINES = "Champneys et al., arXiv 2405.10779, Tables 3 and 4"
@@ -20,6 +20,10 @@ NOT_FOUND = "not found"
 # Data for the thesis's friction, from the same file: mass, length, gravity, Coulomb and viscous friction.
 THESIS_MASS, THESIS_LENGTH, THESIS_GRAVITY = 0.2235, 0.31692, 9.82  # kg, m, m/s²
 THESIS_COULOMB, THESIS_VISCOUS = 4.1e-3, 0.5e-3  # N m, N m s
+
+
+# Effects that would explain what the experiment lets one expect, whether or not a diagnosis names them.
+SUSPECTED = {"pendulum_clip": "perspective"}
 
 
 @dataclass(frozen=True)
@@ -41,10 +45,6 @@ class TableLine:
     source: str = ""
 
 
-def _thesis(value: float) -> str:
-    return f"{value:.3g}"
-
-
 LINES: dict[str, list[TableLine]] = {
     "silverbox": [
         TableLine("natural frequency (Hz)", "natural_frequency"),
@@ -64,15 +64,18 @@ LINES: dict[str, list[TableLine]] = {
     ],
     "pendulum_decay": [
         TableLine(
-            "natural frequency (rad/s)", "natural_frequency", _thesis((THESIS_GRAVITY / THESIS_LENGTH) ** 0.5), THESIS
+            "natural frequency (rad/s)", "natural_frequency", plain((THESIS_GRAVITY / THESIS_LENGTH) ** 0.5, 3), THESIS
         ),
         TableLine(
-            "viscous damping (1/s)", "viscous_damping", _thesis(THESIS_VISCOUS / THESIS_MASS / THESIS_LENGTH**2), THESIS
+            "viscous damping (1/s)",
+            "viscous_damping",
+            plain(THESIS_VISCOUS / THESIS_MASS / THESIS_LENGTH**2, 3),
+            THESIS,
         ),
         TableLine(
             "Coulomb friction (rad of static deflection)",
             "coulomb-friction_force",
-            _thesis(THESIS_COULOMB / THESIS_MASS / THESIS_GRAVITY / THESIS_LENGTH),
+            plain(THESIS_COULOMB / THESIS_MASS / THESIS_GRAVITY / THESIS_LENGTH, 3),
             THESIS,
         ),
         TableLine("error, fitted rows, 16 to 42.5 s (%)", "fitted_error"),
@@ -118,10 +121,7 @@ def _number(known: pd.DataFrame, key: str) -> str:
     if key not in known.index:
         return "–"
     value, deviation = (float(known[column].loc[key]) for column in ("value", "standard_deviation"))
-    if not deviation > 0.0:
-        return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
-    digits = max(1 - floor(log10(deviation)), 0)
-    return f"{value:.{digits}f} ± {deviation:.{digits}f}".replace("-", "−")
+    return with_deviation(value, deviation) if deviation > 0.0 else plain(value, 3)
 
 
 def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
@@ -130,16 +130,16 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
     Parameters
     ----------
     template : Path
-        Jinja template, in which ``value(recording, quantity, format)``, ``table(recording)``, ``effects(recording)``
-        and ``named(recording, effect)`` insert results.
+        Jinja template, in which ``value(recording, quantity, digits)``, ``table(recording)``, ``effects(recording)``
+        and ``suspicion_confirmed(recording)`` insert results.
     quantities : dict of DataFrame
         By recording.
     """
     import jinja2
 
-    def value(name: str, quantity: str, format_: str = ".3g") -> str:
+    def value(name: str, quantity: str, digits: int = 3) -> str:
         known = quantities[name].set_index("quantity")["value"]
-        return format(float(known.loc[quantity]), format_).replace("-", "−")
+        return plain(float(known.loc[quantity]), digits)
 
     def effects(name: str) -> str:
         known = quantities[name].set_index("quantity")
@@ -154,14 +154,14 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
             words.append(f"`{effect}` ({', '.join(numbers)})")
         return ", ".join(words) or "nothing"
 
-    def named(name: str, effect: str) -> bool:
-        return f"named_{effect}" in set(quantities[name]["quantity"])
+    def suspicion_confirmed(name: str) -> bool:
+        return f"named_{SUSPECTED[name]}" in set(quantities[name]["quantity"])
 
     functions: dict[str, Callable[..., Any]] = {
         "value": value,
         "table": lambda name: table(name, quantities[name]),
         "effects": effects,
-        "named": named,
+        "suspicion_confirmed": suspicion_confirmed,
     }
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)
     return _wrapped(environment.from_string(template.read_text(encoding="utf-8")).render(**functions))

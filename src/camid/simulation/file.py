@@ -14,7 +14,7 @@ from camid.simulation.control_systems import continuous_plant, is_control_system
 from camid.simulation.declared_plant import declared_plant
 from camid.simulation.declared_reading import declared_reading
 from camid.simulation.model import DeclaredEffect, Simulation
-from camid.simulation.yaml_file import Where, place, read_yaml
+from camid.simulation.yaml_file import Where, place, read_yaml, yaml_text
 from camid.writing import write_whole
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def load_simulation(source: str | os.PathLike[str] | Mapping[str, Any] | Simulat
     InputError
         With file, line and key: no YAML, unknown or missing keys, values out of range, an unstable or improper plant.
     """
-    from camid.simulation.schema import validated
+    from camid.simulation.refusals import validated
 
     if isinstance(source, Simulation):
         return source
@@ -164,15 +164,9 @@ def _plain(value: Any) -> Any:
 
 def simulation_text(simulation: Simulation, comment: str = "") -> str:
     """The YAML file as text; ``comment`` goes to its head, line by line."""
-    from ruamel.yaml import YAML
-
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = None
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.width = 120
     stream = StringIO()  # YAML forbids control characters, which a file's name may hold
     stream.writelines(f"# {''.join(c if c.isprintable() else '?' for c in line)}\n" for line in comment.splitlines())
-    yaml.dump(simulation.to_mapping(), stream)
+    stream.write(yaml_text(simulation.to_mapping()))
     return stream.getvalue()
 
 

@@ -1,14 +1,17 @@
-"""YAML files whose keys remember their lines, so that an error names file, line and key."""
+"""YAML files: read, with keys that remember their lines so that an error names file, line and key; and written."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from camid.errors import InputError
 
 Where = Callable[..., str]  # file, line and dotted key of the keys that lead to a value
+# First characters of text that ruamel.yaml leaves unquoted within braces, and then cannot read back: {:a: ?b}.
+NEED_QUOTES = (":", "?")
 
 
 def read_yaml(path: Path) -> Any:
@@ -38,6 +41,30 @@ def read_yaml(path: Path) -> Any:
     except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
         problem = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError(f"not valid YAML: {problem}", where=str(path), hint="write it as text") from None
+
+
+def yaml_text(content: Mapping[str, Any]) -> str:
+    """A mapping as YAML 1.2, whose keys keep their order; keys and values may be any text."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.nodes import ScalarNode
+    from ruamel.yaml.representer import SafeRepresenter
+
+    class QuotingRepresenter(SafeRepresenter):
+        """Quotes what its emitter would write so that it cannot be read back."""
+
+        def represent_scalar(self, tag: Any, value: Any, style: Any = None, anchor: Any = None) -> ScalarNode:
+            if style is None and isinstance(value, str) and value.startswith(NEED_QUOTES):
+                style = '"'
+            return super().represent_scalar(tag, value, style=style, anchor=anchor)
+
+    yaml = YAML(typ="safe", pure=True)
+    yaml.Representer = QuotingRepresenter
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = 120
+    stream = StringIO()
+    yaml.dump(content, stream)
+    return stream.getvalue()
 
 
 def plain_truth_value(value: Any) -> Any:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from camid.number_text import number, plain
 from camid.tracking.clock import Clock, scatter
 from camid.tracking.follow import Position
 
@@ -105,21 +106,23 @@ class Track:
         """Lines for people."""
         table, clock = self.table, self.clock
         x, y, width, height = (round(v) for v in self.positions[0].region)
-        std = ", ".join(f"{c} {np.median(table[f'{c}_std']):.2g} {self.unit}" for c in "xy")
-        scattered = ", ".join(f"{c} –" if v is None else f"{c} {v:.2g} {self.unit}" for c, v in self.scatter.items())
+        std = ", ".join(f"{c} {plain(np.median(table[f'{c}_std']), 2)} {self.unit}" for c in "xy")
+        scattered = ", ".join(
+            f"{c} –" if v is None else f"{c} {plain(v, 2)} {self.unit}" for c, v in self.scatter.items()
+        )
+        noise = plain(np.median([p.noise for p in self.positions]), 2)
         lowest = int(np.argmin(table["quality"]))
         missing = f"{clock.missing} missing in the file" if clock.regular else "irregular time stamps"
         return [
             f"followed: {self.marker}, first in the region {x} {y} {width} {height} px; {self.method} centroid",
             f"frames: {len(table)} with the marker of {clock.frames}; {missing}, {len(self.without_marker)} without "
             f"the marker, {int(table['repeated'].sum())} repeated",
-            f"rate: {clock.effective_rate:.6g} frames/s effective, {1.0 / clock.period:.6g} by the median step; "
-            f"t = {table['t'].iloc[0]:.6g} to {table['t'].iloc[-1]:.6g} s",
-            f"standard deviation (median): {std}, from a noise of {np.median([p.noise for p in self.positions]):.2g} "
-            "grey levels",
+            f"rate: {plain(clock.effective_rate, 6)} frames/s effective, {plain(1.0 / clock.period, 6)} by the median "
+            f"step; t = {plain(table['t'].iloc[0], 6)} to {plain(table['t'].iloc[-1], 6)} s",
+            f"standard deviation (median): {std}, from a noise of {noise} grey levels",
             f"scatter from frame to frame: {scattered}, from the fourth differences of the positions",
-            f"quality: {np.median(table['quality']):.2f} (median), {table['quality'].min():.2f} (lowest, at "
-            f"t = {table['t'].iloc[lowest]:.6g} s)",
+            f"quality: {number(np.median(table['quality']), 2)} (median), {number(table['quality'].min(), 2)} (lowest, "
+            f"at t = {plain(table['t'].iloc[lowest], 6)} s)",
         ]
 
     def warnings(self) -> list[str]:
@@ -127,9 +130,11 @@ class Track:
         found = list(self.notes)
         clock, table = self.clock, self.table
         if not clock.regular:
-            found.append(f"the time stamps are irregular (median step {clock.period:.6g} s); they are kept as they are")
+            found.append(
+                f"the time stamps are irregular (median step {plain(clock.period, 6)} s); they are kept as they are"
+            )
         if clock.missing:
-            where = ", ".join(f"{n} after t = {t:.6g} s" for t, n in clock.gaps[:LISTED])
+            where = ", ".join(f"{n} after t = {plain(t, 6)} s" for t, n in clock.gaps[:LISTED])
             more = ", …" if len(clock.gaps) > LISTED else ""
             found.append(f"{_frames(clock.missing)} missing between the time stamps: {where}{more}")
         if self.without_marker:
@@ -144,12 +149,12 @@ class Track:
             stated = float(np.median(table[f"{c}_std"]))
             if value is not None and value > OVERCONFIDENT * stated:
                 found.append(
-                    f"{c} scatters by {value:.2g} {self.unit} from frame to frame, {c}_std is {stated:.2g} "
+                    f"{c} scatters by {plain(value, 2)} {self.unit} from frame to frame, {c}_std is {plain(stated, 2)} "
                     f"{self.unit}: compression, light or a fast motion"
                 )
         low = table["t"][table["quality"] < LOW_QUALITY].tolist()
         if low:
-            found.append(f"{_frames(len(low))} of a quality below {LOW_QUALITY:g}: t = {_listed(low)} s")
+            found.append(f"{_frames(len(low))} of a quality below {plain(LOW_QUALITY)}: t = {_listed(low)} s")
         return found
 
 
@@ -158,5 +163,5 @@ def _frames(count: int) -> str:
 
 
 def _listed(times: list[float]) -> str:
-    shown = ", ".join(f"{t:.6g}" for t in times[:LISTED])
+    shown = ", ".join(plain(t, 6) for t in times[:LISTED])
     return shown + (", …" if len(times) > LISTED else "")

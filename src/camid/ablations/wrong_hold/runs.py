@@ -18,7 +18,8 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
 from camid.identification.accuracy import cramer_rao_bound
-from camid.identification.declarations import alternative_declarations, explanations, refitted
+from camid.identification.declaration_search import alternative_declarations, refitted
+from camid.identification.declarations import explanations
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import ALARM, analyse_residual

@@ -16,7 +16,7 @@ from camid.engine.run import move, observed
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import STEPS
 from camid.fitting.initial_motion import recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
@@ -45,6 +45,10 @@ class ClosedLoop(PlantKind):
     positions: tuple[Array, ...] = ()
 
     prescribes_order: ClassVar[str | None] = "a closed loop"
+    why_no_other_orders: ClassVar[tuple[str, str] | None] = (
+        "plants driven by an open-loop input, and this one has a controller",
+        "write the plant, and let identify or diagnose estimate it in its loop",
+    )
     residual_of: ClassVar[str] = "control"
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated", "simulated_input")
     hidden_places: ClassVar[frozenset[str]] = frozenset({"sensor"})

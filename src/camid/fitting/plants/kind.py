@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
@@ -17,9 +17,10 @@ from camid.engine.mechanics import Chain
 from camid.engine.run import run, steps_of
 from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fit_growing
+from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
@@ -46,6 +47,9 @@ class PlantKind:
     ----------
     prescribes_order : str or None
         What of the simulation leaves no order to choose, in words; None where any order may be tried.
+    why_no_other_orders : (str, str) or None
+        What the comparison of orders is of, and why that is not this kind; and what to do instead. None where plants of
+        other orders can be compared with this one.
     method : str or None
         How the plant is identified, whatever method is asked for; None where that has a choice.
     residual_of : str
@@ -59,6 +63,7 @@ class PlantKind:
     """
 
     prescribes_order: ClassVar[str | None] = None
+    why_no_other_orders: ClassVar[tuple[str, str] | None] = None
     method: ClassVar[str | None] = "output error"
     residual_of: ClassVar[str] = "output"
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated",)
@@ -227,34 +232,9 @@ class PlantKind:
         """Models that the recorded motion itself suggests, without any simulation."""
         return []
 
-    def identified(
-        self,
-        problem: Problem,
-        believed: Simulation,
-        recordings: list[Recording],
-        held_out: list[NDArray[np.bool_]],
-        nominal: TransferFunction | None,
-        method: str,
-        progress: Callable[[str], None] | None,
-    ) -> Identification:
-        """The plant identified.
-
-        Parameters
-        ----------
-        problem : Problem
-        believed : Simulation
-            Without effects.
-        recordings : list of Recording
-            Of one rig.
-        held_out : list of ndarray of bool
-            Validation rows.
-        nominal : TransferFunction, optional
-            Plant to start from.
-        method : str
-            As asked for; see the attribute of the same name.
-        progress : callable, optional
-        """
-        return identify_by_simulation(problem, believed, recordings, held_out)
+    def identified(self, problem: Problem, task: IdentificationTask) -> Identification:
+        """The plant identified."""
+        return identify_by_simulation(problem, task)
 
     # -- how it is written -------------------------------------------------------------------------------------------
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
@@ -10,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.exact import sample
-from camid.chain.plant import TransferFunction
 from camid.fitting.exact_output import exact_output
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
+from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_exactly import identify_exactly
 from camid.fitting.initial_motion import companion_state, recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.estimate import estimate
@@ -81,19 +80,9 @@ class LinearPlant(PlantKind):
         # it.
         return min((found, recorded_start(problem, model)), key=lambda start: _misfit(problem, start))
 
-    def identified(
-        self,
-        problem: Problem,
-        believed: Simulation,
-        recordings: list[Recording],
-        held_out: list[NDArray[np.bool_]],
-        nominal: TransferFunction | None,
-        method: str,
-        progress: Callable[[str], None] | None,
-    ) -> Identification:
+    def identified(self, problem: Problem, task: IdentificationTask) -> Identification:
         """By the method asked for, with the tests of the residual."""
-        structure, experiments = problem.structure, problem.experiments
-        return identify_exactly(believed, structure, recordings, experiments, held_out, nominal, method, progress)
+        return identify_exactly(problem, task)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from camid.effects.base import Effect, Parameter
 from camid.effects.pendulum import SineRestoringForce
 from camid.fitting.fit import Fitted
 from camid.fitting.initial_motion import FEWEST_SMOOTHED, MOST_SMOOTHED, SMOOTHED, recorded_start
-from camid.fitting.model import Model
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.structure import Structure

@@ -42,8 +42,8 @@ class Built:
 
 
 @dataclass
-class Draft:
-    """What :func:`draw_draft` draws.
+class DrawnRecording:
+    """What :func:`draw_recording` draws.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class Draft:
         )
 
 
-def draw_draft(case: Case, draws: np.random.Generator) -> Draft:
+def draw_recording(case: Case, draws: np.random.Generator) -> DrawnRecording:
     """Draw everything but the effects.
 
     Parameters
@@ -152,7 +152,7 @@ def draw_draft(case: Case, draws: np.random.Generator) -> Draft:
     command = excitation.draw(draws, setup.input_length)
     acquisition = Acquisition(period, "zoh", "camera" if camera else "instant", exposure or None, latency)
     snr = float(draws.uniform(LOWEST_SNR, HIGHEST_SNR)) if case.snr_db is None else case.snr_db
-    return Draft(
+    return DrawnRecording(
         case,
         setup,
         Belief(rig.transfer_function(), acquisition, moving),
@@ -175,12 +175,12 @@ def _draw_rig(draws: np.random.Generator, any_order: bool, coarse: bool, input_s
     return rig, min(angle / rig.rate, 2.5 / max(rig.series_frequency, rig.rate))
 
 
-def add_effect(draft: Draft, name: str, draws: np.random.Generator) -> None:
+def add_effect(drawn: DrawnRecording, name: str, draws: np.random.Generator) -> None:
     """Draw one effect's law and size, and find the strength that gives it that size.
 
     Parameters
     ----------
-    draft : Draft
+    drawn : DrawnRecording
         Gets the effect, and another signal-to-noise ratio where the effect has no strength to choose.
     name : str
         Identity of the effect.
@@ -188,48 +188,48 @@ def add_effect(draft: Draft, name: str, draws: np.random.Generator) -> None:
     """
     family = CATALOGUE.get(name) or OUTSIDE[name]
     alternative = family.alternatives and draws.random() < ALTERNATIVE_LAWS
-    effect = family.law(draws, draft.context(), bool(alternative))
+    effect = family.law(draws, drawn.context(), bool(alternative))
     wanted = float(np.exp(draws.uniform(np.log(SMALLEST_MULTIPLE), np.log(LARGEST_MULTIPLE))))
-    if draft.case.kind == "invisible":
-        strength = _hidden_strength(draft, effect, draws)
+    if drawn.case.kind == "invisible":
+        strength = _hidden_strength(drawn, effect, draws)
     elif effect.fixed:
         strength = 1.0
         if effect.noise_like:
-            draft.effects.append(Built(effect, strength, None))
+            drawn.effects.append(Built(effect, strength, None))
             return
-        if len(draft.case.effects) == 1:
-            squares, output = draft.left_over(effect, strength)
+        if len(drawn.case.effects) == 1:
+            squares, output = drawn.left_over(effect, strength)
             ratio = wanted / multiple(squares, float(np.std(output)))
-            draft.snr_db = float(np.clip(20.0 * np.log10(ratio), LOWEST_SNR, HIGHEST_SNR))
+            drawn.snr_db = float(np.clip(20.0 * np.log10(ratio), LOWEST_SNR, HIGHEST_SNR))
     else:
-        strength = strength_for(wanted, lambda g: draft.size(effect, g), effect.start, effect.high)
-    draft.effects.append(Built(effect, strength, draft.left_over(effect, strength)[0]))
+        strength = strength_for(wanted, lambda g: drawn.size(effect, g), effect.start, effect.high)
+    drawn.effects.append(Built(effect, strength, drawn.left_over(effect, strength)[0]))
 
 
-def _hidden_strength(draft: Draft, effect: Effect, draws: np.random.Generator) -> float:
+def _hidden_strength(drawn: DrawnRecording, effect: Effect, draws: np.random.Generator) -> float:
     """A strength that the recording does not show: of a threshold beyond reach, or of a curve met at two points."""
     beyond = effect.identity not in TWO_LEVELS_HIDE
     strength = float(-draws.uniform(0.1, 0.5) if beyond else draws.uniform(0.1, 0.4))
     for _ in range(ATTEMPTS):
-        if draft.size(effect, strength) < HIDDEN_MULTIPLE:
+        if drawn.size(effect, strength) < HIDDEN_MULTIPLE:
             break
         # Play shows where it is first taken up, and a stop where only a part of the motion was looked at.
         strength = 1.5 * strength if beyond else 0.5 * strength
     return strength
 
 
-def make_gentle(draft: Draft, commands: list[Array]) -> None:
+def make_gentle(drawn: DrawnRecording, commands: list[Array]) -> None:
     """Reduce the strengths until the machine survives all commands, those of twice the amplitude too.
 
     A softening spring holds only a limited load.
     """
     for _ in range(ATTEMPTS):
         try:
-            for command in (draft.command, *commands):
-                draft.output(draft.setup_with(draft.effects), command)
+            for command in (drawn.command, *commands):
+                drawn.output(drawn.setup_with(drawn.effects), command)
             return
         except DivergedError:
-            for i, item in enumerate(draft.effects):
+            for i, item in enumerate(drawn.effects):
                 strength = GENTLER * item.strength
-                draft.effects[i] = Built(item.effect, strength, draft.left_over(item.effect, strength)[0])
-    raise DivergedError(f"case {draft.case.index} of seed {draft.case.seed} cannot be made")
+                drawn.effects[i] = Built(item.effect, strength, drawn.left_over(item.effect, strength)[0])
+    raise DivergedError(f"case {drawn.case.index} of seed {drawn.case.seed} cannot be made")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from camid.proof.concealed.camera_readings import clean, motion, readings, record
 from camid.proof.concealed.cases import Case, plan
 from camid.proof.concealed.detectability import multiple
-from camid.proof.concealed.drawn_recording import Draft, add_effect, draw_draft, make_gentle
+from camid.proof.concealed.drawn_recording import DrawnRecording, add_effect, draw_recording, make_gentle
 from camid.proof.concealed.image_readings import image_readings
 from camid.proof.concealed.rig_setup import Setup
 
@@ -64,36 +64,36 @@ def make(case: Case) -> ConcealedRecording:
     draws, effect_draws, noise_draws = (
         np.random.default_rng(child) for child in np.random.SeedSequence([case.seed, case.index]).spawn(3)
     )
-    draft = draw_draft(case, draws)
+    drawn = draw_recording(case, draws)
     for name in case.effects:
-        add_effect(draft, name, effect_draws)
-    commands = [factor * draft.excitation.draw(draws, draft.setup.input_length) for factor in (1.0, 2.0)]
-    make_gentle(draft, commands)
+        add_effect(drawn, name, effect_draws)
+    commands = [factor * drawn.excitation.draw(draws, drawn.setup.input_length) for factor in (1.0, 2.0)]
+    make_gentle(drawn, commands)
 
-    setup = draft.setup_with(draft.effects)
-    output = draft.output(setup, draft.command)
-    noise_std, largest = draft.noise_std(output), float(np.max(np.abs(output)))
-    events = np.random.default_rng(draft.seed + 1)  # those that the effects were sized with
-    recording = _table(draft, setup, draft.command, noise_std, largest, noise_draws, events)
+    setup = drawn.setup_with(drawn.effects)
+    output = drawn.output(setup, drawn.command)
+    noise_std, largest = drawn.noise_std(output), float(np.max(np.abs(output)))
+    events = np.random.default_rng(drawn.seed + 1)  # those that the effects were sized with
+    recording = _table(drawn, setup, drawn.command, noise_std, largest, noise_draws, events)
     # What happened once does not happen again.
-    lasting = [b for b in draft.effects if b.effect.repeatable or b.effect.place != "disturbance"]
-    again = draft.setup_with(lasting)
+    lasting = [b for b in drawn.effects if b.effect.repeatable or b.effect.place != "disturbance"]
+    again = drawn.setup_with(lasting)
     same_kind, double_amplitude = (
-        _table(draft, again, command, noise_std, largest, noise_draws, noise_draws) for command in commands
+        _table(drawn, again, command, noise_std, largest, noise_draws, noise_draws) for command in commands
     )
-    if draft.images:
+    if drawn.images:
         noise_std = float(np.std(recording["y"] - recording["clean"]))
     return ConcealedRecording(
         recording.drop(columns="clean"),
-        _simulation(draft, draws),
+        _simulation(drawn, draws),
         same_kind,
         double_amplitude,
-        _truth(draft, setup, output, noise_std),
+        _truth(drawn, setup, output, noise_std),
     )
 
 
 def _table(
-    draft: Draft,
+    drawn: DrawnRecording,
     setup: Setup,
     command: Array,
     noise_std: float,
@@ -104,38 +104,38 @@ def _table(
     """Record the rig under a command; columns t, u, y and clean."""
     trajectory = motion(setup, command)
     values = clean(setup, readings(setup, trajectory))
-    if draft.images:
+    if drawn.images:
         recorded = image_readings(setup, trajectory, largest, noise_std, noise)
     else:
         recorded = record(setup, trajectory, noise_std, noise, events)
     time = np.arange(setup.frames, dtype=np.float64) * setup.period
-    return pd.DataFrame({"t": time, "u": draft.recorded(command), "y": recorded, "clean": values})
+    return pd.DataFrame({"t": time, "u": drawn.recorded(command), "y": recorded, "clean": values})
 
 
-def _simulation(draft: Draft, draws: np.random.Generator) -> dict[str, Any]:
+def _simulation(drawn: DrawnRecording, draws: np.random.Generator) -> dict[str, Any]:
     """What the user believes: the contract of a simulation file."""
-    plant, acquisition = draft.setup.rig.believed(draws), draft.belief.acquisition
+    plant, acquisition = drawn.setup.rig.believed(draws), drawn.belief.acquisition
     sensor: dict[str, Any] = {"column": "y", "kind": acquisition.sensor, "latency": float(acquisition.latency)}
     if acquisition.sensor == "camera":
-        sensor["exposure"] = float(draft.setup.exposure)
+        sensor["exposure"] = float(drawn.setup.exposure)
     return {
         "schema": 1,
         "time": {"column": "t"},
         "input": {"column": "u", "hold": "zoh"},
         "plant": {"transfer_function": {"numerator": list(plant.numerator), "denominator": list(plant.denominator)}},
         "sensor": sensor,
-        "initial_state": "estimate" if draft.setup.moving else "zero",
+        "initial_state": "estimate" if drawn.setup.moving else "zero",
         "effects": [],
     }
 
 
-def _truth(draft: Draft, setup: Setup, output: Array, noise_std: float) -> dict[str, Any]:
+def _truth(drawn: DrawnRecording, setup: Setup, output: Array, noise_std: float) -> dict[str, Any]:
     """What is concealed, in numbers and words that JSON knows."""
     effects = []
-    for built in draft.effects:
+    for built in drawn.effects:
         squares = built.sum_of_squares
-        if len(draft.effects) == 1 and not built.effect.noise_like:
-            squares = draft.belief.left_over_after_estimate(draft.recorded(draft.command), output)
+        if len(drawn.effects) == 1 and not built.effect.noise_like:
+            squares = drawn.belief.left_over_after_estimate(drawn.recorded(drawn.command), output)
         effects.append(
             {
                 "id": built.effect.identity,
@@ -148,20 +148,20 @@ def _truth(draft: Draft, setup: Setup, output: Array, noise_std: float) -> dict[
                 "multiple": None if squares is None else multiple(squares, noise_std),
             }
         )
-    plant = draft.belief.plant
+    plant = drawn.belief.plant
     return {
-        "kind": draft.case.kind,
+        "kind": drawn.case.kind,
         "effects": effects,
         "snr_db": float(20.0 * np.log10(np.std(output) / noise_std)),
-        "excitation": draft.excitation.kind,
+        "excitation": drawn.excitation.kind,
         "noise_std": float(noise_std),
-        "initial_state": "estimate" if draft.setup.moving else "zero",
+        "initial_state": "estimate" if drawn.setup.moving else "zero",
         "plant": {"numerator": list(plant.numerator), "denominator": list(plant.denominator)},
         "period": float(setup.period),
         "exposure": float(setup.exposure),
         "latency": float(setup.latency),
         "hold": setup.hold,
         "frames": setup.frames,
-        "images": bool(draft.images),
-        "repeatable": all(b.effect.repeatable for b in draft.effects),
+        "images": bool(drawn.images),
+        "repeatable": all(b.effect.repeatable for b in drawn.effects),
     }

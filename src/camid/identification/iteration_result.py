@@ -1,4 +1,4 @@
-"""Where an iteration ended, and when it may be believed."""
+"""Where an iterative estimate ended, and the limits that decide whether it may be believed."""
 
 from __future__ import annotations
 

@@ -13,8 +13,8 @@ from typing import Any, TextIO
 from camid.errors import InputError
 
 
-class _Both:
-    """Text stream that writes to two."""
+class _TwoStreams:
+    """Text stream that writes to two others."""
 
     def __init__(self, first: TextIO, second: TextIO) -> None:
         self._streams = (first, second)
@@ -48,7 +48,7 @@ def logged(path: str | Path, *, also_print: bool = False) -> Iterator[None]:
     """
     terminal = sys.stdout
     with Path(path).open("w", encoding="utf-8") as log:
-        out = _Both(terminal, log) if also_print else log
+        out = _TwoStreams(terminal, log) if also_print else log
         try:
             with redirect_stdout(out), redirect_stderr(log):
                 yield
@@ -57,7 +57,7 @@ def logged(path: str | Path, *, also_print: bool = False) -> Iterator[None]:
             sys.exit(f"camid: error: {error}")
         except Exception as error:
             log.write(traceback.format_exc())
-            sys.exit(f"camid: {type(error).__name__}: {error} (whole story in {path})")
+            sys.exit(f"camid: {type(error).__name__}: {error} (details in {path})")
 
 
 # Inputs and parameters that only the workflow needs.

@@ -9,7 +9,7 @@ from io import StringIO
 import pandas as pd
 import pytest
 
-from camid.paper.arithmetic import reproducible_environment
+from camid.workflow.arithmetic import reproducible_environment
 
 pytestmark = pytest.mark.skipif(
     platform.machine() not in {"x86_64", "AMD64"}, reason="only x86-64 has several kernels to choose from"

@@ -21,6 +21,6 @@ def reproducible_environment() -> dict[str, str]:
     -------
     dict of str to str
         :mod:`camid.compiled` compiles for one kind of processor itself. On processors that are not x86-64 the digits
-        are their own; they agree as tests/paper/test_arithmetic.py says.
+        are their own; they agree as tests/workflow/test_arithmetic.py says.
     """
     return {**(X86_64 if platform.machine() in {"x86_64", "AMD64"} else {}), **ONE_THREAD_OF_LINEAR_ALGEBRA}

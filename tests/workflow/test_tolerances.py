@@ -3,7 +3,7 @@ import pytest
 from jsonschema import ValidationError, validate
 from ruamel.yaml import YAML
 
-from camid.paper.tolerances import compare, print_comparison
+from camid.workflow.tolerances import compare, print_comparison
 from tests.support import ROOT
 
 QUANTITIES = pd.DataFrame(

@@ -1,0 +1,1 @@
+"""What every job of the workflow uses: inputs and logs, reproducible arithmetic, datasets and tolerances."""
