@@ -57,7 +57,9 @@ def diagnosis(recording):
 
 
 # Large and small units and the other sign of either signal.
-@pytest.mark.parametrize(("of_input", "of_output"), [(-1e6, 1e-6), (1e-6, -1.0), pytest.param(1.0, 1e6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("of_input", "of_output"), [(-1e6, 1e-6), (1e-6, -1.0), pytest.param(1.0, 1e6, marks=pytest.mark.slow)]
+)
 def test_units_and_signs_scale_the_parameters(recording, diagnosis, of_input, of_output):
     changed = recording.assign(u=of_input * recording["u"], y=of_output * recording["y"])
     again = camid.diagnose(changed, simulation(plant=scaled_plant(of_output / of_input)))
