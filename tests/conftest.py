@@ -17,7 +17,7 @@ settings.register_profile("camid", derandomize=True, database=None, deadline=Non
 settings.load_profile("camid")
 
 # Folders whose files take longest go first, so that no worker is left with a long one at the end.
-LONG = ("workflow", "proof", "diagnosis", "real_recordings", "commands", "identification")
+LONG = ("workflow", "docs", "diagnosis", "proof", "real_recordings", "commands", "identification")
 
 
 def pytest_collection_modifyitems(items):

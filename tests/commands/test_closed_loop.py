@@ -30,7 +30,7 @@ def test_loop_is_simulated(limit):
 
 def test_what_the_loop_hides_is_found():
     """Friction and a bias that the position hardly shows; the error of both control and position is told."""
-    recording = rigs.drive(**RIG, noise=0.3, count=1500)
+    recording = rigs.drive(**RIG, noise=0.3, count=600)
     diagnosis = camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
     names = {f.identifier: f for f in diagnosis.findings}
     assert set(names) == {"coulomb-friction", "input-bias"}
@@ -42,9 +42,15 @@ def test_what_the_loop_hides_is_found():
     assert camid.diagnose(recording, diagnosis.improved).verdict == "adequate"
 
 
-def test_nothing_is_found_where_nothing_is_missing():
+@pytest.fixture(scope="module")
+def linear():
+    """Diagnosis of a drive without friction."""
     recording = rigs.drive(mass=12.0, viscous=30.0, noise=0.3, count=1500)
-    assert camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0)).verdict == "adequate"
+    return camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
+
+
+def test_nothing_is_found_where_nothing_is_missing(linear):
+    assert linear.verdict == "adequate"
 
 
 def test_identified_in_its_loop():
@@ -73,10 +79,8 @@ def test_units_of_all_columns():
     assert load_simulation(load_simulation(content).to_mapping()).to_mapping() == load_simulation(content).to_mapping()
 
 
-def test_sensor_effects_are_said_to_be_out_of_sight():
-    recording = rigs.drive(mass=12.0, viscous=30.0, noise=0.3, count=1500)
-    diagnosis = camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
-    reasons = {u.identifier: u.reason for u in diagnosis.undetectable}
+def test_sensor_effects_are_said_to_be_out_of_sight(linear):
+    reasons = {u.identifier: u.reason for u in linear.undetectable}
     assert "closed loop" in reasons["sensor-offset"]
     assert "closed loop" in reasons["delay"]
 

@@ -27,7 +27,7 @@ def test_identified_from_far_off():
     """A belief under which the pendulum would turn over, and the accuracy that is stated."""
     deviations = []
     for seed in range(6):
-        recording = rigs.pendulum(**RIG, noise=0.01, seed=seed, count=1500)
+        recording = rigs.pendulum(**RIG, noise=0.01, seed=seed, count=800)
         result = camid.identify(
             recording, rigs.pendulum_simulation(natural_frequency=4.4, damping=0.02, rest=np.pi, gain=2.0)
         )

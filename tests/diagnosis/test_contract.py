@@ -92,18 +92,42 @@ def read_json(text):
     return json.loads(text, parse_constant=refuse)
 
 
+def recorded(name):
+    """The recording of a case."""
+    if name in CASES:
+        return record(*CASES[name])
+    return record(**DECLARED[name][0]) if name in DECLARED else spoilt(name)
+
+
+class Cases(dict):
+    """Cases by name, each diagnosed when it is first asked for."""
+
+    def __init__(self, new_folder):
+        super().__init__()
+        self.new_folder = new_folder
+
+    def __missing__(self, name):
+        self[name] = Case(recorded(name), self.new_folder(name))
+        return self[name]
+
+
 @pytest.fixture(scope="module")
 def cases(tmp_path_factory):
-    made = {name: Case(record(*effects), tmp_path_factory.mktemp(name)) for name, effects in CASES.items()}
-    for name, (acquisition, _) in DECLARED.items():
-        made[name] = Case(record(**acquisition), tmp_path_factory.mktemp(name))
-    for name in NOISE:
-        made[name] = Case(spoilt(name), tmp_path_factory.mktemp(name))
-    return made
+    return Cases(tmp_path_factory.mktemp)
 
 
-EVERY = pytest.mark.parametrize("name", [*CASES, *DECLARED, *NOISE])
-FOUND = pytest.mark.parametrize("name", list(CONCEALED))
+# A second effect of a kind that another case has already: the contract is the same, and the effect another.
+MORE = {"dead-zone", "periodic-disturbance", "exposure", "delay", "quantisation", "outliers"}
+
+
+def each(*names):
+    """Parameter over cases; a further one of a kind is slow."""
+    cases = [pytest.param(n, marks=pytest.mark.slow) if n in MORE else n for n in names]
+    return pytest.mark.parametrize("name", cases)
+
+
+EVERY = each(*CASES, *DECLARED, *NOISE)
+FOUND = each(*CONCEALED)
 
 
 def error(recorded, simulated):
@@ -196,7 +220,7 @@ def test_errors_are_those_of_simulate(cases, name):
         assert error(rows["y"], rows["simulated"]) == pytest.approx(case.content["fit"][key], rel=1e-6)
 
 
-@pytest.mark.parametrize("name", [*CASES, *DECLARED])
+@each(*CASES, *DECLARED)
 def test_refitted_error_is_that_of_identify(cases, name):
     case = cases[name]
     span = case.content["fit"]["validation"]
@@ -222,7 +246,7 @@ def test_the_improved_simulation_is_adequate(cases, name):
     assert again.fit.improved == pytest.approx(case.content["fit"]["nrmse_improved"], rel=0.02)
 
 
-@pytest.mark.parametrize("name", list(CASES))
+@each(*CASES)
 def test_improved_holds_the_effects_with_their_deviations(cases, name):
     written = {e.identifier: e for e in cases[name].improved.effects}
     assert set(written) == {e["id"] for e in cases[name].content["effects"]}
@@ -236,7 +260,7 @@ def test_improved_holds_the_effects_with_their_deviations(cases, name):
         assert getattr(cases[name].improved, key) == getattr(believed, key)
 
 
-@pytest.mark.parametrize("name", list(DECLARED))
+@each(*DECLARED)
 def test_declarations_are_corrected_and_no_effects(cases, name):
     improved = cases[name].improved
     assert improved.effects == ()
@@ -262,7 +286,7 @@ def test_residuals_have_a_row_for_every_recorded_row(cases, name):
 
 def test_two_runs_write_the_same_bytes(cases, tmp_path):
     """Nothing in the files depends on the clock, the threads or the process."""
-    case = cases["cubic-stiffness"]
+    case = cases["clipping"]
     write_diagnosis(case.diagnosis, tmp_path / "first")
     write_diagnosis(camid.diagnose(case.recording, simulation()), tmp_path / "second")
     for name in FILES:

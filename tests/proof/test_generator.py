@@ -118,9 +118,13 @@ def test_the_walk_finds_an_import(tmp_path):
     assert "camid.chain.exact" in reached("camid.proof.concealed.generator")
 
 
+# Where the search for such a recording ends, so that those which do not fit need not be made.
+FIRST = {"periodic-disturbance": 318}
+
+
 def one_that(identity: str, fits, smallest: float = 3.0):
-    """A recording of a catalogue's law that stands well above the noise, and whose drawn fits."""
-    for index in range(301, 500):
+    """A recording of a catalogue's law that stands well above the noise and fits as it is drawn."""
+    for index in range(FIRST.get(identity, 301), 500):
         case = Case(3, index, "several", (identity,))
         if not fits(draw_recording(*started(case))):
             continue
@@ -153,7 +157,7 @@ def force_of(identity: str, p: dict, y: float, v: float) -> float:
     raise AssertionError(identity)
 
 
-def reference(truth: dict, u: np.ndarray, frames: int, steps: int = 120) -> np.ndarray:
+def reference(truth: dict, u: np.ndarray, frames: int, steps: int = 60) -> np.ndarray:
     """Y = G (u + d - f) with numbers of the truth alone, by a fixed-step Runge–Kutta method in the units of u, y, s."""
     (gain,), (_, a1, a2) = truth["plant"]["numerator"], truth["plant"]["denominator"]
     effect = truth["effects"][0]

@@ -1,5 +1,8 @@
 """Rigs that the tests simulate with an integrator of their own: a pendulum, and a drive in a closed loop."""
 
+from functools import cache
+from math import copysign, inf, pi, sin
+
 import numpy as np
 import pandas as pd
 
@@ -10,13 +13,21 @@ def friction_step(velocity, acceleration, level, step):
     """Velocity after a step with dry friction that stops the motion and holds it."""
     free = velocity + step * acceleration
     loss = step * level
-    return np.sign(free) * max(abs(free) - loss, 0.0)
+    return copysign(max(abs(free) - loss, 0.0), free)
 
 
 def pendulum(
     *, natural_frequency, damping, rest, angle, friction=0.0, period=0.01, count=3000, noise=0.0, seed=0, velocity=0.0
 ):
     """Free decay of a pendulum, dry friction in rad of static deflection; columns t, angle."""
+    angles = _angles(natural_frequency, damping, rest, angle, friction, period, count, velocity)
+    random = np.random.default_rng(np.random.SeedSequence(seed))
+    return pd.DataFrame({"t": period * np.arange(count), "angle": angles + noise * random.standard_normal(count)})
+
+
+@cache
+def _angles(natural_frequency, damping, rest, angle, friction, period, count, velocity):
+    """Angles without noise, shape (count,)."""
     y, v = angle, velocity
     step = period / SUBSTEPS
     rows = np.empty(count)
@@ -25,13 +36,12 @@ def pendulum(
         rows[k] = y
         for _ in range(SUBSTEPS):
             # Kick, drift, kick: the friction acts on both kicks.
-            pull = -square * np.sin(y - rest) - 2.0 * damping * natural_frequency * v
+            pull = -square * sin(y - rest) - 2.0 * damping * natural_frequency * v
             v = friction_step(v, pull, square * friction, 0.5 * step)
             y += step * v
-            pull = -square * np.sin(y - rest) - 2.0 * damping * natural_frequency * v
+            pull = -square * sin(y - rest) - 2.0 * damping * natural_frequency * v
             v = friction_step(v, pull, square * friction, 0.5 * step)
-    random = np.random.default_rng(np.random.SeedSequence(seed))
-    return pd.DataFrame({"t": period * np.arange(count), "angle": rows + noise * random.standard_normal(count)})
+    return rows
 
 
 def drive(
@@ -43,29 +53,37 @@ def drive(
     ripple=0.0,
     position_gain=8.0,
     velocity_gain=150.0,
-    limit=np.inf,
+    limit=inf,
     period=0.01,
     count=3000,
     noise=0.0,
     seed=0,
 ):
     """A mass on a drive that follows a reference; columns t, r, u, y; noise on the control."""
+    random = np.random.default_rng(np.random.SeedSequence(seed))
+    rig = (mass, viscous, friction, bias, ripple, position_gain, velocity_gain, limit)
+    reference, positions, controls = _loop(*rig, period, count)
+    controls = controls + noise * random.standard_normal(count)
+    return pd.DataFrame({"t": period * np.arange(count), "r": reference, "u": controls, "y": positions})
+
+
+@cache
+def _loop(mass, viscous, friction, bias, ripple, position_gain, velocity_gain, limit, period, count):
+    """Reference, position and control without noise, each of shape (count,)."""
     time = period * np.arange(count)
     reference = 0.3 * np.sin(0.9 * time) + 0.1 * np.sin(2.3 * time + 1.0) + 0.05 * np.sin(5.1 * time)
-    y, v, step = reference[0], 0.0, period / SUBSTEPS
+    y, v, step = float(reference[0]), 0.0, period / SUBSTEPS
     positions, controls = np.empty(count), np.empty(count)
     for k in range(count):
-        control = float(np.clip(velocity_gain * (position_gain * (reference[k] - y) - v), -limit, limit))
+        control = min(max(velocity_gain * (position_gain * (float(reference[k]) - y) - v), -limit), limit)
         positions[k], controls[k] = y, control
         for _ in range(SUBSTEPS):
             # A screw that is not straight: the friction changes along its turns.
-            level = friction * (1.0 + ripple * np.sin(2.0 * np.pi * y / 0.04))
+            level = friction * (1.0 + ripple * sin(2.0 * pi * y / 0.04))
             v = friction_step(v, (control + bias - viscous * v) / mass, level / mass, 0.5 * step)
             y += step * v
             v = friction_step(v, (control + bias - viscous * v) / mass, level / mass, 0.5 * step)
-    random = np.random.default_rng(np.random.SeedSequence(seed))
-    controls = controls + noise * random.standard_normal(count)
-    return pd.DataFrame({"t": time, "r": reference, "u": controls, "y": positions})
+    return reference, positions, controls
 
 
 def pendulum_simulation(**parameters):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite, sqrt
 from typing import TYPE_CHECKING
 
@@ -76,7 +77,7 @@ class TransferFunction:
         """Number of poles."""
         return len(self.denominator) - 1
 
-    @property
+    @cached_property
     def monic(self) -> TransferFunction:
         """The same function with a leading denominator coefficient of one."""
         lead = self.denominator[0]

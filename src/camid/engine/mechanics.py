@@ -7,6 +7,7 @@ integral of the measured motion as its last state; the effects' forces become ad
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -96,14 +97,19 @@ def jump_of(mechanics: Mechanics) -> Array:
     return jump
 
 
+# A screening simulates the same plant some hundred times, each time with another effect.
+@lru_cache(maxsize=64)
 def companion_block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array]:
-    """Companion matrix, output row, and whether the input passes at once, in scaled time."""
+    """Companion matrix, output row, and whether the input passes at once, in scaled time; none may be written to."""
     monic = plant.monic
     order, degree = monic.order, len(monic.numerator) - 1
     denominator = np.asarray(monic.denominator) * unit ** np.arange(order + 1)
     numerator = np.asarray(monic.numerator) * unit ** (order - degree + np.arange(degree + 1.0))
     row = numerator @ derivative_rows(denominator, range(degree, -1, -1))
-    return companion(denominator), row[:order], row[order:]
+    matrix = companion(denominator)
+    for array in (matrix, row):
+        array.flags.writeable = False
+    return matrix, row[:order], row[order:]
 
 
 class _Line(NamedTuple):
