@@ -37,7 +37,7 @@ def test_triangle_has_the_normal_equations_of_the_sensitivities(acquisition, ini
     predictor = Predictor.around(structure, experiments, denominator)
     generator = np.random.default_rng(3)
     parameters = predictor.from_physical(np.concatenate([generator.standard_normal(zeros + 1), denominator[1:]]))
-    parameters[len(structure.free) :] = generator.standard_normal(predictor.initial_count)
+    parameters[len(structure.free) :] = generator.standard_normal(predictor.linear_unknowns)
     triangle, cost, residual = predictor.factorise(parameters)
     expected_residual, table = predictor.linearise(parameters)
     whole = np.column_stack([table, expected_residual])

@@ -63,12 +63,12 @@ def trials(effect: type[Effect], problem: Problem) -> float:
 
 def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> Iterator[Effect]:
     """All first guesses of the catalogue that are not in the model already."""
-    at_sensor, at_plant = problem.situations(base.model)
+    views = problem.situations(base.model)
     present = {e.identifier for e in base.model.effects}
     for identifier, effect in sorted(known_effects().items()):
         if effect.noise_like or identifier in present or (only is not None and identifier not in only):
             continue
-        view = at_sensor if effect.place == "sensor" else at_plant
+        view = views.of(effect)
         if problem.kind.unseen(effect) is None and effect.invisible(view) is None:
             yield from _possible(effect, view)
 

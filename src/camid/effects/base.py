@@ -170,6 +170,8 @@ class Effect:
     trials : str
         How many different effects a search over the shape amounts to: ``shapes`` (as many as candidates), ``frames``
         (anywhere in the recording) or ``frequencies``.
+    acts_on_reading : bool
+        Of an effect at the sensor, whether it acts on what is read, offset included, and not on the position.
     is_constant : bool
         Whether it adds a constant to a signal: what declares it leaves no such constant to be estimated.
     keeps_hold : bool
@@ -213,6 +215,7 @@ class Effect:
     strength: ClassVar[str | None] = None
     trials: ClassVar[str] = "shapes"
     keeps_hold: ClassVar[bool] = False
+    acts_on_reading: ClassVar[bool] = False
     is_constant: ClassVar[bool] = False
     noise_like: ClassVar[bool] = False
     transforms_by_compiled_code: ClassVar[bool] = False

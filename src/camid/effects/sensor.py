@@ -196,6 +196,7 @@ class Clipping(Effect):
 
     identifier = "clipping"
     place = "sensor"
+    acts_on_reading = True
     title = "Clipping of the measurement"
     equation = r"w = \max(c_-,\ \min(w,\ c_+))"
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
@@ -235,6 +236,7 @@ class SensorOffset(Effect):
 
     identifier = "sensor-offset"
     place = "sensor"
+    acts_on_reading = True
     title = "Offset of the measurement"
     equation = r"w = y + b"
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"

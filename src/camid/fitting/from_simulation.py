@@ -65,7 +65,7 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
     if pendulum is not None:
         gain_free = bool(_free_numerator(believed)[0])
         fixed_gain = None if gain_free else pendulum.gain
-        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain, offset=believed.known_offset)
+        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain)
     kind = FreeDecay if believed.input_column is None else LinearPlant
     return kind(offset=believed.known_offset)
 

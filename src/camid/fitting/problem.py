@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
-from camid.effects.base import Situation
+from camid.effects.base import Effect, Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import move, run, steps_of
 from camid.fitting.plant_with_effects import Model
@@ -52,6 +52,31 @@ class Noise:
 
     whitening: Array
     deviance: float
+
+
+@dataclass(frozen=True)
+class Views:
+    """What first guesses need of one recording, with positions counted in three ways.
+
+    Attributes
+    ----------
+    reading : Situation
+        As they were recorded.
+    sensor : Situation
+        From the sensor's zero, without its offset.
+    plant : Situation
+        As the plant's forces count them.
+    """
+
+    reading: Situation
+    sensor: Situation
+    plant: Situation
+
+    def of(self, effect: type[Effect]) -> Situation:
+        """As an effect sees them."""
+        if effect.place != "sensor":
+            return self.plant
+        return self.reading if effect.acts_on_reading else self.sensor
 
 
 @dataclass(frozen=True)
@@ -169,11 +194,11 @@ class Problem:
         return found
 
     def situation(self, model: Model, index: int | None = None) -> Situation:
-        """What first guesses need, of one recording as its sensor sees it: the longest where none is named."""
-        return self.situations(model, index)[0]
+        """What first guesses need, of one recording as it was read: the longest where none is named."""
+        return self.situations(model, index).reading
 
-    def situations(self, model: Model, index: int | None = None) -> tuple[Situation, Situation]:
-        """The same as the sensor sees it, and with positions as the plant's forces count them."""
+    def situations(self, model: Model, index: int | None = None) -> Views:
+        """The same as each effect sees it."""
         if index is None:
             index = int(np.argmax([np.count_nonzero(e.used) for e in self.experiments]))
         return self.kind.situations(self, model, index)

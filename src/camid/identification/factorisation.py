@@ -242,7 +242,7 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
         first = rows @ first
         second = rows @ second
         straddles, first_order, delay = records.straddles[e], records.first_order[e], records.delay[e]
-        offset, count = records.offsets[e], records.offsets[e + 1] - records.offsets[e]
+        first_row, count = records.offsets[e], records.offsets[e + 1] - records.offsets[e]
         begins_moving = -delay if records.early[e] else 0
         _clear(block, 0, columns + 1)
         now = np.zeros(size + 2)
@@ -252,7 +252,7 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
             if (estimated or biased) and j == begins_moving:
                 for row in range(size):
                     now[row] += start[row]
-            now[size], now[size + 1] = input_at_start(records.signal, offset, count, j, first_order, period)
+            now[size], now[size + 1] = input_at_start(records.signal, first_row, count, j, first_order, period)
             for row in range(size):
                 total = 0.0
                 for column in range(size + 2):
@@ -260,9 +260,9 @@ def factorise(  # noqa: C901, PLR0912, PLR0915 - one loop over the samples, so t
                 following[row] = total
             if straddles:
                 following[size], following[size + 1] = input_at_start(
-                    records.signal, offset, count, j + 1, first_order, period
+                    records.signal, first_row, count, j + 1, first_order, period
                 )
-            frame = offset + j + delay
+            frame = first_row + j + delay
             used = records.used[frame]
             for row in range(len(rows)):
                 if row > 0 and (not used or outputs <= row < 1 + split + order):

@@ -59,8 +59,8 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
 
 
 def _from_zero(conversion: Conversion, simulation: Simulation) -> Conversion:
-    """Conversion of the output; a controller knows the position, so in a closed loop it is read without its offset."""
-    if simulation.controller is None or not isinstance(simulation.offset, float):
+    """Conversion of the output, without its offset where that is subtracted."""
+    if not simulation.is_read_from_zero or not isinstance(simulation.offset, float):
         return conversion
     return replace(conversion, offset=conversion.offset - simulation.offset)
 

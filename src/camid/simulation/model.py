@@ -144,8 +144,13 @@ class Simulation:
 
     @property
     def known_offset(self) -> float:
-        """The sensor's offset, zero where it is not known, and where it was subtracted as the recording was read."""
-        return self.offset if isinstance(self.offset, float) and self.controller is None else 0.0
+        """The sensor's offset, zero where it is not known, and where it is subtracted as the recording is read."""
+        return self.offset if isinstance(self.offset, float) and not self.is_read_from_zero else 0.0
+
+    @property
+    def is_read_from_zero(self) -> bool:
+        """Whether readings are counted from a known offset: a controller knows the position, a pendulum its angle."""
+        return self.controller is not None or self.pendulum is not None
 
     @property
     def known_bias(self) -> float:

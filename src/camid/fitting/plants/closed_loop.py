@@ -18,7 +18,7 @@ from camid.fitting.growing_horizon import STEPS
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
-from camid.fitting.problem import Problem
+from camid.fitting.problem import Problem, Views
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.simulation.model import Simulation
@@ -120,7 +120,7 @@ class ClosedLoop(PlantKind):
         hidden = effect.place in self.hidden_places or effect.corrects_declaration
         return self.why_hidden if hidden else None
 
-    def situations(self, problem: Problem, model: Model, index: int) -> tuple[Situation, Situation]:
+    def situations(self, problem: Problem, model: Model, index: int) -> Views:
         """Position and velocity are the simulated ones, the residual is that of the control."""
         experiment, time = problem.experiments[index], problem.times[index]
         motion = move(problem.chain(model, index), experiment.signal, time)
@@ -137,7 +137,7 @@ class ClosedLoop(PlantKind):
             experiment.acquisition,
             experiment.used,
         )
-        return situation, situation
+        return Views(situation, situation, situation)
 
     def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
         """The residual of the control is an input already."""

@@ -23,7 +23,7 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import WORKERS, Problem, Views
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
@@ -178,8 +178,8 @@ class PlantKind:
             return "the simulation says nothing of it, so it is estimated with the plant"
         return None
 
-    def situations(self, problem: Problem, model: Model, index: int) -> tuple[Situation, Situation]:
-        """What first guesses need of one recording, as the sensor sees the positions and as the plant counts them."""
+    def situations(self, problem: Problem, model: Model, index: int) -> Views:
+        """What first guesses need of one recording."""
         experiment = problem.experiments[index]
         recorded, simulated = experiment.output, problem.simulate_one(model, index)
         residual = np.where(experiment.used, recorded - simulated, 0.0)
@@ -200,10 +200,12 @@ class PlantKind:
                 experiment.used,
             )
 
-        at_sensor = seen(recorded, simulated)
+        reading = seen(recorded, simulated)
         if not self.constants():
-            return at_sensor, at_sensor
-        return at_sensor, seen(self.at_plant(recorded, model), self.at_plant(simulated, model))
+            return Views(reading, reading, reading)
+        offset = model.constants.get(OFFSET.name, 0.0)
+        from_zero = reading if offset == 0.0 else seen(recorded - offset, simulated - offset)
+        return Views(reading, from_zero, seen(self.at_plant(recorded, model), self.at_plant(simulated, model)))
 
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
