@@ -1,4 +1,4 @@
-"""Tables from files of any kind: text, Parquet, MAT and HDF5, by their suffix and checked by their content."""
+"""Tables from files of any kind: text, Parquet, MAT, HDF5, spreadsheets; by their suffix, checked by their content."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SUFFIXES = {
     ".hdf5": "HDF5",
     ".hdf": "HDF5",
 }
-EXCEL = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
+SPREADSHEETS = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
 # First bytes of the files of each kind.
 SIGNATURES = {
     "Parquet": (b"PAR1",),
@@ -67,8 +67,13 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     if kind == "text":
         _refuse_keys("a text file", reading, "group")
         return [_of_text(data if data is not None else path.read_bytes(), name, wanted, reading)]
-    _refuse_keys(f"a {kind} file", reading, *TEXT_KEYS, *(["group"] if kind == "Parquet" else []))
+    without = ["separator", "decimal"] if kind == "spreadsheet" else [*TEXT_KEYS]
+    _refuse_keys(f"a {kind} file", reading, *without, *(["group"] if kind == "Parquet" else []))
     try:
+        if kind == "spreadsheet":
+            from camid.recording.sheets import read_workbook, tables_of_sheets
+
+            return tables_of_sheets(read_workbook(path), name, wanted, reading)
         if kind == "Parquet":
             need("reading a Parquet file", "formats", "pyarrow")
             return [_of_frame(pd.read_parquet(path), name)]
@@ -80,7 +85,9 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     except Exception as error:  # each reader has errors of its own kind for a damaged file, or no right to read
         detail = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            f"cannot be read as {kind} ({detail})", where=name, hint=f"is it whole, and is it a {kind} file?"
+            f"cannot be read as {kind} ({detail})",
+            where=name,
+            hint=f"is it whole, and is it a {kind}{'' if kind == 'spreadsheet' else ' file'}?",
         ) from None
     return tables_of(tree, name, wanted, reading)
 
@@ -114,7 +121,7 @@ def _refuse_keys(what: str, reading: Reading, *keys: str) -> None:
 def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     """Kind of a file, and its content where it had to be unpacked."""
     if path.is_dir():
-        raise InputError("this is a folder", where=name, hint="name a CSV, Parquet, MAT or HDF5 file")
+        raise InputError("this is a folder", where=name, hint="name a CSV, Parquet, MAT or HDF5 file, or a spreadsheet")
     if not path.exists():
         raise InputError("no such file", where=name, hint="check the path")
     suffix = path.suffix.lower()
@@ -124,8 +131,14 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check its permissions") from None
     content = next((kind for kind, heads in SIGNATURES.items() if head.startswith(heads)), None)
-    if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
-        raise InputError("this is an Excel file", where=name, hint="save the sheet as CSV")
+    if content == "Excel" or (content == "zip" and _is_spreadsheet(path)):
+        if suffix and suffix not in SPREADSHEETS:
+            raise InputError(
+                f"this is a spreadsheet, although its name ends in {suffix}", where=name, hint="rename it to .xlsx"
+            )
+        return "spreadsheet", None
+    if suffix in SPREADSHEETS:
+        raise InputError(f"this is no spreadsheet, although its name ends in {suffix}", where=name, hint="rename it")
     if content in {"zip", "gzip"}:
         return "text", _unpacked(path, name, content)
     kind = SUFFIXES.get(suffix, content or "text")
@@ -139,7 +152,7 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     return kind, None
 
 
-def _is_excel(path: Path) -> bool:
+def _is_spreadsheet(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             return any(n.startswith(("xl/", "[Content_Types]")) or n == "content.xml" for n in archive.namelist())
