@@ -8,7 +8,7 @@ import zipfile
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from camid.errors import InputError, need
 from camid.recording.options import Reading
@@ -69,17 +69,29 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
         return [_of_text(data if data is not None else path.read_bytes(), name, wanted, reading)]
     without = ["separator", "decimal"] if kind == "spreadsheet" else [*TEXT_KEYS]
     _refuse_keys(f"a {kind} file", reading, *without, *(["group"] if kind == "Parquet" else []))
-    try:
-        if kind == "spreadsheet":
-            from camid.recording.sheets import read_workbook, tables_of_sheets
+    if kind == "Parquet":
+        return [_of_frame(_whole(path, name, kind), name)]
+    if kind == "spreadsheet":
+        from camid.recording.sheets import tables_of_sheets
 
-            return tables_of_sheets(read_workbook(path), name, wanted, reading)
+        return tables_of_sheets(_whole(path, name, kind), name, wanted, reading)
+    from camid.recording.mat_hdf5 import tables_of
+
+    return tables_of(_whole(path, name, kind), name, wanted, reading)
+
+
+def _whole(path: Path, name: str, kind: str) -> Any:
+    """Content of a file that is not text; InputError where it cannot be read."""
+    import pandas as pd
+
+    from camid.recording.mat_hdf5 import read_hdf5, read_mat
+    from camid.recording.sheets import read_workbook
+
+    try:
         if kind == "Parquet":
             need("reading a Parquet file", "formats", "pyarrow")
-            return [_of_frame(pd.read_parquet(path), name)]
-        from camid.recording.mat_hdf5 import read_hdf5, read_mat, tables_of
-
-        tree = read_mat(path) if kind == "MAT" else read_hdf5(path)
+            return pd.read_parquet(path)
+        return {"MAT": read_mat, "HDF5": read_hdf5, "spreadsheet": read_workbook}[kind](path)
     except InputError:
         raise
     except Exception as error:  # each reader has errors of its own kind for a damaged file, or no right to read
@@ -89,7 +101,37 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
             where=name,
             hint=f"is it whole, and is it a {kind}{'' if kind == 'spreadsheet' else ' file'}?",
         ) from None
-    return tables_of(tree, name, wanted, reading)
+
+
+def possible_readings(path: Path) -> list[tuple[Reading, list[Table]]]:
+    """Ways to read a file of which nothing is known, and the tables that each finds, likeliest first.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    name = str(path)
+    kind, data = _kind(path, name)
+    if kind == "text":
+        from camid.recording.text import names_needed
+
+        count = names_needed(data if data is not None else path.read_bytes(), name)
+        names = tuple(f"column{i + 1}" for i in range(count))
+        reading = Reading(header=False, columns=names) if names else Reading()
+        return [(reading, read_tables(path, (), reading))]
+    if kind == "Parquet":
+        return [(Reading(), read_tables(path, (), Reading()))]
+    if kind == "spreadsheet":
+        reading = Reading(group="/")
+        tables = read_tables(path, (), reading)
+        alone = [(Reading(group=t.experiment), [t]) for t in tables]
+        if len(tables) == 1:
+            return [(Reading(), tables)]
+        return [(reading, tables), *alone] if len({tuple(t.columns) for t in tables}) == 1 else alone
+    from camid.recording.mat_hdf5 import layouts
+
+    return [(Reading(group=group), tables) for group, tables in layouts(_whole(path, name, kind), name)]
 
 
 def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:

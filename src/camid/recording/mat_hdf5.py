@@ -90,7 +90,9 @@ def tables_of(tree: Mapping[str, Any], name: str, wanted: Sequence[str], reading
             said = f"each of the {len(cells)} cells is read as an experiment (group: / under recording says so)"
             return [replace(tables[0], notes=(said, *tables[0].notes)), *tables[1:]]
     if groups and reading.group is not None and not found:
-        return _experiments(node, groups, name, around)
+        tables = _experiments(node, groups, name, around)
+        if len(tables) > 1 or all(tables[0].find(column) is not None for column in wanted):
+            return tables
     inside = f" (groups: {', '.join(sorted(groups))}; say group: under recording)" if groups else ""
     if not whole.columns or not (found or _columns(node)[0]):
         raise InputError(
@@ -99,6 +101,24 @@ def tables_of(tree: Mapping[str, Any], name: str, wanted: Sequence[str], reading
             hint=f"it takes vectors of real numbers{inside}",
         )
     return [replace(whole, hint=inside)]
+
+
+def layouts(tree: Mapping[str, Any], name: str) -> list[tuple[str | None, list[Table]]]:
+    """Groups that may be recordings, likeliest first: the name to give as ``group``, and the tables in each.
+
+    Groups in one group that have the same columns are experiments. Groups inside of others come after these.
+    """
+    found: list[tuple[str | None, list[Table]]] = []
+    waiting: list[tuple[str | None, Mapping[str, Any]]] = [(None, tree)]
+    for path, node in waiting:
+        if _columns(node)[0]:
+            found.append((path, [_table(node, name, {})]))
+        groups = _groups(node)
+        of_columns = {n: v for n, v in groups.items() if _columns(v)[0]}
+        if len(of_columns) > 1 and len({tuple(_columns(v)[0]) for v in of_columns.values()}) == 1:
+            found.append((path or "/", _experiments(node, of_columns, name, {})))
+        waiting += [(n if path is None else f"{path}/{n}", v) for n, v in groups.items()]
+    return found
 
 
 def _experiments(
@@ -115,7 +135,8 @@ def _table(node: Mapping[str, Any], name: str, around: Mapping[str, Any]) -> Tab
     own, refused = _columns(node)
     inner = {n: c for n, c in _nested(node).items() if n not in own}
     outer = {n: c for n, c in around.items() if n not in own and n not in inner and n not in refused}
-    return Table({**own, **inner, **outer}, name, refused=refused)
+    single = {n: float(v) for n, v in node.items() if isinstance(v, int | float | np.number)}
+    return Table({**own, **inner, **outer}, name, refused=refused, single=single)
 
 
 def _nested(node: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

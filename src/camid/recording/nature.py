@@ -113,7 +113,7 @@ def quantisation_step(values: Array, levels: int | None = None) -> float | None:
 LIKELY = {
     "time": ("clock",),
     "input": ("held", "rough", "smooth"),
-    "output": ("smooth", "rough"),
+    "output": ("smooth", "rough", "held"),
     "label": ("held", "constant"),
 }
 MOST_SHOWN = 6

@@ -187,6 +187,10 @@ def _nothing_between(reading: Reading, name: str) -> InputError:
     )
 
 
+def _rows(count: int) -> str:
+    return f"{count} row{'' if count == 1 else 's'}"
+
+
 def _time(seconds: float) -> str:
     """A short time with the unit that leaves one to three digits before the point."""
     for unit, factor in (("s", 1.0), ("ms", 1e3), ("µs", 1e6)):
@@ -297,7 +301,7 @@ class _Piece:
         lost = grid.rows_missing()
         if not grid.regular and (lost or not all(grid.negligible_for(v) for v in values.values())):
             said.append(
-                f"the times scatter about a regular grid of {_time(grid.period)} by {_time(grid.scatter)} RMS and at "
+                f"the times are off a regular grid of {_time(grid.period)} by {_time(grid.scatter)} RMS and at "
                 f"most {_time(grid.deviation * grid.period)} ({100 * grid.deviation:.2g} % of the period)"
                 + (f", and {lost} rows are missing" if lost > 0 else "")
                 + "; the output is interpolated to the grid (cubic)"
@@ -306,12 +310,10 @@ class _Piece:
             )
         empty = max((int(np.isnan(v).sum()) for v in values.values()), default=0)
         if empty:
-            said.append(f"{empty} rows ({100 * empty / len(grid.recorded):.3g} %) have no output")
+            said.append(f"{_rows(empty)} ({100 * empty / len(grid.recorded):.3g} %) without output")
         if missing.any():
             share = 100 * float(np.mean(missing))
-            said.append(
-                f"{int(missing.sum())} rows of the grid ({share:.3g} %) have no output near and are not compared"
-            )
+            said.append(f"{_rows(int(missing.sum()))} of the grid ({share:.3g} %) without output near, not compared")
         if grid.period > LONG_PERIOD and self.reading.period is None and self.reading.time.unit is None:
             said.append(f"the period is {grid.period:g} s: if the times are milliseconds, say unit: ms under time")
         return said

@@ -37,6 +37,8 @@ class Table:
         What tells it from the other tables of its file.
     aliases : mapping of str to str
         Names in the file of columns that are asked for by another.
+    single : mapping of str to float
+        Single values beside the columns.
     notes : tuple of str
         What was taken from elsewhere than declared, one sentence each.
     """
@@ -48,6 +50,7 @@ class Table:
     hint: str = ""
     experiment: str | None = None
     aliases: Mapping[str, str] = field(default_factory=dict)
+    single: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     def renamed(self, aliases: Mapping[str, str]) -> Table:

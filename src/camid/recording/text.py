@@ -96,7 +96,8 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
             _refuse_repeated(first, f"{name}, line {line}")
             if _are_units(second):
                 text = replace(text, units=1)
-                names = [f"{n} [{u}]" if is_unit(u) else n for n, u in zip_longest(first, second, fillvalue="")]
+                units = [u.strip("[]() ") for u in second]
+                names = [f"{n} [{u}]" if is_unit(u) else n for n, u in zip_longest(first, units, fillvalue="")]
     else:
         cells = first[:-1] if first[-1] == "" and len(first) == len(names) + 1 else first
         if not any(_is_number(c, text.decimal) for c in cells):
@@ -113,6 +114,14 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
             )
         names += [""] * (len(first) - len(cells))
     return _parsed(text, name, names), text
+
+
+def names_needed(data: bytes, name: str) -> int:
+    """Number of columns of a text file that has no names for them; 0 if it has."""
+    text = _taken_apart(_decoded(data, name), name, Reading())
+    _, first = next(text.rows(), (1, []))
+    cells = first[:-1] if len(first) > 1 and first[-1] == "" else first
+    return len(cells) if cells and not text.names and all(_is_number(c, text.decimal) for c in cells if c) else 0
 
 
 def _names_some(names: Sequence[str], wanted: Sequence[str]) -> bool:
@@ -232,7 +241,7 @@ def _names_in_comment(comment: str, body: str, separator: str) -> tuple[str, ...
     count = len(first) - (1 if len(first) > 1 and first[-1] == "" else 0)
     for candidate in dict.fromkeys((separator, ",", ";", "\t", " ")):
         _, cells = next(_rows([comment], candidate), (1, []))
-        if len(cells) == count and all(c and not _is_number(c, ".") for c in cells):
+        if len(cells) == count and all(c and c[-1] not in ",;" and not _is_number(c, ".") for c in cells):
             return tuple(cells)
     return ()
 

@@ -89,6 +89,8 @@ def unit_in_header(header: str) -> tuple[str, str | None]:
 @cache
 def is_unit(text: str, dimension: str | None = None) -> bool:
     """Whether pint knows a unit of this name, and of this dimension, such as ``[time]``."""
+    if not text.strip():
+        return False
     try:
         si_factor(text, "", dimension)
     except InputError:
