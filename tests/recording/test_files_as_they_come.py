@@ -304,7 +304,7 @@ def test_sheets(tmp_path):
     assert [one.experiment for one in found] == ["first", "second"]
     np.testing.assert_array_equal(found[1].columns["u"], 2 * U)
     np.testing.assert_array_equal(read(path, group="second")[0].columns["u"], 2 * U)
-    assert "no sheet 'third'; did you mean 'first'?" in refusal(path, group="third")
+    assert "no sheet 'third'; known here: notes, first, second" in refusal(path, group="third")
     assert "a spreadsheet file has no separator" in refusal(path, separator=";")
     workbook(path, {"notes": [["made by hand"]], "first": rows_of()})
     assert "the sheet 'first' of 2 is read" in read(path)[0].warnings[0]

@@ -136,6 +136,10 @@ def pendulums(draw):
 parameter_names = st.from_regex(r"[a-z][a-z0-9_]{0,12}", fullmatch=True)
 
 
+# A name that no other column has.
+added = st.dictionaries(names.map(lambda name: f"added {name}" * 3), conversions, max_size=2)
+
+
 @st.composite
 def simulations(draw):
     start = draw(st.floats(-1e6, 1e6))
@@ -173,6 +177,7 @@ def simulations(draw):
             missing=draw(st.sampled_from(["refuse", "leave-out"])),
             time=draw(st.sampled_from([Conversion(), Conversion("ms")])),
             input=draw(conversions) if driven else Conversion(),
+            added=draw(added) if driven and not controlled else {},
             output=draw(conversions),
             reference=draw(conversions) if controlled else Conversion(),
         ),

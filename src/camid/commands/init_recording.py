@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,18 +17,23 @@ from camid.identification.from_recordings import load_recordings
 from camid.number_text import percentage
 from camid.simulation.model import Simulation
 
+PathLike = str | os.PathLike[str]
+
 # A fit that leaves more than this is no better to start from than what was read off; with a free decay that tells more.
 LARGEST_RESIDUAL, LARGEST_OF_DECAY = 0.9, 0.3
 
 
 def init_recording(
-    recordings: Sequence[Path], *, period: float | None = None, progress: Callable[[str], None] | None = None
+    recording: PathLike | Sequence[PathLike],
+    *,
+    period: float | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> str:
     """Look at recordings of one rig and write a first simulation of it.
 
     Parameters
     ----------
-    recordings : sequence of path
+    recording : path, or list of them
         The first is looked at; the others must be readable in the same way.
     period : float, optional
         Seconds, for files without a time column.
@@ -44,6 +50,9 @@ def init_recording(
     InputError
         If a file cannot be read or holds no columns of numbers.
     """
+    recordings = [Path(r) for r in ([recording] if isinstance(recording, str | os.PathLike) else recording)]
+    if not recordings:
+        raise InputError("no recording is given", hint="name at least one")
     if period is not None and not 0.0 < period < float("inf"):
         raise InputError(f"--period {period:g}", hint="it takes a positive number of seconds")
     layout = layout_of(recordings[0])

@@ -269,7 +269,7 @@ def _unit_lines(column: str) -> list[str]:
 def _plant_lines(draft: Draft, roles: Roles) -> list[str]:
     plant = draft.simulation.plant
     numerator, denominator = ([_short(c) for c in part] for part in (plant.numerator, plant.denominator))
-    found = draft.resonance
+    found = _small_motions(plant, draft.resonance)
     return [
         "plant:",
         f"  # {draft.fit}",
@@ -278,6 +278,18 @@ def _plant_lines(draft: Draft, roles: Roles) -> list[str]:
         f"  # pendulum: {{natural_frequency: {_short(found.natural_frequency)}, damping: {_short(found.damping)}, "
         f"gain: {_short(found.gain if roles.input else 1.0)}, rest: 0.0}}",
     ]
+
+
+def _small_motions(plant: TransferFunction, read_off: Resonance) -> Resonance:
+    """The resonance of a plant of second order, or what was read off where it has none."""
+    if len(plant.denominator) != 3:
+        return read_off
+    _, damping, stiffness = plant.monic.denominator
+    if stiffness <= 0.0 or damping < 0.0:
+        return read_off
+    natural = float(np.sqrt(stiffness))
+    gain = float(plant.monic.numerator[-1]) / stiffness
+    return replace(read_off, natural_frequency=natural, damping=0.5 * damping / natural, gain=gain or read_off.gain)
 
 
 def _short(value: float) -> str:
