@@ -15,9 +15,11 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 from camid.errors import InputError
+from camid.recording.mat_hdf5 import layouts, tables_of
 from camid.recording.nature import nature_of, quantisation_step
 from camid.recording.options import Reading
 from camid.recording.recording import read_recordings
+from camid.recording.sheets import tables_of_sheets
 from camid.recording.units import Conversion, unit_in_header
 
 COUNT = 60
@@ -37,6 +39,11 @@ def refusal(source, **keys):
         read(source, **keys)
     assert "\n" not in str(caught.value)
     return str(caught.value)
+
+
+def check_one_line(refused):
+    assert "\n" not in str(refused)
+    assert refused.where is not None
 
 
 def cells(*values):
@@ -101,6 +108,8 @@ def test_structures_of_runs(tmp_path, content):
     for k, one in enumerate(found):
         np.testing.assert_array_equal(one.time, T)
         np.testing.assert_array_equal(one.columns["u"], (k + 1) * U)
+    above = any("column 't' is that of the group around it" in w for w in found[0].warnings)
+    assert above is isinstance(content.get("runs"), dict)
 
 
 @pytest.mark.parametrize("suffix", ["mat", "h5"])
@@ -118,6 +127,61 @@ def test_time_and_values_at_different_levels(tmp_path, suffix):
         np.testing.assert_array_equal(found.columns[columns[1]], Y)
     said = refusal(path, time="time", columns=("signals/values[1]", "signals/values[2]"), holds=(), group="log")
     assert "columns of a matrix are counted from 0" in said
+
+
+arrays = st.builds(
+    lambda shape, kind: np.arange(np.prod(shape, dtype=int)).reshape(shape).astype(kind),
+    st.sampled_from([(), (0,), (9,), (9, 1), (2, 9), (9, 2), (3, 3, 3)]),
+    st.sampled_from(["f8", "i2", "?", "c16", "U3"]),
+)
+leaves = arrays | st.floats() | st.integers() | st.text(max_size=3) | st.none()
+trees = st.dictionaries(
+    st.sampled_from(["t", "u", "y", "runs", "a/b", "[0]"]),
+    st.recursive(
+        leaves,
+        lambda inner: (
+            st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["t", "u", "y", "x"]), inner, max_size=3)
+        ),
+        max_leaves=12,
+    ),
+    max_size=4,
+)
+
+
+@given(trees, st.sampled_from([None, "/", "runs", "runs/[0]", "[0]", "t.u"]))
+@settings(max_examples=200, deadline=None)
+def test_any_tree_is_read_or_refused_in_one_line(tree, group):
+    try:
+        for table in tables_of(tree, "a.mat", ["t", "u"], Reading(group=group)):
+            assert all(np.ndim(column) == 1 for column in table.columns.values())
+    except InputError as refused:
+        check_one_line(refused)
+    for _, tables in layouts(tree, "a.mat"):
+        assert tables
+
+
+cell_values = st.sampled_from(["", "t", "u", "mm", "-", 1.0, 2.5, -3.0, True]) | st.floats(-9.0, 9.0) | st.dates()
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(["A", "B"]), st.lists(st.lists(cell_values, min_size=1, max_size=4), min_size=1, max_size=8)
+    ),
+    st.sampled_from([None, "/", "A", "C"]),
+    st.booleans(),
+)
+@settings(max_examples=200, deadline=None)
+def test_any_sheets_are_read_or_refused_in_one_line(sheets, group, header):
+    sheets = {name: rows for name, rows in sheets.items() if any(c != "" for row in rows for c in row)}
+    reading = Reading(group=group, header=header, columns=() if header else ("t", "u"))
+    try:
+        tables = tables_of_sheets(sheets, "a.xlsx", ["t", "u"], reading)
+        for table in tables:
+            assert len({len(column) for column in table.columns.values()}) <= 1
+            for column in table.columns:
+                table.column(column)
+    except InputError as refused:
+        check_one_line(refused)
 
 
 # Text
@@ -155,6 +219,8 @@ def test_units_in_the_header(tmp_path, head):
     declared = {"angle": Conversion(unit="mm")}  # what is declared counts
     (found,) = read(path, columns=("u", "angle"), conversions=declared)
     np.testing.assert_allclose(found.columns["angle"], 1e-3 * Y, atol=1e-12)
+    (found,) = read(path, columns=("u", "angle"), conversions={"angle": Conversion(unit="dimensionless")})
+    np.testing.assert_allclose(found.columns["angle"], Y, atol=1e-12)
     rows = rows.replace("\n", "\nx", 1)
     lines = 2 + head.count("\n") + 1
     assert f"line {lines}, column 't'" in refusal(text_file(tmp_path, f"{head}\n{rows}\n"), columns=("u", "angle"))

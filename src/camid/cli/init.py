@@ -24,7 +24,8 @@ def init() -> None:
 def recording(*, recording: tuple[Path, ...], output: Path | None, period: float | None) -> None:
     """Look at one or several RECORDINGs of a rig and write a first simulation of it, with comments.
 
-    What the columns are is guessed from their names and their values, and each guess is marked as one.
+    What the columns are is guessed from their names and their values, and each guess is marked as one. The columns of
+    a matrix are counted from 0: position[0] is the first.
     """
     from camid.commands.init_recording import init_recording
     from camid.writing import write_whole

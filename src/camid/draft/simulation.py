@@ -75,9 +75,12 @@ def bare_simulation(layout: Layout, roles: Roles, period: float | None) -> Simul
 
 
 def _unit_of_time(layout: Layout, roles: Roles) -> str | None:
-    """Unit that the name of the time column ends with, such as t_ms; that in its header is found anyway."""
-    if roles.time is None or roles.time in layout.dates or unit_in_header(roles.time)[1] is not None:
+    """Unit in the header of the time column, or that its name ends with, such as t_ms."""
+    if roles.time is None or roles.time in layout.dates:
         return None
+    in_header = unit_in_header(roles.time)[1]
+    if in_header is not None:
+        return in_header if is_unit(in_header, "[time]") else None
     match = re.search(r"(?:^|[_\s.])(ms|us|µs|ns|min|h|s|sec|millis|milliseconds|microseconds|micros)$", roles.time)
     unit = {"millis": "ms", "micros": "us", "sec": "s"}.get(match[1], match[1]) if match else None
     return unit if unit not in (None, "s") and is_unit(unit, "[time]") else None

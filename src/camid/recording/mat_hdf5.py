@@ -92,7 +92,9 @@ def tables_of(tree: Mapping[str, Any], name: str, wanted: Sequence[str], reading
     if groups and reading.group is not None and not found:
         tables = _experiments(node, groups, name, around)
         if len(tables) > 1 or all(tables[0].find(column) is not None for column in wanted):
-            return tables
+            around |= _columns(node)[0]
+            own = _columns(groups[str(tables[0].experiment)])[0]
+            return [replace(tables[0], notes=_from_around(wanted, own, around)), *tables[1:]]
     inside = f" (groups: {', '.join(sorted(groups))}; say group: under recording)" if groups else ""
     if not whole.columns or not (found or _columns(node)[0]):
         raise InputError(
@@ -100,7 +102,12 @@ def tables_of(tree: Mapping[str, Any], name: str, wanted: Sequence[str], reading
             where=name,
             hint=f"it takes vectors of real numbers{inside}",
         )
-    return [replace(whole, hint=inside)]
+    return [replace(whole, hint=inside, notes=_from_around(wanted, _columns(node)[0], around))]
+
+
+def _from_around(wanted: Sequence[str], own: Mapping[str, Any], around: Mapping[str, Any]) -> tuple[str, ...]:
+    """A sentence for each column that is not in a group but in one around it."""
+    return tuple(f"column '{c}' is that of the group around it" for c in wanted if c not in own and c in around)
 
 
 def layouts(tree: Mapping[str, Any], name: str) -> list[tuple[str | None, list[Table]]]:
