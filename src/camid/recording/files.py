@@ -180,7 +180,9 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
             )
         return "spreadsheet", None
     if suffix in SPREADSHEETS:
-        raise InputError(f"this is no spreadsheet, although its name ends in {suffix}", where=name, hint="rename it, if it is whole")
+        raise InputError(
+            f"this is no spreadsheet, although its name ends in {suffix}", where=name, hint="rename it, if it is whole"
+        )
     if content in {"zip", "gzip"}:
         return "text", _unpacked(path, name, content)
     kind = SUFFIXES.get(suffix, content or "text")
