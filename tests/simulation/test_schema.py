@@ -133,6 +133,10 @@ def pendulums(draw):
     return {"plant": pendulum.transfer_function(), "pendulum": pendulum}
 
 
+# A name that no other column has.
+added = st.dictionaries(names.map(lambda name: f"added {name}" * 3), conversions, max_size=2)
+
+
 @st.composite
 def simulations(draw):
     start = draw(st.floats(-1e6, 1e6))
@@ -170,6 +174,7 @@ def simulations(draw):
             missing=draw(st.sampled_from(["refuse", "leave-out"])),
             time=draw(st.sampled_from([Conversion(), Conversion("ms")])),
             input=draw(conversions) if driven else Conversion(),
+            added=draw(added) if driven and not controlled else {},
             output=draw(conversions),
             reference=draw(conversions) if controlled else Conversion(),
         ),

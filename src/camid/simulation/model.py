@@ -150,6 +150,8 @@ class Simulation:
         plant = self._transfer_function() if self.pendulum is None else self.pendulum.to_mapping()
         time: dict[str, Any] = {"column": self.time_column, **reading.time.to_mapping()}
         driven = {"column": self.input_column, "hold": self.hold, **reading.input.to_mapping()}
+        if reading.added:
+            driven["added"] = [{"column": c, **conversion.to_mapping()} for c, conversion in reading.added.items()]
         content: dict[str, Any] = {"schema": 1}
         if described := reading.to_mapping():
             content["recording"] = described
