@@ -1,8 +1,8 @@
 """Camera-aware identification of machine dynamics.
 
 ``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose``
-finds what it leaves out, ``track`` makes a recording of a video. They mirror the commands of the same name. Importing
-this package is cheap: each name is loaded when it is first used.
+finds what it leaves out, ``track`` makes a recording of a video, ``init_recording`` a first simulation of a recording.
+They mirror the commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
 """
 
 from importlib import import_module
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from camid.commands.diagnose import diagnose
     from camid.commands.identify import identify
+    from camid.commands.init_recording import init_recording
     from camid.commands.order import select_order
     from camid.commands.simulate import simulate
     from camid.commands.track import track
@@ -33,6 +34,7 @@ _MODULE_OF = {
     "Track": "tracking.result",
     "diagnose": "commands.diagnose",
     "identify": "commands.identify",
+    "init_recording": "commands.init_recording",
     "load_simulation": "simulation.file",
     "read_recording": "recording.recording",
     "select_order": "commands.order",
@@ -51,6 +53,7 @@ __all__ = [
     "__version__",
     "diagnose",
     "identify",
+    "init_recording",
     "load_simulation",
     "read_recording",
     "select_order",

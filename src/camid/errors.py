@@ -40,7 +40,12 @@ def nearest_match(name: str, known: Iterable[str]) -> str:
 EXTRAS = {
     "plots": {"matplotlib": "matplotlib"},
     "video": {"cv2": "OpenCV", "av": "PyAV", "matplotlib": "matplotlib"},
-    "formats": {"pyarrow": "PyArrow", "h5py": "h5py", "pymatreader": "pymatreader"},
+    "formats": {
+        "pyarrow": "PyArrow",
+        "h5py": "h5py",
+        "pymatreader": "pymatreader",
+        "python_calamine": "python-calamine",
+    },
     "control": {"control": "python-control"},
 }
 

@@ -222,12 +222,14 @@ def test_numbers_that_overflow_are_not_written():
     assert "exceeds every floating-point number" in refusal(table, content, camid.simulate)
 
 
-def test_offset_in_the_recording_is_warned_of_and_noise_is_not():
+def test_another_offset_than_declared_is_warned_of_and_noise_is_not():
     table = rig.recording(noise=0.05)
-    assert camid.identify(table, believed()).warnings() == []
+    known = believed(sensor=sensor() | {"offset": 0.0})
+    assert camid.identify(table, known).warnings() == []
     shifted = table.assign(y=table["y"] + 0.3)
-    (sentence,) = camid.identify(shifted, believed()).warnings()
+    (sentence,) = camid.identify(shifted, known).warnings()
     assert "offset" in sentence
+    assert camid.identify(shifted, believed()).warnings() == []
 
 
 def test_several_moving_recordings_with_a_known_delay_and_a_known_coefficient():

@@ -167,7 +167,7 @@ def test_a_missing_extra_is_named_in_one_line(extra, folder):
 def test_extras_are_those_of_the_package():
     with (ROOT / "pyproject.toml").open("rb") as file:
         declared = tomllib.load(file)["project"]["optional-dependencies"]
-    distributions = {"cv2": "opencv-python-headless"}
+    distributions = {"cv2": "opencv-python-headless", "python_calamine": "python-calamine"}
     for extra, modules in EXTRAS.items():
         required = {re.split(r"[<>=\[]", r)[0] for r in declared[extra]}
         assert {distributions.get(m, m) for m in modules} == required

@@ -94,7 +94,7 @@ def test_rows_without_output_are_left_out_where_allowed():
     (found,), (experiment,), _ = experiments_of(recorded, load_simulation(content), None)
     assert np.flatnonzero(~experiment.used).tolist() == [3, 20, 21]
     assert np.all(np.isfinite(experiment.output))
-    assert "3 rows (5 %) have no output" in " ".join(warnings_of([found]))
+    assert "3 rows (5 %) without output" in " ".join(warnings_of([found]))
     result = camid.simulate(recorded, content)
     assert np.flatnonzero(result["y"].isna()).tolist() == [3, 20, 21]
     assert result["simulated"].notna().all()
@@ -190,8 +190,8 @@ def test_a_jittered_recording_identifies_the_plant_and_says_what_was_done():
     found = np.array([*result.simulation.plant.numerator, *result.simulation.plant.denominator])
     np.testing.assert_allclose(found, TRUTH, rtol=0.02)
     assert result.nrmse < 0.03
-    assert any("off the regular grid" in w for w in result.warnings())
-    assert "off the regular grid" in camid.select_order(recorded, believed(), largest=2).warnings()[0]
+    assert any("off a regular grid" in w for w in result.warnings())
+    assert "off a regular grid" in camid.select_order(recorded, believed(), largest=2).warnings()[0]
     blind = camid.identify(recorded.assign(t=rig.PERIOD * np.arange(500)), believed())
     assert blind.nrmse > 1.5 * result.nrmse
 
@@ -225,7 +225,7 @@ def test_the_commands_say_what_is_wrong_in_one_line_and_write_nothing(tmp_path, 
     simulation = rig.write_yaml(believed(), tmp_path / "rig.yaml")
     (tmp_path / "book.xlsx").write_bytes(b"PK\x03\x04")
     table().drop(index=10).to_csv(tmp_path / "gap.csv", index=False)
-    for name, said in (("book.xlsx", "this is an Excel file; save the sheet"), ("gap.csv", "gaps: hold")):
+    for name, said in (("book.xlsx", "this is no spreadsheet, although"), ("gap.csv", "gaps: hold")):
         arguments = [command, str(tmp_path / name), "--simulation", str(simulation), "--output", str(tmp_path / "out")]
         assert main(arguments) == 2
         shown = capsys.readouterr()
@@ -295,4 +295,4 @@ def test_pendulum_decay():
     assert found.missing.sum() <= 1
     assert found.recorded_time[0] >= 16.0
     assert np.max(np.abs(found.columns["angle"] - np.pi)) < 1.9
-    assert "off the regular grid" in found.warnings[0]
+    assert "off a regular grid" in found.warnings[0]

@@ -128,9 +128,8 @@ def test_columns_of_a_matrix(write):
     for table in (both, both.T):
         (found,) = read(write({"t": T, "x": table}), columns=("x[0]", "x[1]"))
         np.testing.assert_array_equal(found.columns["x[1]"], Y)
-    assert "'x' is a matrix of 2 columns: name one of them, x[0], x[1]" in refusal(
-        write({"t": T, "x": both}), columns=("x[0]", "x")
-    )
+    said = "'x' is a matrix of 2 columns, which are counted from 0: name one of them, x[0] (the first), x[1] (the last)"
+    assert said in refusal(write({"t": T, "x": both}), columns=("x[0]", "x"))
 
 
 @pytest.mark.parametrize(
@@ -186,7 +185,7 @@ def test_a_compound_dataset_is_a_group(tmp_path):
         (mat73, "a.h5", "this is a MAT file, although its name ends in .h5"),
         (hdf5, "a.mat", "this is an HDF5 file, although its name ends in .mat; rename it to .h5"),
         (parquet, "a.txt", "this is a Parquet file, although its name ends in .txt; rename it to .parquet"),
-        (hdf5, "a.xlsx", "this is an Excel file; save the sheet as CSV"),
+        (hdf5, "a.xlsx", "this is no spreadsheet, although its name ends in .xlsx; rename it"),
     ],
 )
 def test_suffixes_that_lie(tmp_path, writer, name, said):
@@ -219,7 +218,7 @@ def test_packed_text(tmp_path):
     assert "2 files in an archive; unpack it" in refusal(tmp_path / "two.zip")
     with zipfile.ZipFile(tmp_path / "book.csv", "w") as archive:
         archive.writestr("xl/workbook.xml", "")
-    assert "this is an Excel file; save the sheet as CSV" in refusal(tmp_path / "book.csv")
+    assert "this is a spreadsheet, although its name ends in .csv; rename it to .xlsx" in refusal(tmp_path / "book.csv")
     mat5(tmp_path / "a.mat", GOOD)
     (tmp_path / "a.mat.gz").write_bytes(gzip.compress((tmp_path / "a.mat").read_bytes()))
     assert "what is packed is not a text file" in refusal(tmp_path / "a.mat.gz")

@@ -42,7 +42,7 @@ def test_jitter_goes_onto_the_grid_that_it_scatters_about(share):
     assert abs(found.period - PERIOD) <= found.uncertainty
     np.testing.assert_allclose(found.time, 7.0 + PERIOD * np.arange(400), atol=0.1 * share * PERIOD)
     assert found.deviation == pytest.approx(share, rel=0.1)
-    assert found.off_grid > 0.85
+    assert found.scatter == pytest.approx(share * PERIOD / np.sqrt(3.0), rel=0.1)
 
 
 @pytest.mark.parametrize("share", [0.03, 0.2])

@@ -1,6 +1,7 @@
 """The models of the simulation file: the JSON schema that they make, and files of any content."""
 
 import json
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -133,6 +134,10 @@ def pendulums(draw):
     return {"plant": pendulum.transfer_function(), "pendulum": pendulum}
 
 
+# A name that no other column has.
+added = st.dictionaries(names.map(lambda name: f"added {name}" * 3), conversions, max_size=2)
+
+
 @st.composite
 def simulations(draw):
     start = draw(st.floats(-1e6, 1e6))
@@ -146,15 +151,19 @@ def simulations(draw):
         standard_deviations=st.none() | st.dictionaries(names, finite, min_size=1, max_size=3),
     )
     limit = {"limit": draw(positive)} if draw(st.booleans()) else {}
+    plant = draw(transfer_functions() | pendulums())
+    unknown = [] if "pendulum" in plant or controlled else ["estimate"]
     return Simulation(
         draw(names),
         draw(names) if driven else None,
         draw(names),
-        **draw(transfer_functions() | pendulums()),
+        **plant,
         hold=draw(st.sampled_from(["zoh", "foh", "band-limited"])) if driven and not controlled else "zoh",
         sensor="camera" if camera else "instant",
         exposure=draw(st.none() | positive) if camera else None,
         latency=draw(st.floats(0.0, 1e300)),
+        offset=draw(st.none() | finite | st.sampled_from(unknown)) if unknown else draw(st.none() | finite),
+        bias=draw(st.none() | finite) if driven and not controlled else None,
         initial_state=draw(st.sampled_from(["zero", "estimate"])),
         validation=draw(st.none() | st.floats(start, 2e6, exclude_min=True).map(lambda end: (start, end))),
         effects=tuple(draw(st.lists(effects, max_size=2))),
@@ -170,7 +179,8 @@ def simulations(draw):
             missing=draw(st.sampled_from(["refuse", "leave-out"])),
             time=draw(st.sampled_from([Conversion(), Conversion("ms")])),
             input=draw(conversions) if driven else Conversion(),
-            output=draw(conversions),
+            added=draw(added) if driven and not controlled else {},
+            output=replace(draw(conversions), offset=0.0),
             reference=draw(conversions) if controlled else Conversion(),
         ),
     )

@@ -27,6 +27,8 @@ What is known, and how to say it:
                           free: {numerator: [true], denominator: [false, true, false]}
   motion at the start     --initial-state estimate, or initial_state: estimate
   several recordings      name them all; each has its own initial state
+  a column of a matrix    position[0] is its first: they are counted from 0
+  not even a simulation   camid init recording RECORDING
   not even the order      camid order RECORDING
 """
 

@@ -30,6 +30,11 @@ def print_identification(result: Identification, written: list[Path]) -> None:
         for found in result.characteristics():
             estimate = with_deviation(float(found["value"]), float(found["standard_deviation"]))
             table.add_row(str(found["name"]), estimate, str(found["unit"]))
+    constants = result.constants()
+    if constants:
+        table.add_section()
+        for row in constants:
+            table.add_row(row["name"], with_deviation(row["value"], row["standard_deviation"]), row["unit"])
     console.print(table)
     held = "free decay" if model.input_column is None else f"input {model.hold}"
     sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {_milliseconds(model.exposure)}"

@@ -14,6 +14,7 @@ from camid.identification.experiment import Experiment
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.identification.identification import Identification
 from camid.identification.structure import Structure
+from camid.identification.unknown_constants import why_no_offset
 from camid.recording.recording import Recording
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
@@ -84,7 +85,8 @@ def _identified(
         raise InputError(
             f"no estimate: {error}", where=recordings[0].source, hint="try another order, or check the units"
         ) from None
-    return replace(found, recording_warnings=warnings_of(recordings))
+    why = why_no_offset(experiments, believed)
+    return replace(found, recording_warnings=warnings_of(recordings), notes=() if why is None else (why,))
 
 
 def _refuse_undetermined(

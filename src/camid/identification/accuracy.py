@@ -103,6 +103,7 @@ def cramer_rao_bound(
     noise_variance: float,
     *,
     estimate_initial_state: bool = False,
+    estimate_offset: bool = False,
 ) -> Array:
     """Smallest covariance of an unbiased estimate of [b_0 … b_m, a_1 … a_n] in white Gaussian output noise.
 
@@ -115,8 +116,8 @@ def cramer_rao_bound(
     acquisition : Acquisition
     noise_variance : float
         Variance of the output noise, in the units of y squared.
-    estimate_initial_state : bool
-        Whether the initial state is unknown, too.
+    estimate_initial_state, estimate_offset : bool
+        Whether the initial state and the zero of the sensor are unknown, too.
 
     Returns
     -------
@@ -125,7 +126,14 @@ def cramer_rao_bound(
     monic = plant.monic
     structure = Structure.of_order(monic.order, len(monic.numerator) - 1)
     rows = np.ones(len(signal), bool)
-    experiment = Experiment(np.asarray(signal, float), np.zeros(len(signal)), acquisition, rows, estimate_initial_state)
+    experiment = Experiment(
+        np.asarray(signal, float),
+        np.zeros(len(signal)),
+        acquisition,
+        rows,
+        estimate_initial_state,
+        estimate_offset=estimate_offset,
+    )
     predictor = Predictor.around(structure, [experiment], np.asarray(monic.denominator))
     parameters = predictor.from_physical(np.array([*monic.numerator, *monic.denominator[1:]]))
     scale = predictor.scale()

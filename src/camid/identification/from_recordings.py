@@ -19,6 +19,7 @@ from camid.recording.recording import Recording, read_recordings
 from camid.recording.units import Conversion
 from camid.simulation.model import Simulation
 
+Array = NDArray[np.float64]
 RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
@@ -32,6 +33,7 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
         "output": simulation.output_column,
         "reference": None if simulation.controller is None else simulation.controller.reference,
         "experiment": reading.experiment,
+        **{f"the added {column}": column for column in reading.added},
     }
     for (one, first), (other, second) in combinations(roles.items(), 2):
         if first is not None and first == second:
@@ -39,15 +41,15 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
                 f"{one} and {other} are the same column '{first}'", where=simulation.source, hint="name two columns"
             )
     named = [roles["input"], roles["reference"], simulation.output_column if output_needed else None]
-    required = [column for column in named if column is not None]
+    required = [*(column for column in named if column is not None), *reading.added]
     optional = [] if output_needed else [simulation.output_column]
-    held = [column for column in (roles["input"], roles["reference"]) if column is not None]
-    conversions = {simulation.output_column: _from_zero(reading.output, simulation)}
+    held = [column for column in (roles["input"], roles["reference"], *reading.added) if column is not None]
+    conversions = {simulation.output_column: _from_zero(reading.output, simulation), **reading.added}
     if roles["input"] is not None:
         conversions[roles["input"]] = replace(reading.input, offset=reading.input.offset + simulation.known_bias)
     if roles["reference"] is not None:
         conversions[roles["reference"]] = reading.reference
-    return read_recordings(
+    found = read_recordings(
         recording,
         simulation.time_column,
         required,
@@ -56,6 +58,18 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
         dict.fromkeys(held, simulation.hold),
         conversions,
     )
+    if simulation.input_column is None or not reading.added:
+        return found
+    return [_with_added(one, simulation.input_column, list(reading.added)) for one in found]
+
+
+def _with_added(recording: Recording, column: str, added: Sequence[str]) -> Recording:
+    """The recording with the sum of the input and of what is added to it as its input."""
+
+    def summed(columns: Mapping[str, Array]) -> dict[str, Array]:
+        return {**columns, column: np.sum([columns[c] for c in (column, *added)], axis=0)}
+
+    return replace(recording, columns=summed(recording.columns), recorded_columns=summed(recording.recorded_columns))
 
 
 def _from_zero(conversion: Conversion, simulation: Simulation) -> Conversion:

@@ -58,6 +58,8 @@ class Identification:
         What was done to the rows of the recordings before.
     method : str or None
         How it was identified, where the plant leaves no choice.
+    notes : tuple of str
+        What was not estimated, and why.
     """
 
     simulation: Simulation
@@ -72,6 +74,7 @@ class Identification:
     alternatives: list[Alternative] = field(default_factory=list)
     recording_warnings: tuple[str, ...] = ()
     method: str | None = None
+    notes: tuple[str, ...] = ()
 
     def to_control(self) -> control.TransferFunction:
         """The identified plant as a continuous-time python-control transfer function."""
@@ -80,6 +83,18 @@ class Identification:
     def characteristics(self) -> list[dict[str, Any]]:
         """Static gain, natural frequencies, damping ratios and real poles with their standard deviations."""
         return characteristics(self.estimate.plant, self.estimate.covariance)
+
+    def constants(self) -> list[dict[str, Any]]:
+        """Offset and bias where they were estimated: ``name``, ``value``, ``standard_deviation`` and ``unit``."""
+        rows = []
+        for name, unit, constant in (
+            ("offset of the sensor", "y", self.estimate.offset),
+            ("bias of the input", "u", self.estimate.bias),
+        ):
+            if constant is not None:
+                value, deviation = constant.value, constant.standard_deviation
+                rows.append({"name": name, "value": value, "standard_deviation": deviation, "unit": unit})
+        return rows
 
     def at_stability_limit(self) -> bool:
         """Whether a free coefficient of the denominator ended at zero, where the data left to themselves go beyond."""
@@ -93,7 +108,7 @@ class Identification:
 
     def warnings(self) -> list[str]:
         """What limits how far the numbers can be trusted, one sentence each."""
-        sentences = list(self.recording_warnings)
+        sentences = [*self.recording_warnings, *self.notes]
         if not self.converged:
             sentences.append("the iteration did not converge; do not use the numbers (another order? more excitation?)")
         if self.at_stability_limit():
@@ -128,8 +143,7 @@ class Identification:
             if mean**2 > OFFSET_SHARE * power and mean**2 > OFFSET_SIGNIFICANCE**2 * (power - mean**2) / effective:
                 sentences.append(
                     f"the residual has a mean of {plain(mean, 3)}, {percentage(mean**2 / power, 2)} of its power: the "
-                    "recording has an offset, which a linear model at rest does not have; remove the means of input "
-                    "and output"
+                    "recording has another offset than the simulation declares"
                 )
         return sentences
 
@@ -145,6 +159,7 @@ class Identification:
             "standard_deviations": self.simulation.standard_deviations,
             "covariance": self.simulation.covariance,
             "characteristics": self.characteristics(),
+            "constants": self.constants(),
             "noise_standard_deviation": float(np.sqrt(self.estimate.noise_variance)),
             "nrmse": self.nrmse,
             "nrmse_validation": self.nrmse_validation,

@@ -41,9 +41,9 @@ def why_no_offset(experiments: Sequence[Experiment], believed: Simulation) -> st
     if not _unsaid(believed, believed.offset):
         return None
     if believed.estimates_initial_state and integrates(believed):
-        return "the plant integrates, and its initial state holds the offset of the sensor"
+        return "the sensor's offset is not estimated: the plant integrates, and its initial state holds it"
     if believed.estimates_initial_state and _constant_input(experiments, believed):
-        return "the input is constant, and an offset of the sensor cannot be told from the gain"
+        return "the sensor's offset is not estimated: the input is constant, and the gain may make up for it"
     return None
 
 

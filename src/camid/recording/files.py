@@ -1,4 +1,4 @@
-"""Tables from files of any kind: text, Parquet, MAT and HDF5, by their suffix and checked by their content."""
+"""Tables from files of any kind: text, Parquet, MAT, HDF5, spreadsheets; by their suffix, checked by their content."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import zipfile
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from camid.errors import InputError, need
 from camid.recording.options import Reading
@@ -29,7 +29,7 @@ SUFFIXES = {
     ".hdf5": "HDF5",
     ".hdf": "HDF5",
 }
-EXCEL = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
+SPREADSHEETS = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
 # First bytes of the files of each kind.
 SIGNATURES = {
     "Parquet": (b"PAR1",),
@@ -67,22 +67,71 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     if kind == "text":
         _refuse_keys("a text file", reading, "group")
         return [_of_text(data if data is not None else path.read_bytes(), name, wanted, reading)]
-    _refuse_keys(f"a {kind} file", reading, *TEXT_KEYS, *(["group"] if kind == "Parquet" else []))
+    without = ["separator", "decimal"] if kind == "spreadsheet" else [*TEXT_KEYS]
+    _refuse_keys(f"a {kind} file", reading, *without, *(["group"] if kind == "Parquet" else []))
+    if kind == "Parquet":
+        return [_of_frame(_whole(path, name, kind), name)]
+    if kind == "spreadsheet":
+        from camid.recording.sheets import tables_of_sheets
+
+        return tables_of_sheets(_whole(path, name, kind), name, wanted, reading)
+    from camid.recording.mat_hdf5 import tables_of
+
+    return tables_of(_whole(path, name, kind), name, wanted, reading)
+
+
+def _whole(path: Path, name: str, kind: str) -> Any:
+    """Content of a file that is not text; InputError where it cannot be read."""
+    import pandas as pd
+
+    from camid.recording.mat_hdf5 import read_hdf5, read_mat
+    from camid.recording.sheets import read_workbook
+
     try:
         if kind == "Parquet":
             need("reading a Parquet file", "formats", "pyarrow")
-            return [_of_frame(pd.read_parquet(path), name)]
-        from camid.recording.mat_hdf5 import read_hdf5, read_mat, tables_of
-
-        tree = read_mat(path) if kind == "MAT" else read_hdf5(path)
+            return pd.read_parquet(path)
+        return {"MAT": read_mat, "HDF5": read_hdf5, "spreadsheet": read_workbook}[kind](path)
     except InputError:
         raise
     except Exception as error:  # each reader has errors of its own kind for a damaged file, or no right to read
         detail = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            f"cannot be read as {kind} ({detail})", where=name, hint=f"is it whole, and is it a {kind} file?"
+            f"cannot be read as {kind} ({detail})",
+            where=name,
+            hint=f"is it whole, and is it a {kind}{'' if kind == 'spreadsheet' else ' file'}?",
         ) from None
-    return tables_of(tree, name, wanted, reading)
+
+
+def possible_readings(path: Path) -> list[tuple[Reading, list[Table]]]:
+    """Ways to read a file of which nothing is known, and the tables that each finds, likeliest first.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    name = str(path)
+    kind, data = _kind(path, name)
+    if kind == "text":
+        from camid.recording.text import names_needed
+
+        count = names_needed(data if data is not None else path.read_bytes(), name)
+        names = tuple(f"column{i + 1}" for i in range(count))
+        reading = Reading(header=False, columns=names) if names else Reading()
+        return [(reading, read_tables(path, (), reading))]
+    if kind == "Parquet":
+        return [(Reading(), read_tables(path, (), Reading()))]
+    if kind == "spreadsheet":
+        reading = Reading(group="/")
+        tables = read_tables(path, (), reading)
+        alone = [(Reading(group=t.experiment), [t]) for t in tables]
+        if len(tables) == 1:
+            return [(Reading(), tables)]
+        return [(reading, tables), *alone] if len({tuple(t.columns) for t in tables}) == 1 else alone
+    from camid.recording.mat_hdf5 import layouts
+
+    return [(Reading(group=group), tables) for group, tables in layouts(_whole(path, name, kind), name)]
 
 
 def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:
@@ -114,7 +163,7 @@ def _refuse_keys(what: str, reading: Reading, *keys: str) -> None:
 def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     """Kind of a file, and its content where it had to be unpacked."""
     if path.is_dir():
-        raise InputError("this is a folder", where=name, hint="name a CSV, Parquet, MAT or HDF5 file")
+        raise InputError("this is a folder", where=name, hint="name a CSV, Parquet, MAT or HDF5 file, or a spreadsheet")
     if not path.exists():
         raise InputError("no such file", where=name, hint="check the path")
     suffix = path.suffix.lower()
@@ -124,8 +173,16 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", where=name, hint="check its permissions") from None
     content = next((kind for kind, heads in SIGNATURES.items() if head.startswith(heads)), None)
-    if suffix in EXCEL or content == "Excel" or (content == "zip" and _is_excel(path)):
-        raise InputError("this is an Excel file", where=name, hint="save the sheet as CSV")
+    if content == "Excel" or (content == "zip" and _is_spreadsheet(path)):
+        if suffix and suffix not in SPREADSHEETS:
+            raise InputError(
+                f"this is a spreadsheet, although its name ends in {suffix}", where=name, hint="rename it to .xlsx"
+            )
+        return "spreadsheet", None
+    if suffix in SPREADSHEETS:
+        raise InputError(
+            f"this is no spreadsheet, although its name ends in {suffix}", where=name, hint="rename it, if it is whole"
+        )
     if content in {"zip", "gzip"}:
         return "text", _unpacked(path, name, content)
     kind = SUFFIXES.get(suffix, content or "text")
@@ -139,7 +196,7 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
     return kind, None
 
 
-def _is_excel(path: Path) -> bool:
+def _is_spreadsheet(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             return any(n.startswith(("xl/", "[Content_Types]")) or n == "content.xml" for n in archive.namelist())

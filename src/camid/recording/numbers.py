@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
+from camid.recording.cells import EMPTY, as_floats
 from camid.recording.table import Table
+from camid.recording.units import Conversion, is_unit, si_factor, unit_in_header
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
 RowNumbers = NDArray[np.intp]
-
-# Cells that hold nothing, as they look in a message.
-EMPTY = {"", "nan", "<na>", "none", "nat"}
 
 
 def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_allowed: bool = False) -> Array:
@@ -40,7 +41,7 @@ def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_all
         With line and column of the first cell that holds no finite number.
     """
     cells = table.column(column).iloc[rows]
-    values = _as_floats(cells)
+    values = as_floats(cells)
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size == 0:
         return np.ascontiguousarray(values)
@@ -58,6 +59,51 @@ def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_all
     )
 
 
+def times(table: Table, column: str, rows: RowNumbers, name: str, conversion: Conversion) -> tuple[Array, list[str]]:
+    """Seconds of some rows of the time column, shape (len(rows),), and what was taken from the file to tell them.
+
+    Dates are counted from the first row of the table. A unit in the header counts unless another is declared.
+
+    Raises
+    ------
+    InputError
+        With line and column of the first cell that holds neither a number nor a date of ISO 8601.
+    """
+    from camid.recording.cells import as_dates, seconds_after
+
+    cells = table.column(column)
+    dates = as_dates(cells.iloc[rows]) if np.isnan(as_floats(cells.iloc[rows[:1]])).all() else None
+    if dates is None:
+        conversion, notes = with_unit_of_header(table, column, conversion, dimension="[time]")
+        return conversion(numbers(table, column, rows, name)), notes
+    if conversion.unit is not None:
+        raise InputError(
+            f"column '{column}' holds dates, and a unit is declared",
+            where=f"{conversion.where}.unit",
+            hint="remove the unit: dates become seconds",
+        )
+    whole = as_dates(cells)
+    if whole is not None:
+        dates, first = whole.iloc[rows], seconds_after(whole, 0)[rows]
+    else:  # rows that are not read may hold anything
+        first = seconds_after(dates, 0)
+    start = cells.iloc[int(rows[0]) if whole is None else 0]
+    return first, [f"column '{column}' holds dates: its times are seconds after {start}"]
+
+
+def with_unit_of_header(
+    table: Table, column: str, conversion: Conversion, *, dimension: str | None = None
+) -> tuple[Conversion, list[str]]:
+    """The conversion of a column with the unit in its header where none is declared, and a sentence that says so."""
+    header = table.find(column)
+    unit = None if header is None or conversion.unit is not None else unit_in_header(header)[1]
+    if unit is None or (dimension is not None and not is_unit(unit, dimension)):
+        return conversion, []
+    if si_factor(unit, conversion.where) == (1.0, 0.0):
+        return conversion, []
+    return replace(conversion, unit=unit), [f"column '{header}' is read in {unit}, as its header says"]
+
+
 def _hint(cell: str, *, leave_out: bool) -> str:
     if re.fullmatch(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*", cell):
         return "write all numbers with a decimal point, or all with a comma and say decimal: ',' under recording"
@@ -65,6 +111,8 @@ def _hint(cell: str, *, leave_out: bool) -> str:
         return "write the number without marks between the thousands"
     if re.search(r"\d\s*[;\t,]\s*[-+\d]", cell):
         return "separate the cells as in the other lines"
+    if re.search(r"\d[./-]\d+[./-]\d|\d:\d", cell):
+        return "write dates as ISO 8601 has them, 2026-05-31T13:45:00.250, or times in seconds"
     if cell.strip().lower() in EMPTY and leave_out:
         return "fill in the number, remove the row, or say missing: leave-out under recording for the output"
     return "fill in the number (with a decimal point) or remove the row"
@@ -74,28 +122,24 @@ def _is_empty(cells: pd.Series) -> NDArray[np.bool_]:
     return np.array([str(cell).strip().lower() in EMPTY for cell in cells], dtype=bool)
 
 
-def _as_floats(values: pd.Series) -> Array:
-    """Numbers, and NaN for everything else: truth values and dates are not numbers."""
-    import pandas as pd
-    from pandas.api import types
-
-    if types.is_object_dtype(values) or types.is_string_dtype(values):
-        values = pd.to_numeric(values.mask(values.map(lambda cell: isinstance(cell, bool))), errors="coerce")
-    if not types.is_numeric_dtype(values) or types.is_bool_dtype(values) or types.is_complex_dtype(values):
-        return np.full(len(values), np.nan)
-    return values.to_numpy(dtype=float, na_value=np.nan)
-
-
-def common_rows(table: Table, columns: list[str]) -> RowNumbers:
+def common_rows(table: Table, roles: Mapping[str, str | None]) -> RowNumbers:
     """Numbers of the rows that the columns of a table have in common.
+
+    Parameters
+    ----------
+    table : Table
+        Where it is one of several runs side by side, the empty rows at its end, which are of longer runs, do not count.
+    roles : mapping of str to {"time", "input", "output", "label"}
+        The columns, and what each is.
 
     Raises
     ------
     InputError
         If there is no such column, or they differ in their length.
     """
-    lengths = {c: len(table.column(c)) for c in columns}
-    first = columns[0]
+    cells = {c: table.column(c, role) for c, role in roles.items()}
+    lengths = {c: len(column) for c, column in cells.items()}
+    first = next(iter(roles))
     for column, length in lengths.items():
         if length != lengths[first]:
             raise InputError(
@@ -103,7 +147,11 @@ def common_rows(table: Table, columns: list[str]) -> RowNumbers:
                 where=table.name,
                 hint="name columns of one length",
             )
-    return np.arange(lengths[first])
+    count = lengths[first]
+    if table.aliases:
+        filled = [np.flatnonzero(~_is_empty(cells[c])) for c in roles if c in table.aliases]
+        count = max((int(rows[-1]) + 1 for rows in filled if rows.size), default=0)
+    return np.arange(count)
 
 
 def runs(table: Table, column: str, rows: RowNumbers) -> list[tuple[str, RowNumbers]]:

@@ -21,9 +21,12 @@ class Reading:
     columns : tuple of str
         The names where there is no such line.
     group : str or None
-        HDF5 group or MAT structure that holds the columns, or several groups or structures that do.
+        HDF5 group, MAT structure or sheet that holds the columns, or several groups or structures that do; ``/`` is the
+        whole file.
     experiment : str or None
         Column that tells several experiments in one table apart.
+    runs : tuple of dict
+        Runs side by side in one table: for each, the columns of the file in place of those that the simulation names.
     start, end : float or None
         Seconds of the time column; rows before start and after end are not read.
     leave_out : float
@@ -36,6 +39,8 @@ class Reading:
         Seconds, where the file has no time column.
     time, input, output, reference : Conversion
         Units of the columns; the reference is that of a controller.
+    added : dict of str to Conversion
+        Columns that are added to the input, with their units.
     where : str
         The part ``recording`` of the simulation, for messages.
     """
@@ -46,6 +51,7 @@ class Reading:
     columns: tuple[str, ...] = ()
     group: str | None = None
     experiment: str | None = None
+    runs: tuple[dict[str, str], ...] = ()
     start: float | None = None
     end: float | None = None
     leave_out: float = 0.0
@@ -56,6 +62,7 @@ class Reading:
     input: Conversion = field(default_factory=Conversion)
     output: Conversion = field(default_factory=Conversion)
     reference: Conversion = field(default_factory=Conversion)
+    added: dict[str, Conversion] = field(default_factory=dict)
     where: str = field(default="simulation, recording", compare=False)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -67,4 +74,6 @@ class Reading:
             content["columns"] = list(self.columns)
         if self.experiment is not None:
             content["experiment"] = {"column": self.experiment}
+        if self.runs:
+            content["runs"] = [dict(run) for run in self.runs]
         return content

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.recording.files import read_tables
-from camid.recording.numbers import RowNumbers, common_rows, numbers, runs
+from camid.recording.numbers import RowNumbers, common_rows, numbers, runs, times, with_unit_of_header
 from camid.recording.options import Reading
 from camid.recording.table import Table
 from camid.recording.time_grid import Grid, check_order, grid_of
@@ -139,25 +139,44 @@ def read_recordings(
     timed = [] if reading.period is not None else [time_column]
     label_columns = [] if reading.experiment is None else [reading.experiment]
     wanted = list(dict.fromkeys([*timed, *required]))
+    holds = holds or {}
     recordings, empty = [], []
-    for table in read_tables(source, [*wanted, *label_columns], reading):
-        columns = list(dict.fromkeys([*wanted, *(c for c in optional if c in table.columns)]))
-        rows = common_rows(table, [*columns, *label_columns])
+    for table in _side_by_side(source, [*wanted, *label_columns], reading):
+        columns = list(dict.fromkeys([*wanted, *(c for c in optional if table.find(c) is not None)]))
+        roles = {c: "time" if c in timed else "input" if c in holds else "output" for c in columns}
+        rows = common_rows(table, roles | dict.fromkeys(label_columns, "label"))
+        said: tuple[str, ...] | None = table.notes
         for label, part in runs(table, label_columns[0], rows) if label_columns else [(None, rows)]:
             name = table.name if label is None else f"{table.name}, {label_columns[0]} {label}"
-            piece = _Piece(table, part, name, reading, holds or {}, conversions or {})
-            found = piece.recording(time_column, columns)
+            piece = _Piece(table, part, name, reading, holds, conversions or {})
+            found = piece.recording(time_column, columns, said)
             if found is None:
                 empty.append(name)
                 continue
             experiment = ", ".join(e for e in (table.experiment, label) if e is not None) or None
             recordings.append(replace(found, experiment=experiment))
+            said = None
     if not recordings:
         raise _nothing_between(reading, empty[0])
     if empty:
-        said = f"{', '.join(empty)}: no row between start and end, left out"
-        recordings[0] = replace(recordings[0], warnings=(*recordings[0].warnings, said))
+        left_out = f"{', '.join(empty)}: no row between start and end, left out"
+        recordings[0] = replace(recordings[0], warnings=(*recordings[0].warnings, left_out))
     return recordings
+
+
+def _side_by_side(
+    source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[str], reading: Reading
+) -> Iterator[Table]:
+    """Tables of a file; of runs side by side in a table, one for each run."""
+    if not reading.runs:
+        yield from read_tables(source, wanted, reading)
+        return
+    first = reading.runs[0]
+    for table in read_tables(source, [first.get(c, c) for c in wanted], reading):
+        for run in reading.runs:
+            label = ", ".join(run.values())
+            experiment = ", ".join(e for e in (table.experiment, label) if e is not None)
+            yield replace(table.renamed(run), name=f"{table.name}, run {label}", experiment=experiment)
 
 
 def _nothing_between(reading: Reading, name: str) -> InputError:
@@ -166,6 +185,18 @@ def _nothing_between(reading: Reading, name: str) -> InputError:
         where=name,
         hint="correct start and end under recording in the simulation; they are seconds",
     )
+
+
+def _rows(count: int) -> str:
+    return f"{count} row{'' if count == 1 else 's'}"
+
+
+def _time(seconds: float) -> str:
+    """A short time with the unit that leaves one to three digits before the point."""
+    for unit, factor in (("s", 1.0), ("ms", 1e3), ("µs", 1e6)):
+        if factor * seconds >= 1.0:
+            return f"{factor * seconds:.6g} {unit}" if factor * seconds >= 1000.0 else f"{factor * seconds:.4g} {unit}"
+    return f"{1e9 * seconds:.3g} ns"
 
 
 def _seconds(value: float | None, word: str) -> str:
@@ -183,13 +214,17 @@ class _Piece:
     holds: Mapping[str, str]
     conversions: Mapping[str, Conversion]
 
-    def recording(self, time_column: str, columns: Sequence[str]) -> Recording | None:
-        """The recording; None if no row lies between start and end."""
+    def recording(self, time_column: str, columns: Sequence[str], said: Sequence[str] | None) -> Recording | None:
+        """The recording; None if no row lies between start and end.
+
+        ``said`` is what was said of the file before; None: what the headers say of units has been said.
+        """
         reading = self.reading
         if len(self.rows) < FEWEST_ROWS:
             raise self._few(len(self.rows))
+        notes: list[str] = []
         if reading.period is None:
-            time = reading.time(numbers(self.table, time_column, self.rows, self.name))
+            time, notes = times(self.table, time_column, self.rows, self.name, reading.time)
         else:
             time = np.arange(len(self.rows), dtype=np.float64) * np.float64(reading.period)
         kept = np.flatnonzero(
@@ -205,7 +240,10 @@ class _Piece:
         def where(row: int) -> str:
             return f"{self.name}, {self.table.where(int(rows[row]))}, column '{time_column}'"
 
-        values = {c: self._values(c, rows) for c in columns if c != time_column or reading.period is not None}
+        values = {}
+        for column in (c for c in columns if c != time_column or reading.period is not None):
+            values[column], unit_said = self._values(column, rows)
+            notes += unit_said
         check_order(time, where)
         grid = grid_of(time, where) if reading.period is None else Grid(time, time, reading.period)
         driven = [c for c in values if c in self.holds]
@@ -227,13 +265,20 @@ class _Piece:
             missing,
             time,
             values,
-            warnings=tuple(self._warnings(grid, missing, values, bool(driven))),
+            warnings=tuple(
+                f"{self.name}: {sentence}"
+                for sentence in (
+                    *([] if said is None else [*said, *notes]),
+                    *self._warnings(grid, missing, values, bool(driven)),
+                )
+            ),
         )
 
-    def _values(self, column: str, rows: RowNumbers) -> Array:
+    def _values(self, column: str, rows: RowNumbers) -> tuple[Array, list[str]]:
         optional = self.reading.missing == "leave-out" and column not in self.holds
         cells = numbers(self.table, column, rows, self.name, empty_allowed=optional)
-        return self.conversions.get(column, Conversion())(cells)
+        conversion, said = with_unit_of_header(self.table, column, self.conversions.get(column, Conversion()))
+        return conversion(cells), said
 
     def _few(self, count: int) -> InputError:
         return InputError(f"{count} rows", where=self.name, hint=f"a recording needs at least {FEWEST_ROWS}")
@@ -253,12 +298,11 @@ class _Piece:
     def _warnings(self, grid: Grid, missing: NDArray[np.bool_], values: dict[str, Array], driven: bool) -> list[str]:
         """What was done to the rows."""
         said = []
-        if not grid.regular:
-            count = 0 if grid.gaps is None else round(float(np.sum(np.diff(grid.recorded)[grid.gaps])) / grid.period)
-            lost = count - (0 if grid.gaps is None else int(grid.gaps.sum()))
+        lost = grid.rows_missing()
+        if not grid.regular and (lost or not all(grid.negligible_for(v) for v in values.values())):
             said.append(
-                f"{100 * grid.off_grid:.3g} % of the rows are off the regular grid of {grid.period:.6g} s, by at most "
-                f"{100 * grid.deviation:.3g} % of the period"
+                f"the times are off a regular grid of {_time(grid.period)} by {_time(grid.scatter)} RMS and at "
+                f"most {_time(grid.deviation * grid.period)} ({100 * grid.deviation:.2g} % of the period)"
                 + (f", and {lost} rows are missing" if lost > 0 else "")
                 + "; the output is interpolated to the grid (cubic)"
                 + (", the input brought there by its hold" if driven else "")
@@ -266,12 +310,10 @@ class _Piece:
             )
         empty = max((int(np.isnan(v).sum()) for v in values.values()), default=0)
         if empty:
-            said.append(f"{empty} rows ({100 * empty / len(grid.recorded):.3g} %) have no output")
+            said.append(f"{_rows(empty)} ({100 * empty / len(grid.recorded):.3g} %) without output")
         if missing.any():
             share = 100 * float(np.mean(missing))
-            said.append(
-                f"{int(missing.sum())} rows of the grid ({share:.3g} %) have no output near and are not compared"
-            )
+            said.append(f"{_rows(int(missing.sum()))} of the grid ({share:.3g} %) without output near, not compared")
         if grid.period > LONG_PERIOD and self.reading.period is None and self.reading.time.unit is None:
             said.append(f"the period is {grid.period:g} s: if the times are milliseconds, say unit: ms under time")
-        return [f"{self.name}: {sentence}" for sentence in said]
+        return said

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from camid.errors import InputError, nearest_match
+from camid.recording.units import unit_in_header
 
 if TYPE_CHECKING:
     import pandas as pd
+
+# Names that are listed where no column is like the one that is missing.
+MOST_NAMES = 30
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,12 @@ class Table:
         What else to say where a column is missing.
     experiment : str or None
         What tells it from the other tables of its file.
+    aliases : mapping of str to str
+        Names in the file of columns that are asked for by another.
+    single : mapping of str to float
+        Single values beside the columns.
+    notes : tuple of str
+        What was taken from elsewhere than declared, one sentence each.
     """
 
     columns: Mapping[str, Any]
@@ -38,22 +49,67 @@ class Table:
     refused: dict[str, str] = field(default_factory=dict)
     hint: str = ""
     experiment: str | None = None
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    single: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
-    def column(self, name: str) -> pd.Series:
+    def renamed(self, aliases: Mapping[str, str]) -> Table:
+        """The same table, in which columns are asked for by other names."""
+        return replace(self, aliases=dict(aliases))
+
+    def find(self, name: str) -> str | None:
+        """Name in the file of a column: as it is asked for, without its unit, or with points for strokes."""
+        name = self.aliases.get(name, name)
+        if name in self.columns:
+            return name
+        if (nested := name.replace(".", "/")) in self.columns:
+            return nested
+        bare = [str(c) for c in self.columns if unit_in_header(str(c))[0] == name]
+        return bare[0] if len(bare) == 1 else None
+
+    def column(self, name: str, role: str | None = None) -> pd.Series:
         """A column by its name.
+
+        Parameters
+        ----------
+        name : str
+        role : {"time", "input", "output", "label"}, optional
+            What it is asked for, for the columns that an error offers.
 
         Raises
         ------
         InputError
-            If there is none; with the nearest match.
+            If there is none; with the nearest match, and the columns that would do.
         """
         import pandas as pd
 
-        if name in self.columns:
-            return pd.Series(self.columns[name]).reset_index(drop=True)
+        found = self.find(name)
+        if found is not None:
+            return pd.Series(self.columns[found]).reset_index(drop=True)
+        name = self.aliases.get(name, name)
         if name in self.refused:
             raise InputError(
                 f"'{name}' is {self.refused[name]}", where=self.name, hint="a column is a vector of real numbers"
             )
-        known = nearest_match(name, [str(c) for c in self.columns]) if self.columns else "it has no columns"
-        raise InputError(f"no column '{name}'", where=self.name, hint=f"{known}{self.hint}")
+        raise InputError(f"no column '{name}'", where=self.name, hint=self._offered(name, role) + self.hint)
+
+    def _offered(self, name: str, role: str | None) -> str:
+        import pandas as pd
+
+        from camid.recording.cells import as_floats
+        from camid.recording.nature import would_do
+
+        if not self.columns:
+            return "it has no columns"
+        near = nearest_match(name, [str(c) for c in self.columns])
+        numbers = {str(n): as_floats(pd.Series(c)) for n, c in self.columns.items()}
+        fitting = would_do(numbers, role)
+        if not fitting:
+            return near
+        if not near.startswith("did you mean") and len(self.columns) > MOST_NAMES:
+            near = f"{len(self.columns)} columns are here"
+        as_role = {"label": " to tell experiments apart", None: ""}.get(role, f" as the {role}")
+        counted = any(re.search(r"\[\d+\]$", n) for n in self.columns)
+        return f"{near}; columns that would do{as_role}: {fitting}" + (
+            "; columns of a matrix are counted from 0" if counted else ""
+        )

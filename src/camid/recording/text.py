@@ -7,13 +7,14 @@ import re
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import StringIO
-from itertools import islice
+from itertools import islice, zip_longest
 from typing import TYPE_CHECKING
 
 from camid.errors import InputError
 from camid.recording.options import Reading
+from camid.recording.units import is_unit, unit_in_header
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,12 +37,18 @@ class Text:
     skipped : int
         Lines before it.
     separator, decimal : str
+    names : tuple of str
+        Those in the last comment before the rows, as numpy.savetxt writes a header; empty if it does not name columns.
+    units : int
+        Lines of units between the names and the rows.
     """
 
     body: str
     skipped: int
     separator: str
     decimal: str
+    names: tuple[str, ...] = ()
+    units: int = 0
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line in the file and cells of what counts as a row: blank lines are none."""
@@ -68,18 +75,29 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
         If this is not text or not a table, or what was declared about it is wrong.
     """
     text = _taken_apart(_decoded(data, name), name, reading)
-    line, first = next(text.rows(), (1, []))
+    (line, first), (_, second) = [*islice(text.rows(), 2), (1, []), (1, [])][:2]
     if not first:
         raise InputError("the file is empty", where=name, hint="it needs a header line and rows")
     names = list(reading.columns)
     if reading.header:
-        if all(_is_number(c, text.decimal) for c in first if c) and not set(wanted) <= set(first):
+        numeric = all(_is_number(c, text.decimal) for c in first if c)
+        if not (numeric and _names_some(text.names, wanted)):
+            text = replace(text, names=())
+        if text.names:
+            _refuse_repeated(text.names, f"{name}, line {text.skipped}")
+            names = [*text.names, *([""] * (len(first) - len(text.names)))]
+        elif numeric and not set(wanted) <= set(first):
             raise InputError(
                 "the first line holds numbers, not names",
                 where=f"{name}, line {line}",
                 hint="say header: false and columns: [names in order] under recording in the simulation",
             )
-        _refuse_repeated(first, f"{name}, line {line}")
+        else:
+            _refuse_repeated(first, f"{name}, line {line}")
+            if _are_units(second):
+                text = replace(text, units=1)
+                units = [u.strip("[]() ") for u in second]
+                names = [f"{n} [{u}]" if is_unit(u) else n for n, u in zip_longest(first, units, fillvalue="")]
     else:
         cells = first[:-1] if first[-1] == "" and len(first) == len(names) + 1 else first
         if not any(_is_number(c, text.decimal) for c in cells):
@@ -98,6 +116,20 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     return _parsed(text, name, names), text
 
 
+def names_needed(data: bytes, name: str) -> int:
+    """Number of columns of a text file that has no names for them; 0 if it has."""
+    text = _taken_apart(_decoded(data, name), name, Reading())
+    _, first = next(text.rows(), (1, []))
+    cells = first[:-1] if len(first) > 1 and first[-1] == "" else first
+    return len(cells) if cells and not text.names and all(_is_number(c, text.decimal) for c in cells if c) else 0
+
+
+def _names_some(names: Sequence[str], wanted: Sequence[str]) -> bool:
+    """Whether names are those of columns: one of those asked for, if any are, is among them."""
+    plain = {*names, *(unit_in_header(n)[0] for n in names)}
+    return bool(names) and (not wanted or not plain.isdisjoint(wanted))
+
+
 def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
     import pandas as pd
 
@@ -110,6 +142,7 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
                 decimal=text.decimal if text.decimal != text.separator else ".",
                 header=None if names else 0,
                 names=names or None,
+                skiprows=_lines_before(text) if text.units else 0,
                 index_col=False,  # a separator at the end of each line must not shift the columns by one
                 skipinitialspace=True,
                 low_memory=False,
@@ -133,10 +166,26 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
 
 def line_of(text: Text, row: int, *, header: bool) -> str:
     """Line of a row of the table, counted from zero, in the file: 'line 7'."""
+    before = int(header and not text.names) + text.units
     with suppress(csv.Error):
-        for line, _ in islice(text.rows(), row + int(header), None):
+        for line, _ in islice(text.rows(), row + before, None):
             return f"line {line}"
     return f"row {row}"
+
+
+def _lines_before(text: Text) -> int:
+    """Lines of the body up to the one with the units."""
+    return next(islice(text.rows(), text.units, None))[0] - text.skipped
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether a line under the names holds units, such as ``s, V, mm``; a dash or nothing stands for none."""
+    given = [c.strip("[]() ") for c in cells if c.strip("[]() ") not in {"", "-"}]
+    return (
+        bool(given)
+        and all(is_unit(c) for c in given if not _is_number(c, "."))
+        and not any(_is_number(c, ".") for c in given)
+    )
 
 
 def _decoded(data: bytes, name: str) -> str:
@@ -161,7 +210,7 @@ def _decoded(data: bytes, name: str) -> str:
 
 
 def _taken_apart(content: str, name: str, reading: Reading) -> Text:
-    declared = reading.separator
+    declared, comment = reading.separator, ""
     position, skipped = 0, 0
     while position < len(content):
         end = content.find("\n", position) + 1 or len(content)
@@ -172,10 +221,29 @@ def _taken_apart(content: str, name: str, reading: Reading) -> Text:
             declared = directive[1]
         elif line and not line.startswith(COMMENTS):
             break
+        comment = line.lstrip("#% ") if line else comment
         position, skipped = end, skipped + 1
     body = content[position:]
     separator = declared or _separator(body, skipped, name)
-    return Text(body, skipped, separator, reading.decimal or _decimal(body, separator))
+    decimal = reading.decimal or _decimal(body, separator)
+    return Text(
+        body, skipped, separator, decimal, _names_in_comment(comment, body, separator) if reading.header else ()
+    )
+
+
+def _names_in_comment(comment: str, body: str, separator: str) -> tuple[str, ...]:
+    """Names in a comment such as ``# u, th``, if it has as many as the rows have cells and none is a number.
+
+    The comment need not have the separator of the rows: numpy.savetxt puts blanks between numbers where it is not told
+    otherwise.
+    """
+    _, first = next(_rows(StringIO(body, newline=""), separator), (1, []))
+    count = len(first) - (1 if len(first) > 1 and first[-1] == "" else 0)
+    for candidate in dict.fromkeys((separator, ",", ";", "\t", " ")):
+        _, cells = next(_rows([comment], candidate), (1, []))
+        if len(cells) == count and all(c and c[-1] not in ",;" and not _is_number(c, ".") for c in cells):
+            return tuple(cells)
+    return ()
 
 
 def _rows(stream: Iterable[str], separator: str) -> Iterator[tuple[int, list[str]]]:

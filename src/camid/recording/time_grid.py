@@ -31,6 +31,13 @@ REACH = 0.1
 LARGEST_SPREAD = 20.0
 LARGEST_SHARE_MISSING = 0.5
 
+# The scatter of the times is negligible if what it changes in the values is below this share of their noise (1 % of its
+# variance), and if it is below the second share of the period: of values as rough as noise nothing else could be told.
+NEGLIGIBLE_SHARE = 0.1
+NEGLIGIBLE_SCATTER = 0.01
+FEWEST_FOR_NOISE = 10
+VARIANCE_OF_FOURTH_DIFFERENCES = 70.0  # 1 + 16 + 36 + 16 + 1, of white noise of variance one
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -48,8 +55,8 @@ class Grid:
         Whether ``time`` and ``recorded`` are the same.
     deviation : float
         Largest distance of a recorded time from the grid, in periods.
-    off_grid : float
-        Share of the recorded rows that are off the grid.
+    scatter : float
+        Root mean square of those distances, in seconds.
     gaps : ndarray of bool, shape (M - 1,), or None
         Steps in which rows are missing; None if there are none.
     """
@@ -60,8 +67,31 @@ class Grid:
     uncertainty: float = 0.0
     regular: bool = True
     deviation: float = 0.0
-    off_grid: float = 0.0
+    scatter: float = 0.0
     gaps: NDArray[np.bool_] | None = None
+
+    def rows_missing(self) -> int:
+        """Number of rows of the grid that lie in its gaps."""
+        if self.gaps is None:
+            return 0
+        return max(round(float(np.sum(np.diff(self.recorded)[self.gaps])) / self.period) - int(self.gaps.sum()), 0)
+
+    def negligible_for(self, values: Array) -> bool:
+        """Whether what the scatter of the times changes in recorded values, shape (M,), is lost in their noise.
+
+        The change is the slope of the values times the distance of a row from the grid. Their noise is taken from their
+        fourth differences, where a signal of ten rows a period or more leaves next to nothing, and is no less than the
+        rounding to the step in which the values are written.
+        """
+        known = values[np.isfinite(values)]
+        if self.regular or len(known) < FEWEST_FOR_NOISE:
+            return self.regular
+        noise = float(np.std(np.diff(known, 4))) / np.sqrt(VARIANCE_OF_FOURTH_DIFFERENCES)
+        levels = np.unique(known)
+        rounding = float(np.min(np.diff(levels))) / np.sqrt(12.0) if len(levels) > 1 else np.inf
+        change = float(np.sqrt(np.mean(np.diff(known) ** 2))) / self.period * self.scatter
+        small = self.scatter <= NEGLIGIBLE_SCATTER * self.period
+        return bool(small and change <= NEGLIGIBLE_SHARE * max(noise, rounding))
 
     def interpolated(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Output on the grid, and where it is missing; NaN in ``values``, shape (M,), are missing, too.
@@ -188,7 +218,7 @@ def _irregular(time: Array, steps: Array, median: float, where: Callable[[int], 
         uncertainty,
         regular=False,
         deviation=float(np.max(deviations)),
-        off_grid=float(np.mean(deviations > PERIOD_TOLERANCE)),
+        scatter=float(np.sqrt(np.mean(deviations**2))) * period,
         gaps=gaps if gaps.any() else None,
     )
 

@@ -68,6 +68,36 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
     return one - zero, zero
 
 
+def unit_in_header(header: str) -> tuple[str, str | None]:
+    """Name and unit of a header such as ``angle [deg]`` or ``u (V)``; no unit where what is in brackets is none.
+
+    Parameters
+    ----------
+    header : str
+
+    Returns
+    -------
+    name : str
+        Without the unit.
+    unit : str or None
+        As pint reads it.
+    """
+    match = re.fullmatch(r"\s*(.*\S)\s*[\[(]\s*([^\[\]()]*[^\W\d][^\[\]()]*|%|°)\s*[\])]\s*", header)
+    return (match[1], match[2].strip()) if match and is_unit(match[2].strip()) else (header, None)
+
+
+@cache
+def is_unit(text: str, dimension: str | None = None) -> bool:
+    """Whether pint knows a unit of this name, and of this dimension, such as ``[time]``."""
+    if not text.strip():
+        return False
+    try:
+        si_factor(text, "", dimension)
+    except InputError:
+        return False
+    return True
+
+
 @dataclass(frozen=True)
 class Conversion:
     """From the cells of a column to numbers in SI units: value = scale · (cell in SI units) + offset.

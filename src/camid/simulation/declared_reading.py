@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from camid.errors import InputError
+from camid.errors import InputError, nearest_match
 from camid.recording.options import Reading
 from camid.recording.units import Conversion, si_factor
 from camid.simulation.yaml_file import Where
@@ -32,6 +32,7 @@ def declared_reading(file: SimulationFile, where: Where) -> Reading:
     written = RecordingPart.model_construct() if file.recording is None else file.recording
     _check_time(file.time, where)
     _check_layout(written, where)
+    _check_runs(file, where)
     return Reading(
         separator=written.separator,
         decimal=written.decimal,
@@ -39,6 +40,7 @@ def declared_reading(file: SimulationFile, where: Where) -> Reading:
         columns=tuple(written.columns or ()),
         group=written.group,
         experiment=None if written.experiment is None else written.experiment.column,
+        runs=tuple(dict(run) for run in written.runs or ()),
         start=written.start,
         end=written.end,
         leave_out=written.leave_out,
@@ -49,8 +51,45 @@ def declared_reading(file: SimulationFile, where: Where) -> Reading:
         input=_conversion(file.input, "input", where),
         output=_conversion(file.sensor, "sensor", where),
         reference=_conversion(file.controller, "controller", where),
+        added=_added(file, where),
         where=where("recording"),
     )
+
+
+def _added(file: SimulationFile, where: Where) -> dict[str, Conversion]:
+    """Columns that are added to the input."""
+    written = [] if file.input is None else file.input.added or []
+    if written and file.controller is not None:
+        raise InputError(
+            "a controller makes the input, and a signal is added to it",
+            where=where("input", "added"),
+            hint="add signals to an input that is recorded, in open loop",
+        )
+    added: dict[str, Conversion] = {}
+    for i, part in enumerate(written):
+        if part.column in added or (file.input is not None and part.column == file.input.column):
+            raise InputError(
+                f"column '{part.column}' is named twice", where=where("input", "added", i), hint="scale it instead"
+            )
+        added[part.column] = _conversion(part, ("input", "added", i), where)
+    return added
+
+
+def _check_runs(file: SimulationFile, where: Where) -> None:
+    """Refuse runs that rename what the simulation does not name."""
+    written = [] if file.recording is None else file.recording.runs or []
+    parts = [file.time, file.input, file.sensor]
+    named = {getattr(p, "column", None) for p in parts} | set(_added(file, where))
+    if file.controller is not None:
+        named.add(file.controller.reference)
+    for i, run in enumerate(written):
+        for name in run:
+            if name not in named:
+                raise InputError(
+                    f"the simulation names no column '{name}'",
+                    where=where("recording", "runs", i),
+                    hint=nearest_match(name, sorted(n for n in named if n is not None)),
+                )
 
 
 def _check_time(time: TimePart, where: Where) -> None:
@@ -84,14 +123,15 @@ def _check_layout(written: RecordingPart, where: Where) -> None:
         raise InputError("start is not before end", where=where("recording"), hint="swap them")
 
 
-def _conversion(part: Any, key: str, where: Where) -> Conversion:
+def _conversion(part: Any, keys: str | tuple[Any, ...], where: Where) -> Conversion:
     """Conversion of the column that a part of the file names; a part that is not there has the default one."""
     from camid.simulation.schema import Converted
 
+    path = (keys,) if isinstance(keys, str) else keys
     unit, scale = getattr(part, "unit", None), getattr(part, "scale", 1.0)
     offset = part.offset if isinstance(part, Converted) else 0.0  # that of a sensor belongs to the model
     if scale == 0.0:
-        raise InputError("a scale of zero makes every number zero", where=where(key, "scale"), hint="give another")
+        raise InputError("a scale of zero makes every number zero", where=where(*path, "scale"), hint="give another")
     if unit is not None:
-        si_factor(unit, where(key, "unit"), "[time]" if key == "time" else None)
-    return Conversion(unit, scale, offset, where(key))
+        si_factor(unit, where(*path, "unit"), "[time]" if keys == "time" else None)
+    return Conversion(unit, scale, offset, where(*path))

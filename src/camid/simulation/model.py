@@ -187,6 +187,8 @@ class Simulation:
         time: dict[str, Any] = {"column": self.time_column, **reading.time.to_mapping()}
         driven = {"column": self.input_column, "hold": self.hold, **reading.input.to_mapping()}
         driven |= _constant("bias", self.bias, self.bias_deviation)
+        if reading.added:
+            driven["added"] = [{"column": c, **conversion.to_mapping()} for c, conversion in reading.added.items()]
         content: dict[str, Any] = {"schema": 1}
         if described := reading.to_mapping():
             content["recording"] = described

@@ -51,6 +51,7 @@ Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0), _PLAI
 TruthValue = Annotated[StrictBool, _PLAIN]
 NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0), _PLAIN]
 Estimated = Number | Literal["estimate"]
+ColumnsOfRun = Annotated[dict[Text, NonEmptyText], Field(min_length=1)]
 Coefficients = Annotated[list[Number], Field(min_length=1)]
 
 
@@ -79,10 +80,16 @@ class RecordingPart(Part):
         default=None, description="Names of the columns of a file without a header line; put quotes around numbers."
     )
     group: NotNull[NonEmptyText] = Field(
-        default=None, description="HDF5 group or MAT structure that holds the columns."
+        default=None, description="HDF5 group, MAT structure or sheet that holds the columns; / is the whole file."
     )
     experiment: NotNull[ExperimentPart] = Field(
         default=None, description="{column: name}, which tells several experiments in one table apart."
+    )
+    runs: NotNull[Annotated[list[Annotated[dict[Text, NonEmptyText], Field(min_length=1)]], Field(min_length=1)]] = (
+        Field(
+            default=None,
+            description="Runs side by side in one table: for each, {column of the simulation: column of the file}.",
+        )
     )
     start: NotNull[Number] = Field(default=None, description="Seconds of the time column; earlier rows are not read.")
     end: NotNull[Number] = Field(default=None, description="Seconds of the time column; later rows are not read.")
@@ -132,6 +139,12 @@ class BiasDeviation(Part):
     bias: NonNegative = Field(description="In units of the input.")
 
 
+class AddedPart(Converted):
+    """A known signal that is added to the input."""
+
+    column: Text = Field(description="Name of the column that is added to the input.")
+
+
 class InputPart(Converted):
     """The input column and its hold."""
 
@@ -143,6 +156,10 @@ class InputPart(Converted):
         "is estimated for a transfer function that integrates, and zero for others, which show it as an offset.",
     )
     standard_deviations: NotNull[BiasDeviation] = Field(default=None, description="Of the bias, as estimated.")
+    added: NotNull[Annotated[list[AddedPart], Field(min_length=1)]] = Field(
+        default=None,
+        description="[{column: name, unit: …, scale: …}]: known signals that are added to the input, with its hold.",
+    )
 
 
 class SensorPart(Scaled):

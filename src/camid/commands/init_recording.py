@@ -1,0 +1,107 @@
+"""``camid init recording``: a first simulation, with comments, from a look at recordings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from camid import __version__
+from camid.commands.identify import identify
+from camid.draft.layout import layout_of
+from camid.draft.roles import roles_of
+from camid.draft.simulation import MAIN_ROWS, Draft, bare_simulation, drafted, simulation_with_comments
+from camid.errors import InputError
+from camid.identification.from_recordings import load_recordings
+from camid.number_text import percentage
+from camid.simulation.model import Simulation
+
+PathLike = str | os.PathLike[str]
+
+# A fit that leaves more than this is no better to start from than what was read off; with a free decay that tells more.
+LARGEST_RESIDUAL, LARGEST_OF_DECAY = 0.9, 0.3
+
+
+def init_recording(
+    recording: PathLike | Sequence[PathLike],
+    *,
+    period: float | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> str:
+    """Look at recordings of one rig and write a first simulation of it.
+
+    Parameters
+    ----------
+    recording : path, or list of them
+        The first is looked at; the others must be readable in the same way.
+    period : float, optional
+        Seconds, for files without a time column.
+    progress : callable, optional
+        Called with a sentence about the current step.
+
+    Returns
+    -------
+    str
+        YAML, in which the comments say what is a guess, and why.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or holds no columns of numbers.
+    """
+    recordings = [Path(r) for r in ([recording] if isinstance(recording, str | os.PathLike) else recording)]
+    if not recordings:
+        raise InputError("no recording is given", hint="name at least one")
+    if period is not None and not 0.0 < period < float("inf"):
+        raise InputError(f"--period {period:g}", hint="it takes a positive number of seconds")
+    layout = layout_of(recordings[0])
+    roles = roles_of(layout)
+    if period is not None and roles.time is not None:
+        raise InputError(
+            f"a period is given, and column '{roles.time}' looks like the time",
+            where=str(recordings[0]),
+            hint="leave out --period",
+        )
+    bare = bare_simulation(layout, roles, period)
+    found = [one for path in recordings for one in load_recordings(path, bare, output_needed=True)]
+    draft = drafted(bare, layout, roles, found)
+    draft = _fitted(draft, recordings[0], found[0].period, float(found[0].time[0]), len(found[0]), progress)
+    return simulation_with_comments(
+        draft, roles, layout, [p.name for p in recordings], f"camid {__version__} init recording"
+    )
+
+
+def _fitted(
+    draft: Draft,
+    recording: Path,
+    period: float,
+    start: float,
+    rows: int,
+    progress: Callable[[str], None] | None,
+) -> Draft:
+    """The draft with coefficients that were fitted to the first rows, where they are better than those read off."""
+    believed = draft.simulation
+    read_off = "A guess: a resonance read off the output"
+    reading = believed.reading
+    if len(reading.runs) > 1:
+        reading = replace(reading, runs=reading.runs[:1])
+    if rows > MAIN_ROWS:
+        reading = replace(reading, end=start + (MAIN_ROWS - 0.5) * period)
+    order = None if believed.input_column is None else (2, 0)
+    try:
+        result = identify(recording, replace(believed, reading=reading), structure=order, progress=progress)
+    except InputError as refused:
+        return replace(draft, fit=f"{read_off}; a fit was not possible: {refused.problem}")
+    found: Simulation = result.simulation
+    share = percentage(result.nrmse)
+    largest = LARGEST_OF_DECAY if order is None else LARGEST_RESIDUAL
+    stable = not found.plant.unstable_poles().size
+    if not result.converged or not stable or not result.nrmse < largest:
+        return replace(draft, fit=f"{read_off}; a second-order fit leaves {share} and is not used")
+    used = f"the first {MAIN_ROWS}" if rows > MAIN_ROWS else f"all {rows}"
+    simulation = replace(
+        believed, plant=found.plant, free_numerator=found.free_numerator, free_denominator=found.free_denominator
+    )
+    said = f"A second-order plant fitted to {used} rows; it leaves {share} of the output's standard deviation"
+    return replace(draft, simulation=simulation, fit=said)

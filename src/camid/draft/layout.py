@@ -1,0 +1,91 @@
+"""Layout of a file that nobody has described: which of its groups are recordings, and the numbers in its columns."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from camid.errors import InputError
+from camid.recording.cells import as_dates, as_floats, seconds_after
+from camid.recording.files import possible_readings
+from camid.recording.options import Reading
+from camid.recording.table import Table
+
+Array = NDArray[np.float64]
+
+FEWEST_ROWS = 20
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns of a file that may belong to a recording.
+
+    Attributes
+    ----------
+    reading : Reading
+        How the file is read: header, names of columns, group.
+    columns : dict of str to ndarray
+        Numbers of the first experiment; NaN where there are none; dates as seconds.
+    dates : tuple of str
+        Columns that hold dates.
+    values : dict of str to float
+        Single values beside them, which may be a period.
+    experiments : tuple of str
+        Names of the experiments in the file; empty if it holds one.
+    """
+
+    reading: Reading
+    columns: dict[str, Array]
+    dates: tuple[str, ...] = ()
+    values: dict[str, float] = field(default_factory=dict)
+    experiments: tuple[str, ...] = ()
+
+
+def layout_of(path: Path) -> Layout:
+    """Look at a file; of its groups the first with at least two columns of one length is taken.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or holds no columns of numbers of at least twenty rows.
+    """
+    found = [_layout(reading, tables) for reading, tables in possible_readings(path)]
+    best = next((f for f in found if len(f.columns) > 1), next((f for f in found if f.columns), None))
+    if best is None:
+        raise InputError(
+            f"no column holds numbers in at least {FEWEST_ROWS} rows",
+            where=str(path),
+            hint="a recording is a table of numbers: a time, an input, an output",
+        )
+    return best
+
+
+def _layout(reading: Reading, tables: list[Table]) -> Layout:
+    first = tables[0]
+    common = [n for n in first.columns if all(n in t.columns for t in tables)]
+    columns: dict[str, Array] = {}
+    dates: list[str] = []
+    values: dict[str, float] = {}
+    for name in common:
+        cells = pd.Series(first.columns[name]).reset_index(drop=True)
+        numbers = as_floats(cells)
+        known = np.flatnonzero(np.isfinite(numbers))
+        if not known.size and (times := as_dates(cells)) is not None:
+            numbers, known = seconds_after(times, 0), np.arange(len(cells))
+            dates.append(str(name))
+        if known.size >= FEWEST_ROWS and known.size >= 0.5 * (known[-1] + 1):
+            columns[str(name)] = numbers[: known[-1] + 1]
+        elif known.size == 1 and known[0] == 0:
+            values[str(name)] = float(numbers[0])
+    values |= first.single
+    lengths = Counter(len(c) for c in columns.values())
+    # Columns of a recording have one length; runs side by side may have several, each more than once.
+    usual = {n for n, count in lengths.items() if count > 1} or set(lengths)
+    columns = {n: c for n, c in columns.items() if len(c) in usual}
+    experiments = tuple(str(t.experiment) for t in tables) if len(tables) > 1 else ()
+    return Layout(reading, columns, tuple(d for d in dates if d in columns), values, experiments)
