@@ -72,8 +72,9 @@ class Setting:
     believed : Simulation
     whole, problem : Problem
         With and without the rows that say nothing of the motion.
-    nominal, start : Model
-        As the simulation says; and without effects on the noise, with the initial states that suit it.
+    nominal, simulated, start : Model
+        As the simulation says; without effects on the noise and with the initial states that suit it, as ``simulate``
+        runs it; and the same with the offset that suits it where none is declared.
     base : Fitted
         The nominal structure re-estimated.
     screened : list of ScreenedEffect
@@ -90,6 +91,7 @@ class Setting:
     whole: Problem
     problem: Problem
     nominal: Model
+    simulated: Model
     start: Model
     base: Fitted
     screened: list[ScreenedEffect]
@@ -165,7 +167,17 @@ def _prepared(
     say("screening the catalogue")
     screened = screen(problem, base)
     settled = _settled(problem, base)
-    return Setting(believed, whole, problem, nominal, start, base, screened, validation, chosen, settled)
+    simulated = _as_simulated(whole, nominal, start)
+    return Setting(believed, whole, problem, nominal, simulated, start, base, screened, validation, chosen, settled)
+
+
+def _as_simulated(whole: Problem, nominal: Model, start: Model) -> Model:
+    """The nominal model as ``simulate`` runs it, which takes an offset of which nothing is said for zero."""
+    if not any(e.estimate_offset or e.estimate_bias for e in whole.experiments):
+        return start
+    known = whole.with_known_constants()
+    effects = tuple(e for e in nominal.effects if not e.noise_like)
+    return known.with_initial_states(replace(nominal, effects=effects, constants=known.kind.constants()))
 
 
 def _simplified(
@@ -207,10 +219,10 @@ def _diagnosis(
     """What is said of a decision."""
     believed, problem, validation = setting.believed, setting.problem, setting.validation
     base, final, after, reasons = decision.base, decision.fitted, residue.places, residue.reasons
-    fits = errors(problem, setting.start, decision, validation, setting.chosen, [])
+    fits = errors(problem, setting.simulated, decision, validation, setting.chosen, [])
     unlisted = unlisted_weight(base, final, after, reasons, fits)
     if reasons:
-        fits = errors(problem, setting.start, decision, validation, setting.chosen, after)
+        fits = errors(problem, setting.simulated, decision, validation, setting.chosen, after)
     gains = validation_gains(problem, decision, validation)
     found = findings(problem, decision, setting.known, removed_shares(base, decision), gains, unlisted)
     found += residue.findings

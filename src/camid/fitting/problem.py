@@ -139,6 +139,11 @@ class Problem:
         times = [t[:rows] for t in self.times]
         return replace(self, experiments=experiments, times=times, kind=self.kind.start_of(rows))
 
+    def with_known_constants(self) -> Problem:
+        """The same with offset and bias as they are declared, and zero where nothing is said."""
+        experiments = [replace(e, estimate_offset=False, estimate_bias=False) for e in self.experiments]
+        return replace(self, experiments=experiments, kind=self.kind.with_unknown(experiments))
+
     def all_fixed(self) -> Problem:
         """The same with none of the plant's constants free."""
         return replace(self, kind=self.kind.all_fixed())
