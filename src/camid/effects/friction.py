@@ -87,7 +87,8 @@ class PositionDependentFriction(_UnevenFriction):
 
     @compiled
     def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return max(values[0] + values[1] * position, 0.0)
+        # Beside other friction it may take away from it; all together are never negative.
+        return values[0] + values[1] * position
 
     def simplified(self) -> CoulombFriction:
         """Coulomb friction of the level at y = 0."""

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -30,14 +29,17 @@ from camid.effects.separating_experiment import SeparatingExperiment
 
 # Damping ratio from which two poles are those of two storages; fits wander about the double pole.
 LEAST_DAMPING = 0.8
-# The flow over the edge grows by this many times the outflow for a unit of the level: a unit of excess raises the level
-# by a hundredth of what it would raise it without the edge.
-STEEPNESS = 100.0
+# A single storage that is full fills this many times slower than without its edge.
+TIGHTNESS = 1e3
+# A step that crosses the edge leads beyond it; that flows off with this many times the rate of the storage.
+RETURN = 8.0
+# The flow over the edge of the upper of two storages grows by this many times its outflow for a unit of the level.
+STEEPNESS = 30.0
 # Of the rate of a storage at its edge, the share that counts for the length of a step: explicit steps stay stable.
 STEP_SHARE = 0.125
 # Speed of the outflow near the empty storage, in rates of the storage, above which it is in proportion to the level:
 # a trickle is not turbulent.
-FASTEST_TRICKLE = 20.0
+FASTEST_TRICKLE = 10.0
 # A level, in any unit, whose square is still a number.
 NO_LEVEL = 1e-150
 NO_STORAGE = (
@@ -88,6 +90,10 @@ class SquareRootOutflow(_Storage, AgainstMotion):
         """Coefficient with the sign of the gain, and the level below which the outflow is in proportion to it."""
         return [motion_sign(plant) * self.values["coefficient"], self._trickle(plant)]
 
+    @compiled
+    def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return position
+
     def _trickle(self, plant: TransferFunction) -> float:
         stiffness = abs(static_stiffness(plant))
         return (
@@ -125,16 +131,17 @@ class Overflow(_Storage):
     )
     separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
 
-    def __init__(self, **values: Any) -> None:
-        super().__init__(**values)
-        self.uses_velocity = self.values["below"] != "none"
+    # At the edge of a single storage the force follows from the speed that it leaves.
+    uses_velocity = True
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        excess = values[0] * (position + values[1] * velocity - values[2])
-        if excess <= 0.0:
+        side = values[0]
+        excess = side * (position + values[1] * velocity - values[2])
+        if excess < 0.0:
             return 0.0
-        return values[3] * excess - values[4] * (signal - values[5])
+        held = values[6] * side * max(side * velocity + values[7] * excess, 0.0)
+        return held + side * values[3] * excess - values[4] * (signal - values[5])
 
     @compiled
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
@@ -147,20 +154,30 @@ class Overflow(_Storage):
         return 0.0 if choice == "none" or plant.order < 2 else constants[0 if choice == "fast" else -1]
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """Side, time constant below, height, force for a unit of the level, part that passes, input that just fills."""
-        height, stiffness = self.values["height"], static_stiffness(plant)
-        below = self._below(plant)
-        passed = STEEPNESS * self.values["share"] if below > 0.0 else 0.0
+        """What the compiled parts need.
+
+        Side, time constant below, height, force for a unit of the level beyond it, part of the excess that passes on,
+        input that just fills the storage, force for a unit of the speed beyond the edge, and rate of the return to it.
+        """
+        height, stiffness, below = self.values["height"], static_stiffness(plant), self._below(plant)
         side = 1.0 if height >= 0.0 else -1.0
-        return [side, below, height, side * STEEPNESS * stiffness, passed, stiffness * height]
+        if plant.order == 1:
+            return [side, 0.0, height, 0.0, 0.0, 0.0, TIGHTNESS / plant.monic.numerator[0], self._return(plant)]
+        passed = STEEPNESS * self.values["share"] if below > 0.0 else 0.0
+        return [side, below, height, STEEPNESS * stiffness, passed, stiffness * height, 0.0, 0.0]
+
+    def _return(self, plant: TransferFunction) -> float:
+        """Rate in 1/s with which what a step has led beyond the edge flows off."""
+        return RETURN * float(np.max(np.abs(plant.poles()), initial=0.0))
 
     def frequency(self, plant: TransferFunction) -> float:
-        """Of the full storage."""
+        """Of a full storage above another one."""
+        if plant.order == 1:
+            return 0.0
         constants = time_constants(plant)
         if not constants:
             return sqrt(mobility(plant) * STEEPNESS * abs(static_stiffness(plant)))
-        own = constants[0] if self.values["below"] != "fast" else constants[-1]
-        return STEP_SHARE * STEEPNESS / own
+        return STEP_SHARE * STEEPNESS / (constants[0] if self.values["below"] != "fast" else constants[-1])
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
