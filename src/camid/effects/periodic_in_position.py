@@ -78,15 +78,18 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
 
 
 class Cogging(Effect):
-    """A force that pulls the motor to its nearest pole, whatever the input: it repeats along the way."""
+    """A force that pulls the motor to its nearest pole, whatever the input: it repeats along the way.
+
+    Positions count from rest, where the force is in balance.
+    """
 
     identifier = "cogging"
     place = "plant"
     title = "Cogging (detent force)"
-    equation = r"f = a\,\sin(2\pi y/p + \varphi)"
+    equation = r"f = a\,\left(\sin(2\pi y/p + \varphi) - \sin\varphi\right)"
     reference = "Hanselman (2006), Brushless Permanent Magnet Motor Design, 2nd ed., chapter 7"
     parameters = (
-        Parameter("amplitude", "u", "largest force a", 0.0),
+        Parameter("amplitude", "u", "amplitude a of the force", 0.0),
         Parameter("period", "y", "distance p of two poles", 1e-300),
         Parameter("phase", "rad", "phase φ at y = 0", scale="one"),
     )
@@ -96,7 +99,7 @@ class Cogging(Effect):
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return values[0] * sin(2.0 * pi * position / values[1] + values[2])
+        return values[0] * (sin(2.0 * pi * position / values[1] + values[2]) - sin(values[2]))
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about a pole."""

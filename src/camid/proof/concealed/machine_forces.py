@@ -82,8 +82,10 @@ def spring_force(p: Array, x: float, t: float) -> float:
         force += 2.0 * p[s.SIDE_STIFFNESS] * x * (1.0 - length / np.sqrt(x * x + length * length))
     if p[s.DETENT] != 0.0:
         angle = 2.0 * np.pi * x / p[s.DETENT_PITCH]
-        force += p[s.DETENT] * np.sin(angle + p[s.DETENT_PHASE])
-        force += p[s.DETENT] * p[s.DETENT_HARMONIC] * np.sin(2.0 * angle + p[s.DETENT_HARMONIC_PHASE])
+        first, second = p[s.DETENT_PHASE], p[s.DETENT_HARMONIC_PHASE]
+        # The machine rests at zero, wherever between two poles that is.
+        force += p[s.DETENT] * (np.sin(angle + first) - np.sin(first))
+        force += p[s.DETENT] * p[s.DETENT_HARMONIC] * (np.sin(2.0 * angle + second) - np.sin(second))
     if p[s.OUTFLOW] != 0.0:
         force += p[s.OUTFLOW] * np.sign(x) * abs(x) ** p[s.OUTFLOW_EXPONENT]
     if p[s.EDGE_WEIR] != 0.0:
