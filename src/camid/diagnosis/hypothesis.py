@@ -75,7 +75,7 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
         is_special_case = special_case is not None and hypothesis.identifier == special_case.identifier
         error = SPECIAL_CASE_ERROR if is_special_case else LAW_ERROR
         prior, best = 1.0, lead
-        if hypothesis in general:  # it ranks after its special case because it says no more
+        if _generalises(hypothesis, lead):  # it ranks after its special case because it says no more
             prior, best = OTHER_LAW, min(general, key=lambda h: h.criterion)
         left = max(hypothesis.fitted.cost - best.fitted.cost, 0.0) / mismatch
         exact = float(np.exp(-0.5 * max(hypothesis.criterion - best.criterion, 0.0)))
