@@ -21,7 +21,7 @@ from camid.effects.separating_experiment import SeparatingExperiment
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
-# Periods that are tried: the range of the motion holds from half of one to this many, in steps of a quarter.
+# Periods that are tried: the range of the motion holds from one to this many, in steps of a quarter.
 MOST_PERIODS, PERIOD_STEP = 30.0, 0.25
 # Rows that are looked at, evenly spread, and the best periods that become first guesses.
 MOST_ROWS = 2000
@@ -55,7 +55,7 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
     basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
     basis = basis[:, np.abs(np.diag(triangle)) > LEAST_LEFT]
     residual = situation.residual[rows] - basis @ (basis.T @ situation.residual[rows])
-    counts = np.arange(0.5, MOST_PERIODS, PERIOD_STEP)
+    counts = np.arange(1.0, MOST_PERIODS, PERIOD_STEP)
     gains, waves = np.zeros(len(counts)), np.zeros((len(counts), 2))
     for i, count in enumerate(counts):
         angle = 2.0 * pi * count * position / (high - low)
@@ -114,15 +114,18 @@ class Cogging(Effect):
 
 
 class EncoderEccentricity(Effect):
-    """An encoder whose disc is not centred on the shaft, or a screw whose pitch wobbles: it errs once a period."""
+    """An encoder whose disc is not centred on the shaft, or a screw whose pitch wobbles: it errs once a period.
+
+    Its zero is where the plant rests; an offset is another effect.
+    """
 
     identifier = "encoder-eccentricity"
     place = "sensor"
     title = "Eccentricity of the encoder"
-    equation = r"w = y + e\,\sin(2\pi y/p + \varphi)"
+    equation = r"w = y + e\,\left(\sin(2\pi y/p + \varphi) - \sin\varphi\right)"
     reference = "Hanselman (1990), IEEE Trans. Ind. Electron. 37, 556-561 (errors that are periodic in the position)"
     parameters = (
-        Parameter("amplitude", "y", "largest error e", 0.0),
+        Parameter("amplitude", "y", "amplitude e of the error", 0.0),
         Parameter("period", "y", "displacement p of a turn", 1e-300),
         Parameter("phase", "rad", "phase φ at y = 0", scale="one"),
     )
@@ -136,7 +139,8 @@ class EncoderEccentricity(Effect):
 
         points = motion.points(start, end)
         angle = 2.0 * pi * points / self.values["period"] + self.values["phase"]
-        return np.asarray((points + self.values["amplitude"] * np.sin(angle)) @ (0.5 * WEIGHTS))
+        error = self.values["amplitude"] * (np.sin(angle) - sin(self.values["phase"]))
+        return np.asarray((points + error) @ (0.5 * WEIGHTS))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

@@ -136,7 +136,7 @@ def encoder_eccentricity(generator: np.random.Generator, context: Context, alter
     def apply(setup: Setup, strength: float) -> None:
         def read(y: Array) -> tuple[Array, Array]:
             angle = y / unit
-            error = np.sin(angle + phase) + second * np.sin(2.0 * angle)
+            error = np.sin(angle + phase) - np.sin(phase) + second * np.sin(2.0 * angle)
             slope = np.cos(angle + phase) + 2.0 * second * np.cos(2.0 * angle)
             return y + strength * unit * error, 1.0 + strength * slope
 
