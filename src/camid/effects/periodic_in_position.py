@@ -28,6 +28,8 @@ MOST_ROWS = 2000
 BEST = 3
 # Share of a regressor beside the others, and of the residual, below which nothing is left of it.
 LEAST_LEFT = 1e-9
+# A period of an encoder's error holds more steps of its readings than this.
+STEPS_PER_PERIOD = 5.0
 
 
 def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> list[tuple[float, float, float]]:
@@ -75,6 +77,13 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
         found.append((hypot(along, across), (high - low) / float(counts[i]), atan2(across, along)))
         gains[max(i - 2, 0) : i + 3] = 0.0
     return found
+
+
+def _least_difference(values: Array) -> float:
+    """Step of a lattice on which values lie: the least difference of two that differ beyond rounding, else 0."""
+    differences = np.diff(np.unique(values))
+    differences = differences[differences > LEAST_LEFT * float(np.max(np.abs(values), initial=0.0))]
+    return float(np.min(differences, initial=np.inf)) if len(differences) else 0.0
 
 
 class Cogging(Effect):
@@ -145,5 +154,8 @@ class EncoderEccentricity(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain the residual best, to first order."""
+        step = _least_difference(situation.recorded)
         for amplitude, period, phase in best_periods(situation, lambda error: error):
-            yield cls(amplitude=min(amplitude, situation.largest("position")), period=period, phase=phase)
+            # What quantisation adds repeats along the way, too.
+            if period > STEPS_PER_PERIOD * step:
+                yield cls(amplitude=min(amplitude, situation.largest("position")), period=period, phase=phase)

@@ -159,6 +159,27 @@ def hidden_pull(p: Array, state: Array) -> float:
 
 
 @njit
+def _swing_beside(p: Array, state: Array, force: float, rate: Array) -> None:
+    """Rates of the mode beside the machine under the actuator's force in N."""
+    omega = p[s.BESIDE_FREQUENCY]
+    rate[s.BESIDE] = state[s.BESIDE_RATE]
+    pull = omega * (p[s.BESIDE_COMPLIANCE] * force - state[s.BESIDE])
+    rate[s.BESIDE_RATE] = omega * (pull - 2.0 * p[s.BESIDE_DAMPING] * state[s.BESIDE_RATE])
+
+
+@njit
+def _follow_command(p: Array, state: Array, command: float, rate: Array) -> None:
+    """Rates of the actuator's lags, or of its soft slew, under a command in V."""
+    if p[s.LAG] != 0.0:
+        rate[s.ACTUATOR] = (command - state[s.ACTUATOR]) / p[s.LAG]
+        if p[s.SECOND_LAG] != 0.0:
+            rate[s.SECOND_ACTUATOR] = (state[s.ACTUATOR] - state[s.SECOND_ACTUATOR]) / p[s.SECOND_LAG]
+    if p[s.SOFT_SLEW] != 0.0:
+        gap = (command - state[s.ACTUATOR]) / (p[s.SOFT_SLEW] * p[s.SOFT_SLEW_TIME])
+        rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
+
+
+@njit
 def derivative(  # noqa: C901, PLR0912, PLR0915 - a branch for every part that a machine can have
     p: Array, state: Array, memory: Array, command: float, t: float, direction: int, rate: Array
 ) -> None:
@@ -181,11 +202,7 @@ def derivative(  # noqa: C901, PLR0912, PLR0915 - a branch for every part that a
         rate[s.POSITION], rate[s.VELOCITY] = v, force / p[s.MASS]
     measured = state[s.HIDDEN] if p[s.HIDDEN_IS_SEEN] != 0.0 else state[s.POSITION]
     if p[s.BESIDE_FREQUENCY] != 0.0:
-        omega = p[s.BESIDE_FREQUENCY]
-        pull = p[s.BESIDE_COMPLIANCE] * motor_force(p, state[s.POSITION], v, reaching(p, state, command), t)
-        rate[s.BESIDE] = state[s.BESIDE_RATE]
-        pull = omega * (pull - state[s.BESIDE]) - 2.0 * p[s.BESIDE_DAMPING] * state[s.BESIDE_RATE]
-        rate[s.BESIDE_RATE] = omega * pull
+        _swing_beside(p, state, motor_force(p, state[s.POSITION], v, reaching(p, state, command), t), rate)
         measured += state[s.BESIDE]
     if p[s.SERIES_LAG] != 0.0:
         rate[s.SERIES] = (measured - state[s.SERIES]) / p[s.SERIES_LAG]
@@ -218,13 +235,7 @@ def derivative(  # noqa: C901, PLR0912, PLR0915 - a branch for every part that a
         for i in range(3):
             rate[s.MAXWELL + i] = p[s.MAXWELL_STIFFNESS] / 3.0 * v - state[s.MAXWELL + i] / time
             time *= p[s.MAXWELL_RATIO]
-    if p[s.LAG] != 0.0:
-        rate[s.ACTUATOR] = (command - state[s.ACTUATOR]) / p[s.LAG]
-        if p[s.SECOND_LAG] != 0.0:
-            rate[s.SECOND_ACTUATOR] = (state[s.ACTUATOR] - state[s.SECOND_ACTUATOR]) / p[s.SECOND_LAG]
-    if p[s.SOFT_SLEW] != 0.0:
-        gap = (command - state[s.ACTUATOR]) / (p[s.SOFT_SLEW] * p[s.SOFT_SLEW_TIME])
-        rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
+    _follow_command(p, state, command, rate)
 
 
 @njit
