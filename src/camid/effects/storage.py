@@ -40,6 +40,8 @@ STEP_SHARE = 0.125
 # Speed of the outflow near the empty storage, in rates of the storage, above which it is in proportion to the level:
 # a trickle is not turbulent.
 FASTEST_TRICKLE = 10.0
+# An edge this much beyond the motion, in the largest displacement, does nothing.
+BEYOND = 1.001
 # A level, in any unit, whose square is still a number.
 NO_LEVEL = 1e-150
 NO_STORAGE = (
@@ -187,4 +189,4 @@ class Overflow(_Storage):
         for edge in (float(np.max(situation.position)), float(np.min(situation.position))):
             for share in (0.9, 0.7, 0.4) if edge != 0.0 else ():
                 for below in belows:
-                    yield cls(height=share * edge, share=0.0, below=below).measured_from(edge, 0.0)
+                    yield cls(height=share * edge, share=0.0, below=below).measured_from(BEYOND * edge, 0.0)

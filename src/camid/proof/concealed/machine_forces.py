@@ -180,7 +180,7 @@ def _follow_command(p: Array, state: Array, command: float, rate: Array) -> None
 
 
 @njit
-def derivative(  # noqa: C901, PLR0912, PLR0915 - a branch for every part that a machine can have
+def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machine can have
     p: Array, state: Array, memory: Array, command: float, t: float, direction: int, rate: Array
 ) -> None:
     """Time derivative of the state; ``direction`` is that of sliding, or 0 where the mass sticks."""
