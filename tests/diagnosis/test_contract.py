@@ -231,7 +231,7 @@ def test_errors_are_those_of_simulate(cases, name):
 def test_refitted_error_is_that_of_identify(cases, name):
     case = cases[name]
     span = case.content["fit"]["validation"]
-    fitted = camid.identify(case.recording, simulation(validation=span))
+    fitted = camid.identify(case.recording, case.believed | {"validation": span})
     assert fitted.nrmse_validation == pytest.approx(case.content["fit"]["nrmse_refitted"], rel=2e-3)
 
 
@@ -295,7 +295,7 @@ def test_two_runs_write_the_same_bytes(cases, tmp_path):
     """Nothing in the files depends on the clock, the threads or the process."""
     case = cases["clipping"]
     write_diagnosis(case.diagnosis, tmp_path / "first")
-    write_diagnosis(camid.diagnose(case.recording, simulation()), tmp_path / "second")
+    write_diagnosis(camid.diagnose(case.recording, case.believed), tmp_path / "second")
     for name in FILES:
         assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
 

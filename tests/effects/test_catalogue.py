@@ -14,18 +14,24 @@ from camid.engine.run import run
 
 PERIOD = 0.02
 PLANT = second_order(1.0, 10.0, 0.1)
+FIRST_ORDER = TransferFunction((2.0,), (0.1, 1.0))
 
-# Design, section 2.
+# Design, section 2, and what real rigs showed missing (issue 12).
 DESIGN = """
 actuator dead-zone half_width; saturation limit; backlash half_width; rate-limit rate; actuator-lag time_constant;
  gain-asymmetry ratio; input-hold hold; input-bias bias
 plant coulomb-friction force; stribeck-friction coulomb breakaway velocity; quadratic-drag coefficient;
  cubic-stiffness coefficient; quadratic-stiffness coefficient; pendulum-gravity amplitude; end-stop position stiffness;
- hysteresis strength shape; extra-mode natural_frequency damping; parameter-drift coefficient rate
+ hysteresis strength shape; extra-mode natural_frequency damping; parameter-drift coefficient rate;
+ asymmetric-friction forward backward; position-dependent-friction force gradient;
+ load-dependent-friction force coefficient; amplitude-dependent-damping coefficient;
+ cogging amplitude period phase; parallel-mode gain natural_frequency damping;
+ square-root-outflow coefficient; overflow height share below
 disturbance periodic-disturbance amplitude frequency phase; step-disturbance size time; impulse-disturbance size time
 sensor exposure exposure; delay delay; rolling-shutter time_per_unit; clock-skew skew; timestamp-jitter std;
  lens-distortion k1; clipping low high; quantisation step; sensor-offset offset; sensor-drift rate;
- dropped-frames fraction; outliers fraction; absolute-value; speed-weighted-centroid
+ dropped-frames fraction; outliers fraction; absolute-value; speed-weighted-centroid;
+ encoder-eccentricity amplitude period phase
 noise coloured-noise spectrum
 """
 
@@ -75,7 +81,7 @@ def test_every_effect_can_be_printed(identifier):
     for parameter in effect.parameters:
         assert parameter.meaning
         assert parameter.lower < parameter.upper
-        assert set(parameter.unit.replace("rad", "").replace("^", "").replace("/", "")) <= set("uys 1234567890")
+        assert set(parameter.unit.replace("rad", "").replace("^", "").replace("/", "")) <= set("uys .1234567890")
 
 
 def situation(signal=None, plant=PLANT, acquisition=None, count=400, scale=1.0, input_scale=1.0, noise=0.02, seed=0):
@@ -117,7 +123,8 @@ SITUATIONS = {
     "short record": {"count": 12},
     "no noise": {"noise": 0.0},
     "integrating plant": {"plant": TransferFunction((5.0,), (1.0, 2.0, 0.0))},
-    "first-order plant": {"plant": TransferFunction((2.0,), (0.1, 1.0))},
+    "first-order plant": {"plant": FIRST_ORDER},
+    "two storages": {"plant": TransferFunction((2.0,), (0.1, 1.0)) * TransferFunction((1.0,), (0.4, 1.0))},
     "plant with a zero": {"plant": TransferFunction((3.0, 100.0), (1.0, 4.0, 100.0))},
     "negative gain": {"plant": TransferFunction((-100.0,), (1.0, 2.0, 100.0))},
     "third order": {"plant": TransferFunction((1.0, 3.0), (1.0, 2.0, 5.0, 7.0))},
@@ -138,7 +145,7 @@ def test_first_guesses_are_valid_and_run(identifier, kind):
             assert found.shape == given.signal.shape
             # A force that pushes a body away which nothing holds drives it off, as it should.
             assert np.all(np.isfinite(found)) or (kind, effect.parameters[0].unit[:4]) == ("integrating plant", "u/y^")
-    if kind == "usual":
+    if kind == "usual" and reason is None:
         assert any(True for _ in effect.candidates(given))
 
 
@@ -170,6 +177,8 @@ ALL_OR_NOTHING = {"input-hold", "absolute-value", "speed-weighted-centroid"}
 def test_scaled_effects_change_the_output_in_proportion(identifier):
     """A hundredth of an effect is at most a tenth of its change, and within a factor of four of a hundredth at best."""
     given = situation()
+    if known_effects()[identifier].invisible(given) is not None:
+        given = situation(plant=FIRST_ORDER, acquisition=Acquisition(PERIOD, sensor="instant"))
     before = run(Chain(given.plant, given.acquisition), given.signal, given.time)
 
     def change(effect):

@@ -2,7 +2,6 @@
 
 import re
 import sys
-from math import pi, sin
 from types import ModuleType
 
 import numpy as np
@@ -28,38 +27,38 @@ PERIOD = 0.02
 
 
 @pytest.fixture
-def detent(tmp_path, monkeypatch):
+def fading(tmp_path, monkeypatch):
     """The class of the page; the catalogue is as before when the test is over."""
     code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL).group(1)
-    path = tmp_path / "detent.py"
+    path = tmp_path / "fading.py"
     path.write_text(code, encoding="utf-8")
-    module = ModuleType("detent")
+    module = ModuleType("fading")
     module.__file__ = str(path)
-    monkeypatch.setitem(sys.modules, "detent", module)
+    monkeypatch.setitem(sys.modules, "fading", module)
     exec(compile(code, str(path), "exec"), module.__dict__)
-    yield module.MagneticDetent
-    del known_effects()[module.MagneticDetent.identifier]
+    yield module.FadingForceConstant
+    del known_effects()[module.FadingForceConstant.identifier]
 
 
 def excitation(count):
     return np.repeat(np.random.default_rng(2).choice([-1.0, -0.5, 0.3, 1.0], count // 4), 4)
 
 
-def test_the_engine_runs_it(detent):
+def test_the_engine_runs_it(fading):
     signal, time = excitation(60), PERIOD * np.arange(60)
-    found = run(Chain(PLANT, Acquisition(PERIOD), (detent(force=0.3, pitch=0.5),)), signal, time)
-    reference = Reference(
-        PLANT.numerator, PLANT.denominator, force=lambda t, y, v, u, m: 0.3 * sin(2.0 * pi * y / 0.5)
-    ).run(pieces_of(signal, PERIOD, "zoh"))
+    found = run(Chain(PLANT, Acquisition(PERIOD), (fading(coefficient=0.1),)), signal, time)
+    reference = Reference(PLANT.numerator, PLANT.denominator, force=lambda t, y, v, u, m: 0.1 * y * y * u).run(
+        pieces_of(signal, PERIOD, "zoh")
+    )
     expected = reference.mean(time - PERIOD, time)
     assert np.max(np.abs(found - expected)) < 1e-4 * np.std(expected)
 
 
-def test_the_diagnosis_finds_it(detent):
+def test_the_diagnosis_finds_it(fading):
     count = 1000
     signal, time = excitation(count), PERIOD * np.arange(count)
     acquisition = Acquisition(PERIOD)
-    output = run(Chain(PLANT, acquisition, (detent(force=0.05, pitch=1.0),)), signal, time)
+    output = run(Chain(PLANT, acquisition, (fading(coefficient=0.05),)), signal, time)
     output = output + 0.02 * np.std(output) * np.random.default_rng(3).standard_normal(count)
     structure = Structure(
         np.array([105.0]), np.array([1.0, 2.1, 97.0]), np.array([True]), np.array([False, True, True])
@@ -67,8 +66,8 @@ def test_the_diagnosis_finds_it(detent):
     experiment = Experiment(signal, output, acquisition, np.ones(count, bool))
     problem = Problem(structure, [experiment], [time], LinearPlant(), 0.1)
     base = problem.kind.refit(problem, Model(structure.coefficients(), (), (None,)))
-    assert screen(problem, base)[0].effect.identifier == "magnetic-detent"
+    assert screen(problem, base)[0].effect.identifier == "fading-force-constant"
 
 
 def test_without_it_the_catalogue_does_not_know_it():
-    assert "magnetic-detent" not in known_effects()
+    assert "fading-force-constant" not in known_effects()

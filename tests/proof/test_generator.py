@@ -62,6 +62,16 @@ IDENTITIES = [
     "absolute-value",
     "speed-weighted-centroid",
     "coloured-noise",
+    # What real rigs showed missing.
+    "asymmetric-friction",
+    "position-dependent-friction",
+    "load-dependent-friction",
+    "amplitude-dependent-damping",
+    "cogging",
+    "parallel-mode",
+    "square-root-outflow",
+    "overflow",
+    "encoder-eccentricity",
 ]
 
 

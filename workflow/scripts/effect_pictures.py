@@ -13,24 +13,26 @@ from matplotlib.figure import Figure
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
-from camid.chain.plant import second_order
+from camid.chain.plant import TransferFunction, second_order
 from camid.effects import Effect, Situation, known_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 
 PERIOD, FRAMES, SHOWN, FINE = 0.02, 400, 150, 10
 PLANT = second_order(1.0, 10.0, 0.1)
+# For effects that the resonance cannot have.
+STORAGE = TransferFunction((2.0,), (1.0, 2.0))
 # Change of the output, as a share of its spread, that can be seen in a picture and leaves the motion what it is.
 VISIBLE = 0.5
 WITHOUT, WITH, MISSING = "#8a8a8a", "#1f6fb4", "#c2410c"
 
 
-def situation() -> Situation:
-    """A driven resonance seen by a camera at 50 frames per second: four levels of input."""
+def situation(plant: TransferFunction = PLANT) -> Situation:
+    """A driven resonance, or storage, seen by a camera at 50 frames per second: four levels of input."""
     generator = np.random.default_rng(5)
     signal = np.repeat(generator.choice([-1.0, -0.5, 0.4, 1.0], FRAMES // 10), 10)
     acquisition = Acquisition(PERIOD)
-    position = sample(PLANT, signal, acquisition)
+    position = sample(plant, signal, acquisition)
     return Situation(
         np.asarray(PERIOD * np.arange(FRAMES), dtype=np.float64),
         signal,
@@ -38,7 +40,7 @@ def situation() -> Situation:
         position,
         np.gradient(position, PERIOD),
         0.3 * np.sin(11.0 * PERIOD * np.arange(FRAMES)),  # for first guesses that look for a period
-        PLANT,
+        plant,
         acquisition,
         np.ones(FRAMES, bool),
     )
@@ -51,7 +53,7 @@ def shown_effect(kind: type[Effect], given: Situation) -> tuple[Effect, np.ndarr
         for factor in (1.0, 4.0, 16.0):
             try:
                 effect = guess if factor == 1.0 else guess.scaled(factor)
-                output = run(Chain(PLANT, given.acquisition, (effect,)), given.signal, given.time)
+                output = run(Chain(given.plant, given.acquisition, (effect,)), given.signal, given.time)
             except (ValueError, ArithmeticError):
                 continue
             change = float(np.sqrt(np.mean((output - given.position) ** 2)) / np.std(given.position))
@@ -66,17 +68,18 @@ def shown_effect(kind: type[Effect], given: Situation) -> tuple[Effect, np.ndarr
 def missing_force(effect: Effect, given: Situation) -> tuple[np.ndarray, np.ndarray]:
     """Time in s and the input that the plant alone would lack, from the motion at a tenth of the period.
 
-    b0 (u + missing) = ÿ + a1 ẏ + a0 y, with the derivatives from central differences.
+    b0 (u + missing) = ÿ + a1 ẏ + a0 y, or ẏ + a0 y of a storage, with the derivatives from central differences.
     """
     step = PERIOD / FINE
     signal = np.repeat(given.signal, FINE)
     time = np.asarray(step * np.arange(len(signal)), dtype=np.float64)
-    motion = run(Chain(PLANT, Acquisition(step, sensor="instant"), (effect,)), signal, time)
-    (b0,), (_, a1, a0) = PLANT.numerator, PLANT.denominator
+    motion = run(Chain(given.plant, Acquisition(step, sensor="instant"), (effect,)), signal, time)
     velocity = (motion[2:] - motion[:-2]) / (2.0 * step)
     acceleration = (motion[2:] - 2.0 * motion[1:-1] + motion[:-2]) / step**2
+    derivatives = [motion[1:-1], velocity, acceleration]
     # An average over a frame smooths what rounding and the corners of the input leave in second differences.
-    force = (acceleration + a1 * velocity + a0 * motion[1:-1]) / b0 - 0.5 * (signal[1:-1] + signal[:-2])
+    driven = sum(a * d for a, d in zip(given.plant.denominator[::-1], derivatives, strict=False))
+    force = driven / given.plant.numerator[0] - 0.5 * (signal[1:-1] + signal[:-2])
     kernel = np.ones(FINE) / FINE
     return time[1:-1], np.convolve(force, kernel, "same")
 
@@ -85,6 +88,8 @@ def draw(kind: type[Effect], given: Situation) -> Figure | None:
     """Output with and without the effect, and below what a simulation without it lacks; None for noise."""
     if kind.noise_like:
         return None
+    if kind.invisible(given) is not None:
+        given = situation(STORAGE)
     found = shown_effect(kind, given)
     if found is None:
         return None

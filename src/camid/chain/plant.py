@@ -152,6 +152,15 @@ class TransferFunction:
             tuple(np.polymul(self.numerator, other.numerator)), tuple(np.polymul(self.denominator, other.denominator))
         )
 
+    def __add__(self, other: TransferFunction) -> TransferFunction:
+        """Two plants with one input, whose outputs add up."""
+        numerator = np.polyadd(
+            np.polymul(self.numerator, other.denominator), np.polymul(other.numerator, self.denominator)
+        )
+        return TransferFunction(
+            tuple(np.trim_zeros(numerator, "f")), tuple(np.polymul(self.denominator, other.denominator))
+        )
+
 
 def _vanishing_parameters(system: control.StateSpace) -> int:
     """How many of the first Markov parameters are zero except for rounding."""

@@ -68,17 +68,19 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
     raw = []
+    general = [h for h in ranked if _generalises(h, lead)]
     special_case = lead.fitted.model.effects[-1].simplified() if lead.fitted.model.effects else None
     for hypothesis in ranked:
         # Dahl's friction is friction, and fits Bouc and Wen's hysteresis best.
         is_special_case = special_case is not None and hypothesis.identifier == special_case.identifier
         error = SPECIAL_CASE_ERROR if is_special_case else LAW_ERROR
+        prior, best = 1.0, lead
         if _generalises(hypothesis, lead):  # it ranks after its special case because it says no more
-            raw.append((hypothesis.identifier, OTHER_LAW))
-            continue
-        left = max(hypothesis.fitted.cost - lead.fitted.cost, 0.0) / mismatch
-        exact = float(np.exp(-0.5 * max(hypothesis.criterion - lead.criterion, 0.0)))
-        raw.append((hypothesis.identifier, (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))))
+            prior, best = OTHER_LAW, min(general, key=lambda h: h.criterion)
+        left = max(hypothesis.fitted.cost - best.fitted.cost, 0.0) / mismatch
+        exact = float(np.exp(-0.5 * max(hypothesis.criterion - best.criterion, 0.0)))
+        weight = (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))
+        raw.append((hypothesis.identifier, prior * weight))
     total = sum(w for _, w in raw)
     raw.sort(key=lambda item: -item[1])
     kept = [(name, w / total) for name, w in raw if w / total >= LEAST_WEIGHT][:LARGEST_CLASS]

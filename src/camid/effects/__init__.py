@@ -1,6 +1,17 @@
-"""The catalogue of effects: one module per place, one class per effect."""
+"""The catalogue of effects: one class per effect, in modules by place and kind."""
 
-from camid.effects import actuator, disturbance, noise, plant, sensor
+from camid.effects import (
+    actuator,
+    damping,
+    disturbance,
+    friction,
+    modes,
+    noise,
+    periodic_in_position,
+    plant,
+    sensor,
+    storage,
+)
 from camid.effects.base import PLACES, Effect, Parameter, Situation, compiled, known_effects
 
 __all__ = [
@@ -10,9 +21,14 @@ __all__ = [
     "Situation",
     "actuator",
     "compiled",
+    "damping",
     "disturbance",
+    "friction",
     "known_effects",
+    "modes",
     "noise",
+    "periodic_in_position",
     "plant",
     "sensor",
+    "storage",
 ]

@@ -335,6 +335,10 @@ class Effect:
         """Linear dynamics between hold and plant."""
         return None
 
+    def beside_plant(self) -> TransferFunction | None:
+        """Linear dynamics that the plant's input drives, too, and whose output adds to the plant's."""
+        return None
+
     def after_plant(self) -> TransferFunction | None:
         """Linear dynamics between plant and sensor."""
         return None

@@ -46,7 +46,7 @@ def motion_sign(plant: TransferFunction) -> float:
     return 1.0 if plant.monic.numerator[0] > 0.0 else -1.0
 
 
-class _AgainstMotion(Effect):
+class AgainstMotion(Effect):
     """A force that acts against the motion whatever the signs of input and output: its first value is signed."""
 
     def force_values(self, plant: TransferFunction) -> list[float]:
@@ -124,7 +124,7 @@ class StribeckFriction(Effect):
                 yield cls(coulomb=level * force, breakaway=level * 1.6 * force, velocity=velocity)
 
 
-class QuadraticDrag(_AgainstMotion):
+class QuadraticDrag(AgainstMotion):
     """Resistance that grows with the square of the speed."""
 
     identifier = "quadratic-drag"
@@ -148,7 +148,7 @@ class QuadraticDrag(_AgainstMotion):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("velocity") ** 2)
 
 
-class CubicStiffness(_AgainstMotion):
+class CubicStiffness(AgainstMotion):
     """A spring that hardens, or softens, with the cube of the displacement."""
 
     identifier = "cubic-stiffness"
@@ -171,7 +171,7 @@ class CubicStiffness(_AgainstMotion):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("position") ** 3)
 
 
-class QuadraticStiffness(_AgainstMotion):
+class QuadraticStiffness(AgainstMotion):
     """A spring that is stiffer to one side than to the other."""
 
     identifier = "quadratic-stiffness"
@@ -224,7 +224,7 @@ class PendulumGravity(Effect):
             yield cls(amplitude=situation.largest("position") / angle)
 
 
-class EndStop(_AgainstMotion):
+class EndStop(AgainstMotion):
     """A stop that pushes back beyond a position."""
 
     identifier = "end-stop"
@@ -268,7 +268,7 @@ class EndStop(_AgainstMotion):
                         yield cls(position=float(share * edge), stiffness=factor * stiffness)
 
 
-class Hysteresis(_AgainstMotion):
+class Hysteresis(AgainstMotion):
     """Bouc–Wen hysteresis: a force that follows the motion and saturates, whichever way it goes."""
 
     identifier = "hysteresis"

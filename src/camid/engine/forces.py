@@ -142,7 +142,7 @@ def _smooth_force(f: Forces, time: float, position: float, velocity: float, sign
 
 @njit(error_model="numpy")
 def friction_level(f: Forces, time: float, position: float, speed: float, signal: float) -> float:
-    """Sum of all dry friction at a speed ≥ 0."""
+    """Sum of all dry friction at a speed ≥ 0, never negative."""
     functions = f.functions
     data = f.data
     stride = f.stride
@@ -150,7 +150,7 @@ def friction_level(f: Forces, time: float, position: float, speed: float, signal
     for i in range(functions.shape[1]):
         if functions[1, i] != 0:
             total += _call(functions[1, i], time, position, speed, signal, 0.0, data + i * stride)
-    return total
+    return max(total, 0.0)
 
 
 @njit

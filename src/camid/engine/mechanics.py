@@ -79,8 +79,11 @@ class Chain:
         return acquisition
 
     def whole_plant(self) -> TransferFunction:
-        """Plant with the linear dynamics before and after it."""
+        """Plant with the linear dynamics before, beside and after it."""
         plant = self.plant
+        for effect in self.effects:
+            beside = effect.beside_plant()
+            plant = plant if beside is None else plant + beside
         for effect in self.effects:
             for part in (effect.before_plant(), effect.after_plant()):
                 if part is not None:
@@ -113,7 +116,7 @@ def companion_block(plant: TransferFunction, unit: float) -> tuple[Array, Array,
 
 
 class _Line(NamedTuple):
-    """Linear dynamics before the plant, the plant, and those after it, as one system in scaled time.
+    """Linear dynamics before the plant, the plant with those beside it, and those after, as one system in scaled time.
 
     ``plant`` says where the plant's states lie; ``measured`` and ``position`` are rows for the motion that the sensor
     sees and for that of the plant, before the integral of the measured motion is added as the last state.
@@ -129,8 +132,10 @@ class _Line(NamedTuple):
 
 def _line(chain: Chain, unit: float) -> _Line:
     before = [p for e in chain.effects if (p := e.before_plant()) is not None]
+    beside = [p for e in chain.effects if (p := e.beside_plant()) is not None]
     after = [p for e in chain.effects if (p := e.after_plant()) is not None]
-    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *after)]
+    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *beside, *after)]
+    first, last = len(before), len(before) + len(beside)
     size = sum(len(b[0]) for b in blocks)
     matrix = np.zeros((size + 1, size + 1))
     input_vector, force_vector = np.zeros(size + 1), np.zeros(size + 1)
@@ -140,8 +145,13 @@ def _line(chain: Chain, unit: float) -> _Line:
     offset, where = 0, (0, 0)
     for i, (block, output, direct) in enumerate(blocks):
         order = len(block)
-        if i == len(before):
+        if i == first:
             where, direct_force = (offset, offset + order), 1.0
+            # What drives the plant drives the dynamics beside it.
+            driving, driving_input = row.copy(), direct_input
+        elif first < i <= last:
+            outputs, passed_input, passed_force = row, direct_input, direct_force
+            row, direct_input, direct_force = driving, driving_input, 1.0
         if order:
             matrix[offset : offset + order, offset : offset + order] = block
             matrix[offset] += row
@@ -150,8 +160,10 @@ def _line(chain: Chain, unit: float) -> _Line:
         through = float(direct[0])
         row, direct_input, direct_force = row * through, direct_input * through, direct_force * through
         row[offset : offset + order] += output
+        if first < i <= last:
+            row, direct_input, direct_force = row + outputs, direct_input + passed_input, direct_force + passed_force
         offset += order
-        if i == len(before):
+        if i == last:
             position = row.copy()
             _refuse_direct(chain, np.array([direct_input, direct_force]))
     if direct_input or direct_force:

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camid.proof.concealed import actuator_laws, disturbance_laws, outside_laws, plant_laws, reading_laws, sensor_laws
+from camid.proof.concealed import (
+    actuator_laws,
+    disturbance_laws,
+    outside_laws,
+    plant_laws,
+    reading_laws,
+    sensor_laws,
+    way_laws,
+)
 from camid.proof.concealed.excitations import KINDS, MANY_LEVELS
 from camid.proof.concealed.rig_setup import Context, Effect
 
@@ -27,6 +35,8 @@ class Family:
         Whether there is another law.
     any_order : bool
         Whether it can be put into machines of any order, not only into a mass on a spring.
+    storage : bool
+        Whether it belongs to a machine of first order.
     excitations : tuple of str
         Inputs that show it.
     """
@@ -36,6 +46,7 @@ class Family:
     alternatives: bool = True
     any_order: bool = True
     excitations: tuple[str, ...] = KINDS
+    storage: bool = False
 
 
 CATALOGUE: dict[str, Family] = {
@@ -57,6 +68,14 @@ CATALOGUE: dict[str, Family] = {
     "hysteresis": Family(plant_laws.hysteresis, "plant", any_order=False),
     "extra-mode": Family(plant_laws.extra_mode, "plant", any_order=False),
     "parameter-drift": Family(plant_laws.parameter_drift, "plant", any_order=False),
+    "asymmetric-friction": Family(way_laws.asymmetric_friction, "plant", False, False),
+    "position-dependent-friction": Family(way_laws.position_dependent_friction, "plant", any_order=False),
+    "load-dependent-friction": Family(way_laws.load_dependent_friction, "plant", False, False, MANY_LEVELS),
+    "amplitude-dependent-damping": Family(way_laws.amplitude_dependent_damping, "plant", any_order=False),
+    "cogging": Family(way_laws.cogging, "plant", any_order=False),
+    "parallel-mode": Family(way_laws.parallel_mode, "plant", any_order=False),
+    "square-root-outflow": Family(way_laws.square_root_outflow, "plant", storage=True),
+    "overflow": Family(way_laws.overflow, "plant", storage=True),
     "periodic-disturbance": Family(disturbance_laws.periodic_disturbance, "disturbance"),
     "step-disturbance": Family(disturbance_laws.step_disturbance, "disturbance", alternatives=False),
     "impulse-disturbance": Family(disturbance_laws.impulse_disturbance, "disturbance"),
@@ -67,6 +86,7 @@ CATALOGUE: dict[str, Family] = {
     "timestamp-jitter": Family(sensor_laws.timestamp_jitter, "sensor", alternatives=False),
     "lens-distortion": Family(sensor_laws.lens_distortion, "sensor"),
     "perspective": Family(sensor_laws.perspective, "sensor", alternatives=False),
+    "encoder-eccentricity": Family(sensor_laws.encoder_eccentricity, "sensor"),
     "clipping": Family(reading_laws.clipping, "sensor"),
     "quantisation": Family(reading_laws.quantisation, "sensor", alternatives=False),
     "sensor-offset": Family(reading_laws.sensor_offset, "sensor", alternatives=False),
@@ -80,15 +100,13 @@ CATALOGUE: dict[str, Family] = {
 
 OUTSIDE: dict[str, Family] = {
     "position-dependent-gain": Family(outside_laws.position_dependent_gain, "actuator", False, False),
-    "van-der-pol-damping": Family(outside_laws.van_der_pol_damping, "plant", False, False),
     "play-in-joint": Family(outside_laws.play_in_joint, "plant", False, False),
     "nonlinear-hidden-mass": Family(outside_laws.nonlinear_hidden_mass, "plant", False, False),
     "quantised-command": Family(outside_laws.quantised_command, "actuator", False, True, MANY_LEVELS),
-    "magnetic-detent": Family(outside_laws.magnetic_detent, "plant", False, False),
     "multiplicative-noise": Family(reading_laws.multiplicative_noise, "noise", False),
     "saturating-back-electromotive-force": Family(outside_laws.back_electromotive_force, "actuator", False, False),
     "viscoelastic-damping": Family(outside_laws.viscoelastic_damping, "plant", False, False),
-    "motor-cogging": Family(outside_laws.motor_cogging, "actuator", False, False),
+    "force-ripple": Family(outside_laws.force_ripple, "actuator", False, False),
 }
 
 # Present in the machine, but this recording does not show it: levels that a two-level input never tells from a gain,

@@ -137,7 +137,8 @@ def draw_recording(case: Case, draws: np.random.Generator) -> DrawnRecording:
     size = 10.0 ** draws.uniform(-2.0, 2.0)
     # Faults of a fraction of a period show where the motion is fast beside the frames.
     coarse = bool({"input-hold", "speed-weighted-centroid"} & set(case.effects))
-    rig, period = _draw_rig(draws, all(f.any_order for f in families), coarse, size)
+    storage = any(f.storage for f in families)
+    rig, period = _draw_rig(draws, all(f.any_order for f in families), coarse, size, storage)
     frames = int(draws.integers(300, 501)) if images else int(np.clip(draws.normal(2000.0, 300.0), 1000, 2500))
     choice = draws.random()
     needs_exposure = {"exposure", "speed-weighted-centroid", "dropped-frames"} & set(case.effects)
@@ -165,9 +166,12 @@ def draw_recording(case: Case, draws: np.random.Generator) -> DrawnRecording:
     )
 
 
-def _draw_rig(draws: np.random.Generator, any_order: bool, coarse: bool, input_size: float) -> tuple[Rig, float]:
+def _draw_rig(
+    draws: np.random.Generator, any_order: bool, coarse: bool, input_size: float, storage: bool
+) -> tuple[Rig, float]:
     """A rig and the camera's period in s."""
     order = int(draws.choice([1, 2, 3, 4], p=[0.1, 0.7, 0.1, 0.1])) if any_order else 2
+    order = 1 if storage else order
     rig = draw_rig(draws, order, 10.0 ** draws.uniform(-3.0, 3.0), input_size)
     highest = 2.5 if draws.random() < 0.08 else 1.5
     angle = float(np.exp(draws.uniform(np.log(0.5 if coarse else 0.05), np.log(highest))))

@@ -81,7 +81,16 @@ def spring_force(p: Array, x: float, t: float) -> float:
         length = p[s.SIDE_LENGTH]
         force += 2.0 * p[s.SIDE_STIFFNESS] * x * (1.0 - length / np.sqrt(x * x + length * length))
     if p[s.DETENT] != 0.0:
-        force += p[s.DETENT] * np.sin(2.0 * np.pi * x / p[s.DETENT_PITCH] + p[s.DETENT_PHASE])
+        angle = 2.0 * np.pi * x / p[s.DETENT_PITCH]
+        first, second = p[s.DETENT_PHASE], p[s.DETENT_HARMONIC_PHASE]
+        # The machine rests at zero, wherever between two poles that is.
+        force += p[s.DETENT] * (np.sin(angle + first) - np.sin(first))
+        force += p[s.DETENT] * p[s.DETENT_HARMONIC] * (np.sin(2.0 * angle + second) - np.sin(second))
+    if p[s.OUTFLOW] != 0.0:
+        force += p[s.OUTFLOW] * np.sign(x) * abs(x) ** p[s.OUTFLOW_EXPONENT]
+    if p[s.EDGE_WEIR] != 0.0:
+        depth = max(p[s.EDGE_SIDE] * x - p[s.EDGE_HEIGHT], 0.0)
+        force += p[s.EDGE_SIDE] * p[s.EDGE_WEIR] * depth**1.5
     return force
 
 
@@ -101,12 +110,18 @@ def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float
 
 
 @njit
+def reaching(p: Array, state: Array, command: float) -> float:
+    """Command in V behind the actuator's lags."""
+    if p[s.LAG] != 0.0 or p[s.SOFT_SLEW] != 0.0:
+        return state[s.SECOND_ACTUATOR] if p[s.SECOND_LAG] != 0.0 else state[s.ACTUATOR]
+    return command
+
+
+@njit
 def net_force(p: Array, state: Array, memory: Array, command: float, t: float, damped: bool) -> float:
     """All forces on the mass in N but dry friction; without the viscous damper where ``damped`` is false."""
     x, v = state[s.POSITION], state[s.VELOCITY]
-    if p[s.LAG] != 0.0 or p[s.SOFT_SLEW] != 0.0:
-        command = state[s.SECOND_ACTUATOR] if p[s.SECOND_LAG] != 0.0 else state[s.ACTUATOR]
-    force = motor_force(p, x, v, command, t) - spring_force(p, x, t)
+    force = motor_force(p, x, v, reaching(p, state, command), t) - spring_force(p, x, t)
     force += p[s.ACTUATOR_CONSTANT] * disturbance(p, t, memory[s.WITHIN])
     if damped:
         force -= p[s.DAMPING] * drift(p, 2, t) * v
@@ -114,6 +129,8 @@ def net_force(p: Array, state: Array, memory: Array, command: float, t: float, d
         force -= p[s.DRAG] * abs(v) ** (p[s.DRAG_EXPONENT] - 1.0) * v
     if p[s.POSITION_DAMPING] != 0.0:
         force -= p[s.POSITION_DAMPING] * x * x * v
+    if p[s.DISTANCE_DAMPING] != 0.0:
+        force -= p[s.DISTANCE_DAMPING] * abs(x) * v
     if memory[s.TOUCHING] != 0.0:
         depth = max(p[s.STOP_SIDE] * x - p[s.STOP_POSITION], 0.0)
         push = p[s.STOP_STIFFNESS] * depth ** p[s.STOP_EXPONENT] + p[s.STOP_DAMPING] * p[s.STOP_SIDE] * v
@@ -142,6 +159,27 @@ def hidden_pull(p: Array, state: Array) -> float:
 
 
 @njit
+def _swing_beside(p: Array, state: Array, force: float, rate: Array) -> None:
+    """Rates of the mode beside the machine under the actuator's force in N."""
+    omega = p[s.BESIDE_FREQUENCY]
+    rate[s.BESIDE] = state[s.BESIDE_RATE]
+    pull = omega * (p[s.BESIDE_COMPLIANCE] * force - state[s.BESIDE])
+    rate[s.BESIDE_RATE] = omega * (pull - 2.0 * p[s.BESIDE_DAMPING] * state[s.BESIDE_RATE])
+
+
+@njit
+def _follow_command(p: Array, state: Array, command: float, rate: Array) -> None:
+    """Rates of the actuator's lags, or of its soft slew, under a command in V."""
+    if p[s.LAG] != 0.0:
+        rate[s.ACTUATOR] = (command - state[s.ACTUATOR]) / p[s.LAG]
+        if p[s.SECOND_LAG] != 0.0:
+            rate[s.SECOND_ACTUATOR] = (state[s.ACTUATOR] - state[s.SECOND_ACTUATOR]) / p[s.SECOND_LAG]
+    if p[s.SOFT_SLEW] != 0.0:
+        gap = (command - state[s.ACTUATOR]) / (p[s.SOFT_SLEW] * p[s.SOFT_SLEW_TIME])
+        rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
+
+
+@njit
 def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machine can have
     p: Array, state: Array, memory: Array, command: float, t: float, direction: int, rate: Array
 ) -> None:
@@ -150,6 +188,8 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
     dry = p[s.DRY_BREAKAWAY] != 0.0
     if p[s.MASS] == 0.0:
         v = net_force(p, state, memory, command, t, False) / (p[s.DAMPING] * drift(p, 2, t))
+        if p[s.EDGE_SIDE] * state[s.POSITION] >= p[s.EDGE_HEIGHT] > 0.0 == p[s.EDGE_WEIR]:
+            v = p[s.EDGE_SIDE] * min(p[s.EDGE_SIDE] * v, 0.0)
         rate[s.POSITION], rate[s.VELOCITY] = v, 0.0
     elif dry and direction == 0:
         v = 0.0
@@ -157,9 +197,13 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
     else:
         force = net_force(p, state, memory, command, t, True)
         if dry:
-            force -= direction * dry_level(p, v)
+            load = motor_force(p, state[s.POSITION], v, reaching(p, state, command), t)
+            force -= direction * dry_level(p, state[s.POSITION], v, load, direction)
         rate[s.POSITION], rate[s.VELOCITY] = v, force / p[s.MASS]
-    measured = state[s.POSITION]
+    measured = state[s.HIDDEN] if p[s.HIDDEN_IS_SEEN] != 0.0 else state[s.POSITION]
+    if p[s.BESIDE_FREQUENCY] != 0.0:
+        _swing_beside(p, state, motor_force(p, state[s.POSITION], v, reaching(p, state, command), t), rate)
+        measured += state[s.BESIDE]
     if p[s.SERIES_LAG] != 0.0:
         rate[s.SERIES] = (measured - state[s.SERIES]) / p[s.SERIES_LAG]
         measured = state[s.SERIES]
@@ -191,19 +235,28 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
         for i in range(3):
             rate[s.MAXWELL + i] = p[s.MAXWELL_STIFFNESS] / 3.0 * v - state[s.MAXWELL + i] / time
             time *= p[s.MAXWELL_RATIO]
-    if p[s.LAG] != 0.0:
-        rate[s.ACTUATOR] = (command - state[s.ACTUATOR]) / p[s.LAG]
-        if p[s.SECOND_LAG] != 0.0:
-            rate[s.SECOND_ACTUATOR] = (state[s.ACTUATOR] - state[s.SECOND_ACTUATOR]) / p[s.SECOND_LAG]
-    if p[s.SOFT_SLEW] != 0.0:
-        gap = (command - state[s.ACTUATOR]) / (p[s.SOFT_SLEW] * p[s.SOFT_SLEW_TIME])
-        rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
+    _follow_command(p, state, command, rate)
 
 
 @njit
-def dry_level(p: Array, v: float) -> float:
-    """Dry friction level in N at a speed in m/s."""
-    if p[s.DRY_VELOCITY] == 0.0:
-        return p[s.DRY_COULOMB]
-    rise = p[s.DRY_BREAKAWAY] - p[s.DRY_COULOMB]
-    return p[s.DRY_COULOMB] + rise * np.exp(-((v / p[s.DRY_VELOCITY]) ** 2))
+def dry_level(p: Array, x: float, v: float, load: float, direction: int) -> float:
+    """Dry friction level in N at a position in m and a speed in m/s, under a driving force in N.
+
+    ``direction`` is that of sliding, or of the force on a mass at rest.
+    """
+    level = p[s.DRY_COULOMB]
+    if p[s.DRY_VELOCITY] != 0.0:
+        level += (p[s.DRY_BREAKAWAY] - level) * np.exp(-((v / p[s.DRY_VELOCITY]) ** 2))
+    level *= 1.0 + p[s.DRY_DIRECTION] * direction
+    if p[s.DRY_SLOPE] != 0.0:
+        width = p[s.DRY_WIDTH]
+        level *= max(1.0 + p[s.DRY_SLOPE] * (x if width == 0.0 else width * np.tanh(x / width)), 0.0)
+    return level + p[s.DRY_LOAD] * abs(load)
+
+
+@njit
+def resting_level(p: Array, state: Array, command: float, t: float, force: float) -> float:
+    """Dry friction level in N that holds a mass at rest against a force in N."""
+    x = state[s.POSITION]
+    load = motor_force(p, x, 0.0, reaching(p, state, command), t)
+    return dry_level(p, x, 0.0, load, 1 if force > 0.0 else -1)

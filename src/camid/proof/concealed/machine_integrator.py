@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from camid.compiled import njit
 from camid.proof.concealed import vector_layout as s
-from camid.proof.concealed.machine_forces import contact, derivative, jenkins, net_force
+from camid.proof.concealed.machine_forces import contact, derivative, jenkins, net_force, resting_level
 
 Array = NDArray[np.float64]
 
@@ -98,7 +98,8 @@ def _indicator(
     if kind == CONTACT:
         depth = contact(p, state[s.POSITION], state[s.VELOCITY])
         return depth if touching else -depth
-    return p[s.DRY_BREAKAWAY] - abs(net_force(p, state, memory, command, t, True))
+    force = net_force(p, state, memory, command, t, True)
+    return resting_level(p, state, command, t, force) - abs(force)
 
 
 @njit
@@ -151,7 +152,7 @@ def _advance(
         if dry and state[s.VELOCITY] == 0.0:
             force = net_force(p, state, memory, value, t, True)
             # The mass breaks away from rest, or stays in or comes to rest.
-            direction = 0 if abs(force) <= p[s.DRY_BREAKAWAY] else int(np.sign(force))
+            direction = 0 if abs(force) <= resting_level(p, state, value, t, force) else int(np.sign(force))
         elif turning:
             direction = int(np.sign(state[s.VELOCITY]))
         touching = stop and contact(p, state[s.POSITION], state[s.VELOCITY]) > 0.0
@@ -174,6 +175,8 @@ def _advance(
                 memory[element] = jenkins(p, x, memory, element)
             memory[s.LAST_POSITION] = x
         state[:] = work[5]
+        if p[s.EDGE_HEIGHT] > 0.0 and p[s.EDGE_WEIR] == 0.0:
+            state[s.POSITION] -= p[s.EDGE_SIDE] * max(p[s.EDGE_SIDE] * state[s.POSITION] - p[s.EDGE_HEIGHT], 0.0)
         t += h
         value += slope * h
     return direction
@@ -231,13 +234,13 @@ def _measured_velocity(p: Array, state: Array, rate: Array) -> float:
         return rate[s.SECOND_SERIES]
     if p[s.SERIES_FREQUENCY] != 0.0 or p[s.SERIES_LAG] != 0.0:
         return rate[s.SERIES]
-    return rate[s.POSITION]
+    return (rate[s.HIDDEN] if p[s.HIDDEN_IS_SEEN] != 0.0 else rate[s.POSITION]) + rate[s.BESIDE]
 
 
 def steps_per_frame(parameters: Array, period: float) -> int:
     """Nodes in a frame that resolve the fastest motion of the machine."""
     p = parameters
-    rates = [p[s.SERIES_FREQUENCY], p[s.SECOND_SERIES_FREQUENCY]]
+    rates = [p[s.SERIES_FREQUENCY], p[s.SECOND_SERIES_FREQUENCY], p[s.BESIDE_FREQUENCY]]
     decays = [1.0 / p[i] for i in (s.LAG, s.SECOND_LAG, s.SERIES_LAG, s.SOFT_SLEW_TIME) if p[i] > 0.0]
     if p[s.MASS] > 0.0:
         stiffness = p[s.STIFFNESS] + p[s.BRISTLE_STIFFNESS] + p[s.JENKINS_STIFFNESS] + p[s.MAXWELL_STIFFNESS]

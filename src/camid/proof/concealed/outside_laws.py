@@ -27,29 +27,6 @@ def position_dependent_gain(generator: np.random.Generator, context: Context, al
     )
 
 
-def van_der_pol_damping(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """Damping that grows with the square of the position and is negative at rest."""
-    rig = context.rig
-    share = generator.uniform(0.2, 0.8)
-
-    def values(strength: float) -> dict[int, float]:
-        damping = strength * rig.damping
-        # Below the edge of limit cycles at rest: what is taken away there comes back with x².
-        return {
-            s.DAMPING: rig.damping - min(share * damping, 0.9 * rig.damping),
-            s.POSITION_DAMPING: damping / context.stroke**2,
-        }
-
-    return built_in(
-        "van-der-pol-damping",
-        "van-der-pol-damping",
-        values,
-        lambda g: {"ratio": g},
-        0.1,
-        50.0,
-    )
-
-
 def play_in_joint(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """A spring that does nothing within a gap."""
     return built_in(
@@ -127,38 +104,13 @@ def _pulse_width(full: float, pulses: int) -> InputMap:
     return apply
 
 
-def _periodic_force(generator: np.random.Generator, context: Context) -> tuple[float, float, float]:
-    """Unit force in N, pitch in m and phase in rad of something that repeats along the way."""
-    force = context.rig.actuator_constant * context.drive
-    return force, generator.uniform(0.4, 1.5) * context.stroke, generator.uniform(-np.pi, np.pi)
-
-
-def magnetic_detent(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """Magnets along the way that pull the machine between them."""
-    force, pitch, _ = _periodic_force(generator, context)
+def force_ripple(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A force constant that ripples along the way."""
+    pitch, phase = generator.uniform(0.4, 1.5) * context.stroke, generator.uniform(-np.pi, np.pi)
     return built_in(
-        "magnetic-detent",
-        "magnetic-detent",
-        lambda g: {s.DETENT: g * force, s.DETENT_PITCH: pitch},
-        lambda g: {"force": g * context.drive, "pitch": pitch * context.rig.output_scale},
-        0.1,
-        3.0,
-    )
-
-
-def motor_cogging(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A force constant that ripples along the way, with a detent of the same pitch."""
-    force, pitch, phase = _periodic_force(generator, context)
-    return built_in(
-        "motor-cogging",
-        "motor-cogging",
-        lambda g: {
-            s.RIPPLE: g,
-            s.RIPPLE_PITCH: pitch,
-            s.RIPPLE_PHASE: phase,
-            s.DETENT: 0.3 * g * force,
-            s.DETENT_PITCH: pitch,
-        },
+        "force-ripple",
+        "force-ripple",
+        lambda g: {s.RIPPLE: g, s.RIPPLE_PITCH: pitch, s.RIPPLE_PHASE: phase},
         lambda g: {"relative_ripple": g, "pitch": pitch * context.rig.output_scale},
         0.1,
         0.9,

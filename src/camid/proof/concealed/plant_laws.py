@@ -264,7 +264,7 @@ def hysteresis(generator: np.random.Generator, context: Context, alternative: bo
 
 
 def extra_mode(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """The measured point on a spring (paper equation (26)); or a second mass that swings with the first."""
+    """The measured point on a spring (paper equation (26)); or the load of a belt whose pulley is driven."""
     rig = context.rig
     ratio = float(np.exp(generator.uniform(np.log(0.01), np.log(0.2))))
     if not alternative:
@@ -276,18 +276,19 @@ def extra_mode(generator: np.random.Generator, context: Context, alternative: bo
             0.15,
             0.7,
         )
-    frequency = generator.uniform(1.3, 4.0) * rig.rate
+    mass = generator.uniform(0.05, 0.3) * rig.mass
     return built_in(
         "extra-mode",
-        "hidden-mass",
+        "load-on-a-belt",
         lambda g: {
-            s.HIDDEN_MASS: g * rig.mass,
-            s.HIDDEN_STIFFNESS: g * rig.mass * frequency**2,
-            s.HIDDEN_DAMPING: 2.0 * ratio * g * rig.mass * frequency,
+            s.HIDDEN_IS_SEEN: 1.0,
+            s.HIDDEN_MASS: mass,
+            s.HIDDEN_STIFFNESS: mass * (rig.rate / g) ** 2,
+            s.HIDDEN_DAMPING: 2.0 * ratio * mass * rig.rate / g,
         },
-        lambda g: {"natural_frequency": frequency, "damping": ratio},
-        0.02,
-        1.0,
+        lambda g: {"natural_frequency": rig.rate / g, "damping": ratio},
+        0.15,
+        0.7,
     )
 
 

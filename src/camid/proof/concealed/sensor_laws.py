@@ -127,6 +127,33 @@ def perspective(generator: np.random.Generator, context: Context, alternative: b
     return Effect("perspective", "sensor", "catalogue", apply, lambda g: {"obliqueness": sign * g / edge}, 0.02, 0.25)
 
 
+def encoder_eccentricity(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A reading that errs once a turn; or also twice."""
+    period = generator.uniform(0.6, 2.5) * float(np.std(context.output))
+    phase, second = generator.uniform(-np.pi, np.pi), generator.uniform(0.1, 0.25) if alternative else 0.0
+    unit = period / (2.0 * np.pi)
+
+    def apply(setup: Setup, strength: float) -> None:
+        def read(y: Array) -> tuple[Array, Array]:
+            angle = y / unit
+            error = np.sin(angle + phase) - np.sin(phase) + second * np.sin(2.0 * angle)
+            slope = np.cos(angle + phase) + 2.0 * second * np.cos(2.0 * angle)
+            return y + strength * unit * error, 1.0 + strength * slope
+
+        setup.position_map = read
+        setup.refinement *= 3
+
+    return Effect(
+        "encoder-eccentricity",
+        "sensor",
+        "two-harmonics" if alternative else "catalogue",
+        apply,
+        lambda g: {"amplitude": g * unit, "period": period, "phase": phase},
+        0.05,
+        0.8,
+    )
+
+
 def speed_weighted_centroid(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """Positions weighted with the speed (paper equation (2)); or with a gradient that saturates at high speed."""
     typical = context.speed * context.rig.output_scale

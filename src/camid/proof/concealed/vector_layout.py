@@ -41,13 +41,28 @@ SINE, SINE_FREQUENCY, SINE_PHASE, HARMONIC, HARMONIC_PHASE = 60, 61, 62, 63, 64
 STEP, STEP_TIME, PULSE, PULSE_TIME, PULSE_DURATION = 65, 66, 67, 68, 69
 # Speed in m/s that the machine hardly exceeds: for the choice of the step alone.
 TOP_SPEED = 70
-PARAMETERS = 71
+# Dry friction that depends on the direction [1], on the position [1/m, m] and on the load [N/N]: see dry_level.
+DRY_DIRECTION, DRY_SLOPE, DRY_WIDTH, DRY_LOAD = 71, 72, 73, 74
+# Second harmonic of the detent, as a share of it, and its phase in rad.
+DETENT_HARMONIC, DETENT_HARMONIC_PHASE = 75, 76
+# Damping in N s/m² for a unit of the distance from rest.
+DISTANCE_DAMPING = 77
+# Outflow of a storage in N/m^exponent; height in m of its edge (0: none) and side (+1 or -1).
+OUTFLOW, OUTFLOW_EXPONENT, EDGE_SIDE, EDGE_HEIGHT = 78, 79, 80, 81
+# A mode beside the machine: static displacement in m/N, rad/s, damping ratio; it swings by itself.
+EDGE_WEIR = 82  # N/m^1.5 of what flows over the edge; zero holds the level exactly
+BESIDE_COMPLIANCE, BESIDE_FREQUENCY, BESIDE_DAMPING = 83, 84, 85
+# Whether the sensor sees the hidden mass.
+HIDDEN_IS_SEEN = 86
+PARAMETERS = 87
 
 # State: position, velocity, the series element's two, a second one's two, the hidden mass's two, bristle deflection or
-# Bouc–Wen variable, Maxwell forces, the actuator's two, and the time integral of the measured position.
+# Bouc–Wen variable, Maxwell forces, the actuator's two, the time integral of the measured position, and the two of the
+# mode beside the machine.
 POSITION, VELOCITY, SERIES, SERIES_RATE, SECOND_SERIES, SECOND_SERIES_RATE = 0, 1, 2, 3, 4, 5
 HIDDEN, HIDDEN_RATE, BRISTLE, LOOP, MAXWELL, ACTUATOR, SECOND_ACTUATOR, INTEGRAL = 6, 7, 8, 9, 10, 13, 14, 15
-STATES = 16
+BESIDE, BESIDE_RATE = 16, 17
+STATES = 18
 # Memory: forces of the Jenkins elements, the position they belong to, whether the stop is touched, and a time in s
 # within the step, which says what acts during all of it.
 JENKINS_ELEMENTS = 6

@@ -1,0 +1,140 @@
+"""Dry friction whose level is not one constant: it depends on the direction, on the position or on the load."""
+
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
+# ruff: noqa: D102, N805
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Self
+
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect, Parameter, Situation, compiled
+from camid.effects.plant import GUESS, CoulombFriction, motion_sign
+from camid.effects.separating_experiment import SeparatingExperiment
+
+# Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
+UNEVEN = 0.6
+
+
+class _UnevenFriction(Effect):
+    """Dry friction of two parameters, both forces or proportional to forces."""
+
+    uses_velocity = True
+
+    def scaled(self, factor: float) -> Self:
+        """Both parameters, scaled."""
+        return self.with_vector(self.vector * max(factor, 0.0))
+
+
+class AsymmetricFriction(_UnevenFriction):
+    """Dry friction of another size in each direction.
+
+    It is Coulomb friction of the mean of both levels and a constant force of half their difference, at rest too, so
+    that input and output cannot tell it from Coulomb friction beside a bias of the input.
+    """
+
+    identifier = "asymmetric-friction"
+    place = "plant"
+    title = "Asymmetric Coulomb friction"
+    equation = r"f = f_+\ \ (\dot y > 0),\quad f = -f_-\ \ (\dot y < 0),\quad -f_- \leq f \leq f_+\ \mathrm{at\ rest}"
+    reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
+    parameters = (
+        Parameter("forward", "u", "friction f₊ in the motion to larger y", 0.0),
+        Parameter("backward", "u", "friction f₋ in the motion to smaller y", 0.0),
+    )
+    separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.FREE_DECAY)
+
+    @compiled
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0]
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[1]
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Mean of both levels, and half of their difference with the sign of the plant's gain."""
+        forward, backward = self.values["forward"], self.values["backward"]
+        return [0.5 * (forward + backward), 0.5 * motion_sign(plant) * (forward - backward)]
+
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the mean level."""
+        return CoulombFriction(force=0.5 * (self.values["forward"] + self.values["backward"]))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Larger in either direction, small, and large enough that the body sticks at times."""
+        for share in (GUESS, 0.2):
+            level = share * situation.largest("signal")
+            for uneven in (UNEVEN, -UNEVEN):
+                yield cls(forward=(1.0 + uneven) * level, backward=(1.0 - uneven) * level)
+
+
+class PositionDependentFriction(_UnevenFriction):
+    """Dry friction that grows along the way: a guide that is worn, bent or dry at one end."""
+
+    identifier = "position-dependent-friction"
+    place = "plant"
+    title = "Friction that depends on the position"
+    equation = r"|f| = \max(f_c + g\,y,\ 0)"
+    reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138, section 2.1"
+    parameters = (
+        Parameter("force", "u", "friction f_c at y = 0", 0.0),
+        Parameter("gradient", "u/y", "change g of the friction with the position"),
+    )
+    separated_by = (SeparatingExperiment.FREE_DECAY, SeparatingExperiment.HELD_POSITIONS)
+
+    @compiled
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        # Beside other friction it may take away from it; all together are never negative.
+        return values[0] + values[1] * position
+
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the level at y = 0."""
+        return CoulombFriction(force=self.values["force"])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Growing to either side, small, and large enough that the body sticks at times."""
+        for share in (GUESS, 0.2):
+            level = share * situation.largest("signal")
+            for uneven in (UNEVEN, -UNEVEN):
+                yield cls(force=level, gradient=uneven * level / situation.largest("position"))
+
+
+class LoadDependentFriction(_UnevenFriction):
+    """Dry friction that grows with the force that is transmitted, as in gears, screws and belts."""
+
+    identifier = "load-dependent-friction"
+    place = "plant"
+    title = "Friction that depends on the load"
+    equation = r"|f| = f_c + \mu\,|u'|"
+    reference = "Hamon, Gautier & Garrec (2010), Proc. IEEE/RSJ IROS, 187-193"
+    parameters = (
+        Parameter("force", "u", "friction f_c without load", 0.0),
+        Parameter("coefficient", "", "friction μ for a unit of the transmitted force", 0.0, 1.0),
+    )
+    separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.FREE_DECAY)
+
+    @compiled
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] + values[1] * abs(signal)
+
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the level without load."""
+        return CoulombFriction(force=self.values["force"])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small, and large enough that the body sticks at times."""
+        for share in (GUESS, 0.2):
+            yield cls(force=0.3 * share * situation.largest("signal"), coefficient=share)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Without several loads it is Coulomb friction."""
+        sizes = abs(situation.signal)
+        if sizes.max(initial=0.0) <= 1.001 * sizes.min(initial=float("inf")):
+            return "the input has one absolute value only, for which the friction is one constant"
+        return None

@@ -1,0 +1,59 @@
+"""Flexible modes beside the plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+
+import numpy as np
+
+from camid.chain.plant import TransferFunction, second_order
+from camid.effects.base import Effect, Parameter, Situation
+from camid.effects.separating_experiment import SeparatingExperiment
+
+# First guesses of the frequency: from this share of the plant's fastest pole to this many times the Shannon limit.
+LOWEST, HIGHEST = 0.3, 1.5
+FREQUENCIES = 10
+DAMPING_RATIOS = (0.03, 0.3)
+# Static displacement of a first guess as a share of the largest displacement over the largest input.
+GUESS = 0.02
+
+
+class ParallelMode(Effect):
+    """A mode that the input excites beside the plant: a compliant arm, belt or coupling seen where it is driven.
+
+    The sum of two modes has a pair of zeros between its resonances, which a mode in series has not.
+    """
+
+    identifier = "parallel-mode"
+    place = "plant"
+    title = "Mode in parallel (compliance of arm, belt or coupling)"
+    equation = r"y = \left(G(s) + \frac{g\,\omega_2^2}{s^2 + 2\xi_2\omega_2 s + \omega_2^2}\right)u"
+    reference = "Ewins (2000), Modal Testing, 2nd ed., section 2.5; Spong (1987), J. Dyn. Syst. Meas. Control 109, 310"
+    parameters = (
+        Parameter("gain", "y/u", "static displacement g of the mode for a unit of the input"),
+        Parameter("natural_frequency", "rad/s", "natural frequency ω₂", 1e-300),
+        Parameter("damping", "", "damping ratio ξ₂", 0.0, 5.0),
+    )
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
+    strength = "gain"
+
+    def beside_plant(self) -> TransferFunction | None:
+        """The mode."""
+        gain = self.values["gain"]
+        return second_order(gain, self.values["natural_frequency"], self.values["damping"]) if gain != 0.0 else None
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Frequencies from a third of the plant's to beyond the Shannon limit, lightly and well damped."""
+        limit = pi / situation.acquisition.period
+        slowest = LOWEST * min(float(np.max(np.abs(situation.plant.poles()), initial=0.0)) or limit, limit)
+        gain = GUESS * situation.largest("position") / situation.largest("signal")
+        for frequency in np.geomspace(slowest, HIGHEST * limit, FREQUENCIES):
+            for damping in DAMPING_RATIOS:
+                yield cls(gain=gain, natural_frequency=float(frequency), damping=damping)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Nothing excites it without input."""
+        return None if np.any(situation.signal) else "without input nothing excites a mode beside the plant"

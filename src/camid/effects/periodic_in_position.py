@@ -1,0 +1,161 @@
+"""Effects that repeat along the way: cogging of a motor, and an encoder that is not centred on its shaft."""
+
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
+# ruff: noqa: D102, N805
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from math import atan2, hypot, pi, sin, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Array, Effect, Parameter, Situation, compiled
+from camid.effects.plant import mobility
+from camid.effects.separating_experiment import SeparatingExperiment
+
+if TYPE_CHECKING:
+    from camid.chain.motion import Motion
+
+# Periods that are tried: the range of the motion holds from one to this many, in steps of a quarter.
+MOST_PERIODS, PERIOD_STEP = 30.0, 0.25
+# Rows that are looked at, evenly spread, and the best periods that become first guesses.
+MOST_ROWS = 2000
+BEST = 3
+# Share of a regressor beside the others, and of the residual, below which nothing is left of it.
+LEAST_LEFT = 1e-9
+# A period of an encoder's error holds more steps of its readings than this.
+STEPS_PER_PERIOD = 5.0
+
+
+def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> list[tuple[float, float, float]]:
+    """Sinusoids of the position whose response explains the residual best: (amplitude, period, phase), the best first.
+
+    They are compared to first order, by regression of the residual on the responses to sine and cosine, beside what the
+    plant's coefficients can do: no simulation of the whole chain is needed.
+
+    Parameters
+    ----------
+    situation : Situation
+    respond : callable
+        What becomes of a signal along the motion, shape (N,), in the recorded output, shape (N,).
+    """
+    position = situation.position
+    low, high = float(np.min(position)), float(np.max(position))
+    if not high > low:
+        return []
+    rows = np.flatnonzero(situation.used)
+    rows = rows[:: max(len(rows) // MOST_ROWS, 1)]
+    others = [np.ones(len(position)), position, situation.signal, situation.velocity]
+    table = np.column_stack([*(respond(o)[rows] for o in others), position[rows], np.ones(len(rows))])
+    if not np.all(np.isfinite(table)):
+        return []
+    basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
+    basis = basis[:, np.abs(np.diag(triangle)) > LEAST_LEFT]
+    residual = situation.residual[rows] - basis @ (basis.T @ situation.residual[rows])
+    counts = np.arange(1.0, MOST_PERIODS, PERIOD_STEP)
+    gains, waves = np.zeros(len(counts)), np.zeros((len(counts), 2))
+    for i, count in enumerate(counts):
+        angle = 2.0 * pi * count * position / (high - low)
+        pair = np.column_stack([respond(np.sin(angle))[rows], respond(np.cos(angle))[rows]])
+        left = pair - basis @ (basis.T @ pair)
+        sizes = np.linalg.norm(left, axis=0)
+        if not np.all(sizes > LEAST_LEFT * np.linalg.norm(pair, axis=0)):
+            continue
+        waves[i] = np.linalg.lstsq(left, residual, rcond=None)[0]
+        gains[i] = float(residual @ (left @ waves[i]))
+    found = []
+    for _ in range(BEST):
+        i = int(np.argmax(gains))
+        if gains[i] <= 0.0:
+            break
+        along, across = float(waves[i, 0]), float(waves[i, 1])
+        found.append((hypot(along, across), (high - low) / float(counts[i]), atan2(across, along)))
+        gains[max(i - 2, 0) : i + 3] = 0.0
+    return found
+
+
+def _least_difference(values: Array) -> float:
+    """Step of a lattice on which values lie: the least difference of two that differ beyond rounding, else 0."""
+    differences = np.diff(np.unique(values))
+    differences = differences[differences > LEAST_LEFT * float(np.max(np.abs(values), initial=0.0))]
+    return float(np.min(differences, initial=np.inf)) if len(differences) else 0.0
+
+
+class Cogging(Effect):
+    """A force that pulls the motor to its nearest pole, whatever the input: it repeats along the way.
+
+    Positions count from rest, where the force is in balance.
+    """
+
+    identifier = "cogging"
+    place = "plant"
+    title = "Cogging (detent force)"
+    equation = r"f = a\,\left(\sin(2\pi y/p + \varphi) - \sin\varphi\right)"
+    reference = "Hanselman (2006), Brushless Permanent Magnet Motor Design, 2nd ed., chapter 7"
+    parameters = (
+        Parameter("amplitude", "u", "amplitude a of the force", 0.0),
+        Parameter("period", "y", "distance p of two poles", 1e-300),
+        Parameter("phase", "rad", "phase φ at y = 0", scale="one"),
+    )
+    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
+    strength = "amplitude"
+    trials = "frequencies"
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] * (sin(2.0 * pi * position / values[1] + values[2]) - sin(values[2]))
+
+    def frequency(self, plant: TransferFunction) -> float:
+        """Of small oscillations about a pole."""
+        return sqrt(mobility(plant) * self.values["amplitude"] * 2.0 * pi / self.values["period"])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """The periods that explain the residual best, to first order."""
+        joined = replace(situation.acquisition, hold="foh")
+        for amplitude, period, phase in best_periods(situation, lambda force: sample(situation.plant, -force, joined)):
+            yield cls(amplitude=min(amplitude, situation.largest("signal")), period=period, phase=phase)
+
+
+class EncoderEccentricity(Effect):
+    """An encoder whose disc is not centred on the shaft, or a screw whose pitch wobbles: it errs once a period.
+
+    Its zero is where the plant rests; an offset is another effect.
+    """
+
+    identifier = "encoder-eccentricity"
+    place = "sensor"
+    title = "Eccentricity of the encoder"
+    equation = r"w = y + e\,\left(\sin(2\pi y/p + \varphi) - \sin\varphi\right)"
+    reference = "Hanselman (1990), IEEE Trans. Ind. Electron. 37, 556-561 (errors that are periodic in the position)"
+    parameters = (
+        Parameter("amplitude", "y", "amplitude e of the error", 0.0),
+        Parameter("period", "y", "displacement p of a turn", 1e-300),
+        Parameter("phase", "rad", "phase φ at y = 0", scale="one"),
+    )
+    separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
+    strength = "amplitude"
+    trials = "frequencies"
+
+    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
+        """Mean of the reading over the exposure."""
+        from camid.chain.motion import WEIGHTS
+
+        points = motion.points(start, end)
+        angle = 2.0 * pi * points / self.values["period"] + self.values["phase"]
+        error = self.values["amplitude"] * (np.sin(angle) - sin(self.values["phase"]))
+        return np.asarray((points + error) @ (0.5 * WEIGHTS))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """The periods that explain the residual best, to first order."""
+        step = _least_difference(situation.recorded)
+        for amplitude, period, phase in best_periods(situation, lambda error: error):
+            # What quantisation adds repeats along the way, too.
+            if period > STEPS_PER_PERIOD * step:
+                yield cls(amplitude=min(amplitude, situation.largest("position")), period=period, phase=phase)
