@@ -8,7 +8,7 @@ from camid.effects import known_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from camid.proof.concealed.cases import CATALOGUE, Case
-from camid.proof.concealed.drawn_recording import Built, draw_draft
+from camid.proof.concealed.drawn_recording import Built, draw_recording
 
 # Strengths other than a fifth of what the machine has of the kind, and the largest error in standard deviations of the
 # output: the outflow of a trickle and an edge are smoothed, and a motion over poles is sensitive.
@@ -32,7 +32,7 @@ def machine_with(identity):
     for index in range(600, 700):
         case = Case(8, index, "several", (identity,))
         draws, effect_draws = (np.random.default_rng(c) for c in np.random.SeedSequence([8, index]).spawn(2))
-        draft = draw_draft(case, draws)
+        draft = draw_recording(case, draws)
         if draft.setup.moving or draft.images:
             continue
         effect = CATALOGUE[identity].law(effect_draws, draft.context(), False)

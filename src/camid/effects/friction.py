@@ -31,7 +31,8 @@ class AsymmetricFriction(_UnevenFriction):
     """Dry friction of another size in each direction.
 
     It is Coulomb friction of the mean of both levels and a constant force of half their difference, at rest too, so
-    that input and output cannot tell it from Coulomb friction beside a bias of the input.
+    that input and output cannot tell it from Coulomb friction beside a bias of the input. A diagnosis names those two,
+    of which each is common; a simulation may declare this one.
     """
 
     identifier = "asymmetric-friction"
@@ -64,11 +65,8 @@ class AsymmetricFriction(_UnevenFriction):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Larger in either direction, small, and large enough that the body sticks at times."""
-        for share in (GUESS, 0.2):
-            level = share * situation.largest("signal")
-            for uneven in (UNEVEN, -UNEVEN):
-                yield cls(forward=(1.0 + uneven) * level, backward=(1.0 - uneven) * level)
+        """None: Coulomb friction and a bias are found in its place."""
+        yield from ()
 
 
 class PositionDependentFriction(_UnevenFriction):

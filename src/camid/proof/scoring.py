@@ -21,6 +21,7 @@ UNLISTED = "unlisted"
 INSEPARABLE = (
     frozenset({"delay", "exposure", "actuator-lag", "input-hold"}),
     frozenset({"input-bias", "sensor-offset"}),
+    frozenset({"asymmetric-friction", "coulomb-friction"}),  # beside a bias, or an offset that is estimated
 )
 COLOURED_NOISE = "coloured-noise"
 FAILED = "failed"
