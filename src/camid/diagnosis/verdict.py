@@ -64,6 +64,9 @@ def findings(
         Weight of physics outside of the catalogue.
     """
     deviations = effect_deviations(decision.fitted)
+    # Effects that describe much of the same leave little for each beside the others.
+    together = min(max(1.0 - decision.fitted.cost / max(decision.base.cost, 1e-300), 0.0), 1.0)
+    common = {} if len(removed) < 2 else {"share_together": together}
     result = []
     for i, effect in enumerate(decision.fitted.model.effects[known:]):
         ranked = decision.rivals[i]
@@ -77,6 +80,7 @@ def findings(
         runner = ranked[1] if len(ranked) > 1 else None
         evidence = {
             "share": float(removed[i]),
+            **common,
             "validation_gain": validation[i],
             "false_alarm_probability": p_value(problem, decision.without[i], decision.fitted, effect.identifier),
             "delta_bic": float(decision.without[i].criterion - ranked[0].criterion),
