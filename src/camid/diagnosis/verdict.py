@@ -182,9 +182,11 @@ def _described(finding: Finding) -> str:
     for name, parameter in finding.parameters.items():
         words = name.replace("_", " ")
         if isinstance(parameter.value, float):
-            known = parameter.standard_deviation is not None
-            estimate = with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
-            shown = estimate if known else f"about {plain(parameter.value, unit=parameter.unit)}"
+            deviation = parameter.standard_deviation
+            estimate = with_deviation(parameter.value, deviation, parameter.unit)
+            shown = f"about {plain(parameter.value, unit=parameter.unit)}" if deviation is None else estimate
+            if deviation is not None and abs(parameter.value) < deviation:
+                shown = f"not determined, {estimate}"
             return f"{finding.title} ({words} {shown.replace(SPACE, ' ')})"
         if isinstance(parameter.value, str):
             return f"{finding.title} ({parameter.value})"
