@@ -238,11 +238,12 @@ def test_as_many_zeros_as_poles(folder, capsys):
     assert "remove the effect" not in message
 
 
+@pytest.mark.slow  # the fast pole makes the steps of the integrator short
 def test_the_advice_for_as_many_zeros_as_poles_is_right():
     """With a fast pole the diagnosis finds what the actuator does, and nothing else."""
     plant = TransferFunction((1.0, 2.0, 100.0), (1.0, 2.0, 60.0))
-    recorded = record(effect("dead-zone", half_width=0.3), plant=plant, noise=0.002, count=400)
-    denominator = np.polymul(plant.denominator, [1.0 / 500.0, 1.0]).tolist()
+    recorded = record(effect("dead-zone", half_width=0.3), plant=plant, noise=0.002, count=250)
+    denominator = np.polymul(plant.denominator, [1.0 / 250.0, 1.0]).tolist()
     fast = {"numerator": list(plant.numerator), "denominator": denominator}
     found = camid.diagnose(recorded, simulation(plant={"transfer_function": fast}))
     assert (found.verdict, [f.identifier for f in found.findings]) == ("explained", ["dead-zone"])
