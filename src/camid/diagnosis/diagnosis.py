@@ -79,7 +79,8 @@ class Finding:
     parameters : dict of str to ParameterEstimate
     evidence : dict
         Numbers behind the claim: ``delta_bic`` (against leaving the effect out), ``share`` (of the refitted error's
-        sum of squares that it removes), ``validation_gain`` (the same on rows not fitted), …
+        sum of squares that it removes beside the others), ``share_together`` (that several remove together),
+        ``validation_gain`` (as ``share``, on rows not fitted), …
     weight : float
         Posterior weight of this effect within its class; with those of the alternatives it sums to one.
     alternatives : list of (str, float)
