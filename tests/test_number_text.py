@@ -26,11 +26,15 @@ from camid.number_text import (
         (0.15, 0.0021, "0.1500 ± 0.0021"),
         (12345.6, 78.0, "12346 ± 78"),
         (12345.6, 780.0, "(1.235 ± 0.078)·10⁴"),
-        (5708.0, 240000.0, "(0.1 ± 2.4)·10⁵"),
+        (5708.0, 240000.0, "(0.057 ± 2.4)·10⁵"),
+        (5708.0, 2.4e16, "5700 ± 2.4·10¹⁶"),
+        (-5708.0, 99999.0, "(−0.057 ± 1.0)·10⁵"),
+        (9e4, 99999.0, "(0.90 ± 1.0)·10⁵"),
+        (3.2e-9, 4.1e-7, "(0.032 ± 4.1)·10⁻⁷"),
         (5708.0, 24.0, "5708 ± 24"),
         (-1.5e-7, 2e-9, "(−1.500 ± 0.020)·10⁻⁷"),
-        (0.01, 0.3, "0.01 ± 0.30"),
-        (-0.001, 3.0, "0.0 ± 3.0"),
+        (0.01, 0.3, "0.010 ± 0.30"),
+        (-0.001, 3.0, "−0.0010 ± 3.0"),
         (0.0, 0.0996, "0.00 ± 0.10"),
         (2.5e8, 1e6, "(2.500 ± 0.010)·10⁸"),
         (5.0, 1e-300, "5 ± 1.0·10⁻³⁰⁰"),
@@ -76,8 +80,14 @@ def test_rounding_moves_no_value_by_more_than_a_twentieth_of_its_deviation(size,
 
 @given(magnitudes, st.floats(-11.0, 8.0))
 def test_a_deviation_has_two_significant_digits(size, relative):
-    shown = with_deviation(size, size * 10.0**relative).partition(" ± ")[2].partition(")")[0]
+    shown = re.split(r"[)·]", with_deviation(size, size * 10.0**relative).partition(" ± ")[2])[0]
     assert len(shown.replace(".", "").lstrip("0")) == 2
+
+
+@given(magnitudes, st.sampled_from([-1.0, 1.0]), st.floats(0.0, 8.0))
+def test_a_value_smaller_than_its_deviation_keeps_two_digits(size, sign, relative):
+    shown, _ = parsed(with_deviation(sign * size, size * 10.0**relative))
+    assert shown == pytest.approx(sign * size, rel=0.0501)
 
 
 @given(magnitudes, st.sampled_from([-1.0, 1.0]), st.integers(1, 12))

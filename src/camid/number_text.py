@@ -1,7 +1,8 @@
 """Numbers as people read them: value ± standard deviation, significant digits, percentages, probabilities and units.
 
 The digits of an estimate follow its standard deviation, which has two significant digits. Where that asks for a power
-of ten, value and deviation share it: (0.1 ± 2.4)·10⁵.
+of ten, value and deviation share it: (1.235 ± 0.078)·10⁴. A value smaller than its deviation keeps two digits of its
+own, (0.057 ± 2.4)·10⁵: rounded to those of the deviation it would be another number.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def with_deviation(value: Any, deviation: Any, unit: str = "") -> str:
 
 
 def _estimate(value: float, deviation: float) -> str:
-    """Value and deviation, both finite and the second positive, with two significant digits of the deviation."""
+    """Value and deviation, both finite and the second positive, with two significant digits of the smaller one."""
     from uncertainties import ufloat  # type: ignore[import-untyped]
 
     if deviation < SMALLEST_RELATIVE_DEVIATION * abs(value):
@@ -81,7 +82,20 @@ def _estimate(value: float, deviation: float) -> str:
     # .2u: two significant digits of the deviation; P: superscripts and × instead of e.
     text = f"{ufloat(value, deviation):.2uP}"
     text = re.sub(r"-(?=0(?:\.0*)?±)", "", text)  # minus zero
-    return text.replace("±", " ± ").replace("×", "·").replace("-", "−")
+    text = text.replace("±", " ± ").replace("×", "·").replace("-", "−")
+    return text if not 0.0 < abs(value) < deviation else _with_its_own_digits(value, deviation, text)
+
+
+def _with_its_own_digits(value: float, deviation: float, text: str) -> str:
+    """The text of an estimate, with two significant digits of a value that is smaller than its deviation."""
+    power = _exponent(deviation) if text.startswith("(") else 0
+    # What is printed of the deviation may have been rounded up to the next power of ten.
+    power += text.startswith("(") and text.endswith(f"·10{str(power + 1).translate(SUPERSCRIPTS)}")
+    own = number(value / 10.0**power, 2)
+    if "·" not in own:
+        return re.sub(r"[−\d.]+(?= ±)", own, text, count=1)
+    spread = text.partition(" ± ")[2].replace(")", "")
+    return f"{number(value, 2)} ± {spread}"
 
 
 def interval(value: float, deviation: float | None) -> str:

@@ -137,6 +137,12 @@ EVERY = each(*CASES, *DECLARED, *NOISE)
 FOUND = each(*CONCEALED)
 
 
+def squares(case, kind):
+    """Sum of squared residuals on fitted rows."""
+    table = pd.read_csv(case.folder / "residuals.csv")
+    return float((table[f"residual_{kind}"][table["fitted"] == 1] ** 2).sum())
+
+
 def error(recorded, simulated):
     """Normalised error of a simulated output."""
     return float(np.sqrt(np.mean((recorded - simulated) ** 2)) / np.std(recorded))
@@ -202,6 +208,12 @@ def test_effects_are_sorted_and_places_are_theirs(cases, name):
     content = cases[name].content
     shares = [e["evidence"]["share"] for e in content["effects"]]
     assert shares == sorted(shares, reverse=True)
+    together = [e["evidence"].get("share_together") for e in content["effects"]]
+    if len(shares) < 2:
+        assert not any(together)
+    elif name in CASES:
+        left = 1.0 - squares(cases[name], "improved") / squares(cases[name], "refitted")
+        assert together == pytest.approx([left] * len(shares), rel=0.01)
     for found in content["effects"]:
         assert found["place"] == known_effects()[found["id"]].place
     assert content["location"]["place"] == (content["effects"][0]["place"] if content["effects"] else None)

@@ -5,6 +5,7 @@ import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
+from camid.diagnosis.results_folder import residuals
 from tests.support import mass_on_spring
 from tests.support.mass_on_spring import PERIOD, command, effect, simulation
 
@@ -133,6 +134,14 @@ def test_several_recordings_are_fitted_together_and_the_last_validates():
     assert found.rows_fitted == 600
     agrees(found, "dead-zone", "half_width", 0.3)
     alone = camid.diagnose(recordings[0], simulation())
+    table = residuals(found)
+    assert list(table.columns) == ["recording", *residuals(alone).columns]
+    for number, recorded in enumerate(recordings, 1):
+        rows = table[table["recording"] == number]
+        np.testing.assert_array_equal(rows["recorded"], recorded["y"])
+        np.testing.assert_allclose(rows["improved"], camid.simulate(recorded, found.improved)["simulated"], atol=1e-6)
+        assert set(rows["fitted"]) == {int(number < 3)}
+        assert np.std(rows["residual_improved"]) < np.std(rows["residual_refitted"])
     assert value(found, "dead-zone", "half_width")[1] < value(alone, "dead-zone", "half_width")[1]
     # What validates may say anything without moving what is fitted.
     recordings[2] = recordings[2].assign(y=recordings[2]["y"] + 0.01 * np.sin(recordings[2]["t"]))

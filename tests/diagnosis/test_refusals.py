@@ -8,12 +8,13 @@ import pandas as pd
 import pytest
 
 import camid
+from camid.chain.plant import TransferFunction
 from camid.cli import INTERRUPTED, main
 from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.errors import InputError
 from tests.support import linear_rig as rig
 from tests.support import written_diagnoses
-from tests.support.mass_on_spring import record, simulation
+from tests.support.mass_on_spring import effect, record, simulation
 
 COMMAND = ["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "found"]
 
@@ -224,3 +225,27 @@ def test_an_interrupt_leaves_nothing_half_written(folder, capsys, monkeypatch, s
     assert out == ""
     assert err.strip() == "camid: interrupted; no file is half-written"
     assert [p for p in folder.rglob("*") if p.is_file() and p.parent != folder] == []
+
+
+def test_as_many_zeros_as_poles(folder, capsys):
+    """Identified and simulated as it is; a diagnosis needs a velocity, and says what gives it one."""
+    biproper = rig.plant([1.0, 2.0, 100.0], [1.0, 2.0, 60.0])
+    rig.write_yaml(simulation(plant=biproper), folder / "S.yaml")
+    message = refusal(capsys)
+    assert message.startswith("camid: error: S.yaml, plant: ")
+    assert "as many zeros as poles" in message
+    assert "add a fast pole" in message
+    assert "remove the effect" not in message
+
+
+@pytest.mark.slow  # the fast pole makes the steps of the integrator short
+def test_the_advice_for_as_many_zeros_as_poles_is_right():
+    """With a fast pole the diagnosis finds what the actuator does, and nothing else."""
+    plant = TransferFunction((1.0, 2.0, 100.0), (1.0, 2.0, 60.0))
+    recorded = record(effect("dead-zone", half_width=0.3), plant=plant, noise=0.002, count=250)
+    denominator = np.polymul(plant.denominator, [1.0 / 250.0, 1.0]).tolist()
+    fast = {"numerator": list(plant.numerator), "denominator": denominator}
+    found = camid.diagnose(recorded, simulation(plant={"transfer_function": fast}))
+    assert (found.verdict, [f.identifier for f in found.findings]) == ("explained", ["dead-zone"])
+    half_width = found.findings[0].parameters["half_width"]
+    assert abs(half_width.value - 0.3) < 4.0 * half_width.standard_deviation < 0.05

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import time
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -16,6 +17,8 @@ from camid.diagnosis.report import page as report
 from camid.diagnosis.report import panel, pictures, summary
 from camid.effects import known_effects
 from camid.number_text import SPACE
+from camid.recording.options import Reading
+from camid.recording.units import Conversion
 from tests.support import written_diagnoses
 
 SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]
@@ -238,6 +241,68 @@ def test_summary(capsys, verdict):
     if diagnosis.findings:
         assert "cannot be told apart from: Hysteresis (Bouc-Wen) (11" in shown
         assert "[red]u" in shown
+
+
+def texts(diagnosis, capsys):
+    """What the terminal and the page say, without line breaks that mean nothing."""
+    summary.print_summary(diagnosis, [])
+    printed = " ".join(capsys.readouterr().out.split())
+    return printed, Page(report.render(diagnosis)).text
+
+
+def test_scaled_columns_are_not_the_units_of_their_values(capsys):
+    reading = Reading(input=Conversion(unit="V", scale=35.15), output=Conversion(unit="mm"))
+    diagnosis = written_diagnoses.diagnosis("partly-explained", input_column="vir", output_column="way")
+    diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, reading=reading))
+    printed, page = texts(diagnosis, capsys)
+    assert f"0.1500 ± 0.0021{SPACE}u" in diagnosis_table(diagnosis)
+    assert "velocity from −2.5 to 2.5 y/s" in page
+    assert "0.0041 u s²/y²" in page
+    for text in (printed, page):
+        assert "u = 35.15 · vir" in text
+        assert "y = 0.001 · way" in text
+    drawn = "".join(p.svg for panels in pictures.draw(diagnosis).values() for p in panels)
+    assert "vir" not in drawn
+    assert "way" not in drawn
+
+
+def test_columns_that_are_not_scaled_are_the_units(capsys):
+    diagnosis = written_diagnoses.diagnosis("partly-explained", input_column="vir", output_column="way")
+    diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, reading=Reading(input=Conversion(unit="V"))))
+    printed, page = texts(diagnosis, capsys)
+    assert f"0.1500 ± 0.0021{SPACE}vir" in diagnosis_table(diagnosis)
+    assert "0.0041 vir s²/way²" in page
+    assert "in units" not in printed
+
+
+def diagnosis_table(diagnosis):
+    """Values of all parameters as the terminal shows them."""
+    names = diagnosis.improved.symbols
+    return [summary.estimate_text(p, *names) for f in diagnosis.findings for p in f.parameters.values()]
+
+
+def test_an_adequate_simulation_with_a_remainder_says_so_in_its_title(capsys):
+    diagnosis = written_diagnoses.diagnosis("adequate", output_column="way", known_remainder=0.0123)
+    for text in texts(diagnosis, capsys):
+        assert "nothing beyond the declared remainder of 0.0123 way" in text
+        assert "leaves nothing out" not in text
+        assert "depends on nothing" not in text
+        assert "owhere" not in text
+
+
+def test_shares_of_several_effects_cannot_be_added_up_wrongly(capsys):
+    pair = [written_diagnoses.finding(), written_diagnoses.second_finding()]
+    shares = [
+        replace(f, evidence=f.evidence | {"share": share, "share_together": 0.78})
+        for f, share in zip(pair, (0.095, 0.012), strict=True)
+    ]
+    printed, page = texts(written_diagnoses.diagnosis("explained", findings=shares), capsys)
+    assert f"together they remove 78.0{SPACE}%".replace(SPACE, " ") in printed
+    assert "beside" in printed
+    assert "error removed" not in printed
+    assert "Together these effects remove 78.0 %" in page
+    assert "error that it removes beside the others, fitted rows 9.50 %" in page
+    assert "error that all effects remove together, fitted rows 78.0 %" in page
 
 
 MEASURE = """<script>

@@ -35,6 +35,8 @@ def test_remainder_is_the_size_of_what_is_left(recording, diagnosis):
     again = camid.diagnose(recording, diagnosis.improved)
     assert again.verdict == "adequate"
     assert "remainder" in again.explanation
+    assert again.known_remainder == diagnosis.improved.remainder
+    assert diagnosis.known_remainder is None
 
 
 def test_what_is_beyond_the_remainder_is_looked_for(recording, diagnosis):

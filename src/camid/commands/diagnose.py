@@ -12,7 +12,7 @@ from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.effects.declared import effects_of
-from camid.engine.mechanics import NotApplicable
+from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
 from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
@@ -57,10 +57,17 @@ def diagnose(
     problem = problem_of(believed, structure, recordings, experiments)
     nominal = model_of(problem, effects)
     try:
+        mechanics_of(problem.chain(nominal, 0), experiments[0].signal)  # refuses before anything takes long
         problem, validation, chosen = with_validation(problem, nominal, held_out)
         diagnosis = investigate(believed, problem, nominal, validation, chosen, progress)
     except InputError:
         raise
+    except MotionJumps:
+        raise InputError(
+            "the plant has as many zeros as poles: its motion jumps with the input, and has no velocity to diagnose",
+            where=f"{believed.source}, plant",
+            hint="add a fast pole, such as that of the amplifier; identify and simulate take the plant as it is",
+        ) from None
     except NotApplicable as error:
         raise InputError(
             str(error),

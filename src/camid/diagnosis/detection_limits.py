@@ -97,7 +97,7 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
         following = factor * min(max(wanted / visible, 1e-2), 1e2)
         if following > LARGEST_FACTOR:
             break
-        scaled = candidate.effect.scaled(following)
+        scaled = candidate.effect.scaled(following).within(problem.acquisition)
         if scaled.values == effect.values:
             break
         factor, effect = following, scaled

@@ -79,7 +79,8 @@ class Finding:
     parameters : dict of str to ParameterEstimate
     evidence : dict
         Numbers behind the claim: ``delta_bic`` (against leaving the effect out), ``share`` (of the refitted error's
-        sum of squares that it removes), ``validation_gain`` (the same on rows not fitted), …
+        sum of squares that it removes beside the others), ``share_together`` (that several remove together),
+        ``validation_gain`` (as ``share``, on rows not fitted), …
     weight : float
         Posterior weight of this effect within its class; with those of the alternatives it sums to one.
     alternatives : list of (str, float)
@@ -195,7 +196,7 @@ class Coefficient:
 
 @dataclass(frozen=True)
 class Signals:
-    """What the pictures of the report show, one entry per row of the (first) recording.
+    """What the pictures of the report show and residuals.csv holds, one entry per row of a recording.
 
     Attributes
     ----------
@@ -251,6 +252,7 @@ class Diagnosis:
     coefficients : list of Coefficient
     tests : list of StructureTest
     signals : Signals
+        Of the first recording.
     improved : Simulation
     recordings : list of str
         Where they were read from.
@@ -263,6 +265,10 @@ class Diagnosis:
         What was done to the rows of the recordings before.
     residual_of : str
         What recorded and simulated values are of: the ``output`` or, in a closed loop, the ``control``.
+    known_remainder : float or None
+        Root mean square of what the simulation declares to be unexplained, where the verdict rests on it.
+    further_signals : list of Signals
+        Of the other recordings, in the order of ``recordings``.
     """
 
     verdict: str
@@ -281,11 +287,19 @@ class Diagnosis:
     seconds: float = 0.0
     warnings: list[str] = field(default_factory=list)
     residual_of: str = "output"
+    known_remainder: float | None = None
+    further_signals: list[Signals] = field(default_factory=list)
 
     @property
     def compared(self) -> str:
         """Column that recorded and simulated values are of: in a closed loop the control."""
         return str(self.improved.input_column) if self.residual_of == "control" else self.improved.output_column
+
+    @property
+    def compared_symbol(self) -> str:
+        """What that is called in units."""
+        signal, output = self.improved.symbols
+        return str(signal) if self.residual_of == "control" else output
 
     def to_mapping(self) -> dict[str, Any]:
         """diagnosis.json, version 1 of the design's contract."""

@@ -118,21 +118,24 @@ def tests_of(
 
 def signals_of(
     problem: Problem, nominal: Model, base: Fitted, final: Fitted, validation: Sequence[NDArray[np.bool_]]
-) -> Signals:
-    """What the report draws, of the first recording."""
-    experiment, time = problem.experiments[0], problem.times[0]
-    refitted = problem.simulate(base.model)[0]
-    residual = experiment.output - refitted
-    position, velocity = problem.motion(base.model)[0]
-    return Signals(
-        time,
-        experiment.signal,
-        experiment.output,
-        problem.simulate(nominal)[0],
-        refitted,
-        refitted if final is base else problem.simulate(final.model)[0],
-        problem.kind.position_seen(problem, base.model, 0, position),
-        velocity,
-        problem.kind.equivalent_input(problem, base.model, residual),
-        ~validation[0],
-    )
+) -> list[Signals]:
+    """What the report draws and residuals.csv holds, of every recording."""
+    nominal_output, refitted = problem.simulate(nominal), problem.simulate(base.model)
+    improved = refitted if final is base else problem.simulate(final.model)
+    return [
+        Signals(
+            time,
+            experiment.signal,
+            experiment.output,
+            nominal_output[i],
+            refitted[i],
+            improved[i],
+            problem.kind.position_seen(problem, base.model, i, position),
+            velocity,
+            problem.kind.equivalent_input(problem, base.model, experiment.output - refitted[i]),
+            ~validation[i],
+        )
+        for i, (experiment, time, (position, velocity)) in enumerate(
+            zip(problem.experiments, problem.times, problem.motion(base.model), strict=True)
+        )
+    ]

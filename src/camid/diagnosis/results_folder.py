@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.diagnosis import Diagnosis, Signals
 from camid.errors import InputError, need
 from camid.simulation.file import simulation_text
 from camid.writing import check_writable, without_infinities, write_whole
@@ -32,6 +32,8 @@ RESIDUALS = (
     "equivalent_input",
     "fitted",
 )
+
+RECORDING = "recording"
 
 
 def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, report: bool = True) -> list[Path]:
@@ -89,15 +91,29 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
 
 
 def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
-    """Table of residuals.csv: one row per row of the (first) recording."""
+    """Table of residuals.csv: one row per row of every recording.
+
+    Of several recordings the first column, ``recording``, is the number of the row's one in ``diagnosis.recordings``,
+    from 1.
+    """
     import pandas as pd
 
-    signals = diagnosis.signals
-    time = diagnosis.improved.time_column
+    every = [diagnosis.signals, *diagnosis.further_signals]
+    tables = [_residuals_of(signals, diagnosis.improved.time_column) for signals in every]
+    if len(tables) == 1:
+        return tables[0]
+    for number, table in enumerate(tables, 1):
+        table.insert(0, RECORDING, number)
+    return pd.concat(tables, ignore_index=True)
+
+
+def _residuals_of(signals: Signals, time: str) -> pd.DataFrame:
+    import pandas as pd
+
     return pd.DataFrame(
         {
             # A time column that is called like one of the others keeps its place under a name of its own.
-            time if time not in RESIDUALS else f"{time} (time)": signals.time,
+            time if time not in {*RESIDUALS, RECORDING} else f"{time} (time)": signals.time,
             "recorded": signals.recorded,
             "nominal": signals.nominal,
             "refitted": signals.refitted,

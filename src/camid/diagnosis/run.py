@@ -231,21 +231,25 @@ def _diagnosis(
     say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
     effects = [*zip(final.model.effects, effect_deviations(final), strict=True), *residue.noise_effects]
+    first, *further = signals_of(problem, setting.start, base, final, validation)
+    known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, validation)
     return Diagnosis(
         verdict,
-        explanation(verdict, found, fits, location, problem.remainder if setting.settled else None),
+        explanation(verdict, found, fits, location, known_remainder),
         location,
         found,
         fits,
         undetectable(problem, final, setting.screened, names),
         coefficients_of(problem, setting.nominal, base, final),
         tests_of(problem, base, final, before, after),
-        signals_of(problem, setting.start, base, final, validation),
+        first,
         improved_simulation(believed, problem, final, effects, remainder),
         rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
+        known_remainder=known_remainder,
+        further_signals=further,
     )
 
 

@@ -64,6 +64,9 @@ def findings(
         Weight of physics outside of the catalogue.
     """
     deviations = effect_deviations(decision.fitted)
+    # Effects that describe much of the same leave little for each beside the others.
+    together = min(max(1.0 - decision.fitted.cost / max(decision.base.cost, 1e-300), 0.0), 1.0)
+    common = {} if len(removed) < 2 else {"share_together": together}
     result = []
     for i, effect in enumerate(decision.fitted.model.effects[known:]):
         ranked = decision.rivals[i]
@@ -77,6 +80,7 @@ def findings(
         runner = ranked[1] if len(ranked) > 1 else None
         evidence = {
             "share": float(removed[i]),
+            **common,
             "validation_gain": validation[i],
             "false_alarm_probability": p_value(problem, decision.without[i], decision.fitted, effect.identifier),
             "delta_bic": float(decision.without[i].criterion - ranked[0].criterion),
@@ -178,9 +182,11 @@ def _described(finding: Finding) -> str:
     for name, parameter in finding.parameters.items():
         words = name.replace("_", " ")
         if isinstance(parameter.value, float):
-            known = parameter.standard_deviation is not None
-            estimate = with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
-            shown = estimate if known else f"about {plain(parameter.value, unit=parameter.unit)}"
+            deviation = parameter.standard_deviation
+            estimate = with_deviation(parameter.value, deviation, parameter.unit)
+            shown = f"about {plain(parameter.value, unit=parameter.unit)}" if deviation is None else estimate
+            if deviation is not None and abs(parameter.value) < deviation:
+                shown = f"not determined, {estimate}"
             return f"{finding.title} ({words} {shown.replace(SPACE, ' ')})"
         if isinstance(parameter.value, str):
             return f"{finding.title} ({parameter.value})"

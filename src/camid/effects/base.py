@@ -282,6 +282,15 @@ class Effect:
         moved._neutral = self._neutral
         return moved
 
+    def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
+        """Least and largest value of each number in :attr:`vector` with this acquisition."""
+        return [(p.lower, p.upper) for p in self.numeric()]
+
+    def within(self, acquisition: Acquisition) -> Self:
+        """The same effect, its numbers moved to the nearest that are allowed with this acquisition."""
+        lower, upper = np.array(self.bounds(acquisition)).reshape(-1, 2).T
+        return self.with_vector(np.clip(self.vector, lower, upper))
+
     def measured_from(self, *neutral: float) -> Self:
         """The same effect, given the values of its parameters this recording shows nothing of it."""
         self._neutral = neutral

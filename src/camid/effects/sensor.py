@@ -37,6 +37,10 @@ class Exposure(Effect):
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     corrects_declaration = True
 
+    def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
+        """From an instant to the period."""
+        return [(0.0, acquisition.period)]
+
     def declare(self, acquisition: Acquisition) -> Acquisition:
         """The camera with this exposure, at most the period; periods of several recordings differ by a hair."""
         exposure = min(self.values["exposure"], acquisition.period)

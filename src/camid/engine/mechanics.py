@@ -31,6 +31,10 @@ class NotApplicable(ValueError):  # noqa: N818 - it says what the effect is here
     """An effect that has no meaning with this plant."""
 
 
+class MotionJumps(NotApplicable):
+    """A plant that passes its input without delay, effects before and after it included: its motion jumps."""
+
+
 @dataclass(frozen=True)
 class Chain:
     """A chain, ready to run.
@@ -167,7 +171,7 @@ def _line(chain: Chain, unit: float) -> _Line:
             position = row.copy()
             _refuse_direct(chain, np.array([direct_input, direct_force]))
     if direct_input or direct_force:
-        raise NotApplicable("the input passes the plant without delay: its motion jumps")
+        raise MotionJumps("the input passes the plant without delay: its motion jumps")
     matrix[size] = row
     return _Line(matrix, input_vector, force_vector, row, position, where)
 

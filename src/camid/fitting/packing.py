@@ -45,10 +45,11 @@ class Packing:
         for i, effect in enumerate(model.effects):
             if i < fixed:
                 continue
-            for parameter, value in zip(effect.numeric(), effect.vector, strict=True):
+            bounds = effect.bounds(problem.acquisition)
+            for parameter, value, (least, largest) in zip(effect.numeric(), effect.vector, bounds, strict=True):
                 units.append(_measure(problem, parameter.scale, float(value)))
-                lower.append(parameter.lower)
-                upper.append(parameter.upper)
+                lower.append(least)
+                upper.append(largest)
                 names.append(f"{i} {parameter.name}")
         constants = problem.kind.free_constants()
         for constant in constants:

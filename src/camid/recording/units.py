@@ -138,6 +138,17 @@ class Conversion:
             raise InputError(f"scale = {self.scale:g} makes every number zero", where=self.where)
         return values
 
+    @property
+    def factor(self) -> float:
+        """Value of a cell that is larger by one.
+
+        Raises
+        ------
+        InputError
+            If the unit is unknown.
+        """
+        return self.scale * (1.0 if self.unit is None else si_factor(self.unit, f"{self.where}.unit")[0])
+
     def to_mapping(self) -> dict[str, Any]:
         """Part of the file: what differs from the default."""
         given = {"unit": self.unit, "scale": self.scale, "offset": self.offset}

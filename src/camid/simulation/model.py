@@ -14,6 +14,7 @@ from camid.chain.controller import Controller
 from camid.chain.pendulum import Pendulum
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
+from camid.number_text import plain, printable
 from camid.recording.options import Reading
 from camid.simulation.control_systems import continuous_plant
 
@@ -156,6 +157,26 @@ class Simulation:
     def known_bias(self) -> float:
         """The input's bias, zero where it is not known."""
         return self.bias if isinstance(self.bias, float) else 0.0
+
+    @property
+    def symbols(self) -> tuple[str | None, str]:
+        """What input and output are called in units: their columns, or u and y where the values are not the cells.
+
+        No input has no name.
+        """
+        signals = ((self.input_column, self.reading.input, "u"), (self.output_column, self.reading.output, "y"))
+        signal, output = (c if c is None or conversion.factor == 1.0 else s for c, conversion, s in signals)
+        return signal, str(output)
+
+    @property
+    def symbols_explained(self) -> list[str]:
+        """What the symbols mean that are not names of columns: ``u = 35.15 · vir``."""
+        signals = ((self.input_column, self.reading.input), (self.output_column, self.reading.output))
+        return [
+            f"{symbol} = {plain(conversion.factor, 6)} · {printable(str(column))}"
+            for symbol, (column, conversion) in zip(self.symbols, signals, strict=True)
+            if column is not None and conversion.factor != 1.0
+        ]
 
     def acquisition(self, period: float, uncertainty: float = 0.0) -> Acquisition:
         """Hold and sensor for a recording with this period, known to an uncertainty in seconds.

@@ -123,7 +123,7 @@ def _box_of(finding: Finding) -> str:
 
 
 def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, str]]:
-    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    names = diagnosis.improved.symbols
     rows = []
     for name, parameter in finding.parameters.items():
         unit = number_text.unit_of(parameter.unit, *names)
@@ -195,13 +195,14 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     import camid
     from camid.diagnosis.report.pictures import draw
 
-    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    names = diagnosis.improved.symbols
     seen, unseen = summary.sorted_undetectable(diagnosis.undetectable)
     pictures = draw(diagnosis)
     state = diagnosis.location.state
     return {
         "diagnosis": diagnosis,
-        "verdict": summary.VERDICT_WORDS[diagnosis.verdict],
+        "verdict": summary.verdict_words(diagnosis),
+        "together": summary.together_of(diagnosis),
         "chain": chain(diagnosis),
         "findings": _findings(diagnosis),
         # Matplotlib has escaped the labels.
@@ -213,6 +214,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "unseen": unseen,
         "input_name": number_text.printable(names[0]) if names[0] else None,
         "output_name": number_text.printable(names[1]),
+        "symbols_explained": diagnosis.improved.symbols_explained,
         "compared_name": number_text.printable(diagnosis.compared),
         "recordings": [number_text.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),

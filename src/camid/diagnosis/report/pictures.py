@@ -185,7 +185,7 @@ def draw(diagnosis: Diagnosis) -> dict[str, list[Panel]]:
 
 
 def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
-    output = _short(diagnosis.compared)
+    output = _short(diagnosis.compared_symbol)
     named = bool(diagnosis.findings)
     drawn = _errors(diagnosis.fit, named)
     yield Panel(
@@ -221,8 +221,8 @@ def _short(name: str, longest: int = 22) -> str:
 
 
 def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
-    signals, names, state = diagnosis.signals, diagnosis.improved, diagnosis.location.state
-    output, source = _short(names.output_column), _short(names.input_column or "u")
+    signals, names, state = diagnosis.signals, diagnosis.improved.symbols, diagnosis.location.state
+    output, source = _short(names[1]), _short(names[0] or "u")
     region = {} if state is None else {state[0]: (state[1], state[2])}
     seen_as = {"output": "position"}
     adequate = diagnosis.verdict == "adequate"

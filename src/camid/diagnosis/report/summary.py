@@ -23,6 +23,18 @@ VERDICT_WORDS = {
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 
+def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
+    """Symbol, word and short meaning of a diagnosis's verdict."""
+    symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
+    if diagnosis.known_remainder is not None:
+        size = number(diagnosis.known_remainder)
+        meaning = (
+            f"the simulation leaves out nothing beyond the declared remainder of {size} "
+            f"{unit_of('y', None, diagnosis.compared_symbol)} (root mean square)"
+        )
+    return symbol, word, meaning
+
+
 def title_of(identifier: str) -> str:
     """An effect's title in the catalogue."""
     from camid.effects import known_effects
@@ -50,9 +62,11 @@ def is_noise_only(evidence: dict[str, Any]) -> bool:
 def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
     """Pairs of what was measured and its value: first the known kinds of evidence, then the others as they come."""
     lines = []
+    beside = " beside the others" if "share_together" in evidence else ""
     known: dict[str, tuple[str, Callable[[float], str]]] = {
-        "share": ("error that it removes, fitted rows", percentage),
-        "validation_gain": ("error that it removes, held-out rows", percentage),
+        "share": (f"error that it removes{beside}, fitted rows", percentage),
+        "validation_gain": (f"error that it removes{beside}, held-out rows", percentage),
+        "share_together": ("error that all effects remove together, fitted rows", percentage),
         "false_alarm_probability": ("probability of as much by chance", probability),
         "delta_bic": ("ΔBIC against leaving it out", number),
         "delta_bic_to_next_best": ("ΔBIC to the next best", number),
@@ -98,33 +112,40 @@ def alternatives_text(finding: Finding) -> str:
 
 def place_text(diagnosis: Diagnosis) -> str:
     """Place, time, band and region of the mismatch in a line."""
-    location, names = diagnosis.location, diagnosis.improved
+    location, names = diagnosis.location, diagnosis.improved.symbols
     if location.place is None and diagnosis.verdict == "adequate":
-        return "nowhere"
+        return "nowhere" if diagnosis.known_remainder is None else "not looked for within the declared remainder"
     parts = [location.place or "no place of the chain stands out"]
     if location.time is not None:
         parts.append(span(location.time, "s"))
     if location.frequency is not None:
         parts.append(span(location.frequency, "Hz"))
     if location.state is not None:
-        parts.append(state_text(location.state, names.input_column, names.output_column))
+        parts.append(state_text(location.state, *names))
     return ", ".join(parts)
 
 
 def state_text(state: tuple[str, float, float], input_name: str | None, output_name: str) -> str:
-    """Region of a signal, with its column's name."""
+    """Region of a signal, with what it is called in units."""
     variable, low, high = state
     column = printable(input_name or "u") if variable == "input" else printable(output_name)
     unit = f"{column}/s" if variable == "velocity" else column
     return f"{variable} from {span((low, high), unit)}"
 
 
+def together_of(diagnosis: Diagnosis) -> float | None:
+    """Share of the refitted sum of squares that several effects remove together; None where one does it all."""
+    shares = (f.evidence.get("share_together") for f in diagnosis.findings)
+    return next((float(share) for share in shares if share is not None), None)
+
+
 def _table_of_findings(diagnosis: Diagnosis) -> Table:
     from rich.table import Table
 
-    names = diagnosis.improved.input_column, diagnosis.improved.output_column
+    names = diagnosis.improved.symbols
     table = Table(title="What was found", title_justify="left")
-    for heading in ("effect", "place", "parameter", "value", "error removed"):
+    removed = "error removed" if together_of(diagnosis) is None else "removed beside the others"
+    for heading in ("effect", "place", "parameter", "value", removed):
         table.add_column(heading, overflow="fold")
     for finding in diagnosis.findings:
         noise_only = is_noise_only(finding.evidence)
@@ -150,12 +171,20 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
 
     # Names of files and columns may look like rich's markup.
     console = Console(highlight=False, markup=False, emoji=False)
-    symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
+    symbol, word, meaning = verdict_words(diagnosis)
     console.print(f"{symbol} {word.upper()}: {meaning}", style="bold", soft_wrap=True)
     console.print(printable(diagnosis.explanation), soft_wrap=True)
     console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
     if diagnosis.findings:
         console.print(_table_of_findings(diagnosis))
+    if (together := together_of(diagnosis)) is not None:
+        console.print(
+            f"together they remove {percentage(together)} of the error on fitted rows; the table says by how much it "
+            "would grow without each one, and these shares do not add up",
+            soft_wrap=True,
+        )
+    if explained := diagnosis.improved.symbols_explained:
+        console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     for finding in diagnosis.findings:
         if finding.alternatives:
             relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"

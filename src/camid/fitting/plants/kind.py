@@ -229,7 +229,7 @@ class PlantKind:
             return list(pool.map(respond, forces))
 
     def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
-        """Input that would have caused a residual of the first recording, shape (N,): a Wiener filter.
+        """Input that would have caused the residual of a recording, shape (N,): a Wiener filter.
 
         It is regularised where the plant lets the camera see little of it.
         """
