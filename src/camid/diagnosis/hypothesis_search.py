@@ -183,10 +183,16 @@ def _fitted(
         result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
-    if not np.isfinite(result.noise.deviance):
+    if not np.isfinite(result.noise.deviance) or not _repeats(problem, result):
         return None
     penalty = 2.0 * float(np.log(trials(known_effects()[identifier], problem)))
     return Hypothesis(identifier, result, result.criterion + penalty)
+
+
+def _repeats(problem: Problem, fitted: Fitted) -> bool:
+    """Whether the effect that was fitted last repeats along the way that the recordings show, if it is of that kind."""
+    span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
+    return fitted.model.effects[-1].repeats_within(span)
 
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:

@@ -291,6 +291,13 @@ class Effect:
         lower, upper = np.array(self.bounds(acquisition)).reshape(-1, 2).T
         return self.with_vector(np.clip(self.vector, lower, upper))
 
+    def repeats_within(self, span: float) -> bool:
+        """Whether what repeats along the way does so within the positions that a recording spans; others always do.
+
+        Less than a period of a sinusoid is a polynomial, which other effects name.
+        """
+        return True
+
     def measured_from(self, *neutral: float) -> Self:
         """The same effect, given the values of its parameters this recording shows nothing of it."""
         self._neutral = neutral

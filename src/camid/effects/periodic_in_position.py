@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Periods that are tried: the range of the motion holds from one to this many, in steps of a quarter.
 MOST_PERIODS, PERIOD_STEP = 30.0, 0.25
+# Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
+LARGEST_PERIOD = 1.25
 # Rows that are looked at, evenly spread, and the best periods that become first guesses.
 MOST_ROWS = 2000
 BEST = 3
@@ -86,7 +88,15 @@ def _least_difference(values: Array) -> float:
     return float(np.min(differences, initial=np.inf)) if len(differences) else 0.0
 
 
-class Cogging(Effect):
+class _PeriodicInPosition(Effect):
+    """An effect of which at least a period has to be seen."""
+
+    def repeats_within(self, span: float) -> bool:
+        """Whether the positions hold a whole period."""
+        return bool(self.values["period"] <= LARGEST_PERIOD * span)
+
+
+class Cogging(_PeriodicInPosition):
     """A force that pulls the motor to its nearest pole, whatever the input: it repeats along the way.
 
     Positions count from rest, where the force is in balance.
@@ -122,7 +132,7 @@ class Cogging(Effect):
             yield cls(amplitude=min(amplitude, situation.largest("signal")), period=period, phase=phase)
 
 
-class EncoderEccentricity(Effect):
+class EncoderEccentricity(_PeriodicInPosition):
     """An encoder whose disc is not centred on the shaft, or a screw whose pitch wobbles: it errs once a period.
 
     Its zero is where the plant rests; an offset is another effect.
