@@ -21,10 +21,11 @@ from camid.effects.separating_experiment import SeparatingExperiment
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
-# Periods that are tried: the range of the motion holds from one to this many, in steps of a quarter.
-MOST_PERIODS, PERIOD_STEP = 30.0, 0.25
+# Periods that are tried: the range of the motion holds from two to this many, in steps of a quarter. A sinusoid that does
+# not return twice is a polynomial to the data, and other effects name it.
+FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
-LARGEST_PERIOD = 1.25
+LARGEST_PERIOD = 0.6
 # Rows that are looked at, evenly spread, and the best periods that become first guesses.
 MOST_ROWS = 2000
 BEST = 3
@@ -59,7 +60,7 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
     basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
     basis = basis[:, np.abs(np.diag(triangle)) > LEAST_LEFT]
     residual = situation.residual[rows] - basis @ (basis.T @ situation.residual[rows])
-    counts = np.arange(1.0, MOST_PERIODS, PERIOD_STEP)
+    counts = np.arange(FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP)
     gains, waves = np.zeros(len(counts)), np.zeros((len(counts), 2))
     for i, count in enumerate(counts):
         angle = 2.0 * pi * count * position / (high - low)
@@ -89,10 +90,10 @@ def _least_difference(values: Array) -> float:
 
 
 class _PeriodicInPosition(Effect):
-    """An effect of which at least a period has to be seen."""
+    """An effect of which about two periods have to be seen."""
 
     def repeats_within(self, span: float) -> bool:
-        """Whether the positions hold a whole period."""
+        """Whether the positions hold enough periods."""
         return bool(self.values["period"] <= LARGEST_PERIOD * span)
 
 
