@@ -65,8 +65,16 @@ class AsymmetricFriction(_UnevenFriction):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """None: Coulomb friction and a bias are found in its place."""
-        yield from ()
+        """Larger in either direction, small, and large enough that the body sticks at times."""
+        for share in (GUESS, 0.2):
+            level = share * situation.largest("signal")
+            for uneven in (UNEVEN, -UNEVEN):
+                yield cls(forward=(1.0 + uneven) * level, backward=(1.0 - uneven) * level)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """It has another name."""
+        return "it is Coulomb friction beside a bias of the input, and these two are named"
 
 
 class PositionDependentFriction(_UnevenFriction):

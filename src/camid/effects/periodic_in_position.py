@@ -21,8 +21,8 @@ from camid.effects.separating_experiment import SeparatingExperiment
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
-# Periods that are tried: the range of the motion holds from two to this many, in steps of a quarter. A sinusoid that does
-# not return twice is a polynomial to the data, and other effects name it.
+# Periods that are tried: the range of the motion holds from two to this many, in steps of a quarter. A sinusoid that
+# does not return twice is a polynomial to the data, and other effects name it.
 FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
 LARGEST_PERIOD = 0.6
