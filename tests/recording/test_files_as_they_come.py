@@ -3,7 +3,6 @@
 import re
 import zipfile
 from datetime import datetime, timedelta
-from importlib.util import find_spec
 from xml.sax.saxutils import escape
 
 import h5py
@@ -358,10 +357,6 @@ def rows_of(gain=1.0, header=("t", "u", "y"), units=None):
     return [list(header), *([units] if units else []), *body]
 
 
-needs_reader = pytest.mark.skipif(find_spec("python_calamine") is None, reason="the extra `formats` is not installed")
-
-
-@needs_reader
 def test_sheets(tmp_path):
     path = tmp_path / "a.xlsx"
     workbook(path, {"notes": [["made by hand"]], "first": rows_of(), "second": [["Run 2"], *rows_of(2.0)]})
@@ -376,7 +371,6 @@ def test_sheets(tmp_path):
     assert "the sheet 'first' of 2 is read" in read(path)[0].warnings[0]
 
 
-@needs_reader
 def test_one_sheet_with_units_without_names_and_with_a_wrong_cell(tmp_path):
     path = tmp_path / "a.xlsx"
     workbook(path, {"Sheet1": rows_of(units=["ms", "V", "mm"])})

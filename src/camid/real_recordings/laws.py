@@ -81,9 +81,8 @@ def _silverbox(results: Results) -> Law:
     count = len(recorded)
     angular = 2j * np.pi * np.fft.rfftfreq(count, recorded.period)
     band = np.abs(angular) < 2.0 * np.pi * SILVERBOX_BAND
-    motion, driven = (
-        np.fft.rfft(recorded.columns[str(c)]) * band for c in (improved.output_column, improved.input_column)
-    )
+    position = recorded.columns[improved.output_column] - improved.known_offset
+    motion, driven = (np.fft.rfft(v) * band for v in (position, recorded.columns[str(improved.input_column)]))
     output, velocity, acceleration = (np.fft.irfft(motion * angular**k, count) for k in range(3))
     force = np.fft.irfft(driven, count) + results.parameter("input-bias", "bias")
     b0, a1, a0 = (results.coefficient(c, "improved")[0] for c in ("b0", "a1", "a0"))
