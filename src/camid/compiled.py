@@ -98,6 +98,23 @@ def njit(function: Function | None = None, /, **options: Any) -> Function | Call
     return decorate if function is None else decorate(function)
 
 
+@overload
+def kernel(function: Function, /) -> Function: ...
+
+
+@overload
+def kernel(**options: Any) -> Callable[[Function], Function]: ...
+
+
+def kernel(function: Function | None = None, /, **options: Any) -> Function | Callable[[Function], Function]:
+    """Compile a function that allocates nothing and is called by compiled code: :func:`njit` without reference counts.
+
+    Each array that such a function takes out of a tuple or hands on is else counted up and down, by an atomic
+    instruction that takes as long as ten multiplications.
+    """
+    return njit(**options, _nrt=False) if function is None else njit(_nrt=False)(function)
+
+
 def _without_literals(template: Callable[..., Any]) -> Callable[..., Any]:
     """Numba compiles a call with a constant once for that constant and once more for its type; the second does."""
 

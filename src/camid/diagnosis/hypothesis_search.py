@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.hypotheses_over_time import raced
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -87,8 +88,11 @@ def hypotheses(
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
         return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
 
+    follow = raced(problem, nominal) if nominal is not None and problem.kind.phases_add_up else []
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(lambda c: fitted(c, effort.steps), starts) if h is not None]
+        tried = pool.map(lambda m: _fitted(problem, m.effects[-1].identifier, m, FIRST_STEPS), follow)
+        first += [h for h in tried if h is not None]
         if nominal is not None:
             tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), from_nominal)
             first += [h for h in tried if h is not None]
@@ -169,7 +173,7 @@ def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
     for start in starts:
         try:
             pinned = problem.pinned(start, finest=False)
-            residual = problem.output - problem.fitted(pinned.simulate(start))
+            residual = problem.output - pinned.simulate_fitted(start)
             costs.append(float(residual @ residual))
         except (ValueError, ArithmeticError):
             costs.append(np.inf)

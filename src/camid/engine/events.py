@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.compiled import njit
+from camid.compiled import kernel
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, friction_level, remember, switches
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ SHORTEST_PART = 1e-9
 PROBE = 1e-4
 
 
-@njit
+@kernel
 def _slope(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, stuck: bool, result: Array
 ) -> None:
@@ -41,14 +41,14 @@ def _slope(
             result[i] -= m.force_vector[i] * hold
 
 
-@njit
+@kernel
 def _holding_force(m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array) -> float:
     """Force along the input that a body at rest would have to overcome to keep from accelerating."""
     _slope(m, time, state, signal, memory, 0.0, False, work)
     return dot(m.velocity, work) / dot(m.velocity, m.force_vector)
 
 
-@njit
+@kernel
 def _runge_kutta(
     m: Mechanics,
     time: float,
@@ -79,7 +79,7 @@ def _runge_kutta(
     remember(m.forces, time + step * m.time_unit, dot(m.position, result) - origin, memory, remembered)
 
 
-@njit
+@kernel
 def _first_root(start: float, start_slope: float, end: float, end_slope: float) -> float:
     """Where in [0, 1] the cubic through values and slopes at both ends, of opposite sign, is zero."""
     low, high = 0.0, 1.0
@@ -102,7 +102,7 @@ def _first_root(start: float, start_slope: float, end: float, end_slope: float) 
     return guess
 
 
-@njit
+@kernel
 def settle(m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array) -> tuple[float, bool]:
     """Direction of slip, or that the body sticks, where the velocity is zero."""
     hold = _holding_force(m, time, state, signal, memory, work)
@@ -111,7 +111,7 @@ def settle(m: Mechanics, time: float, state: Array, signal: float, memory: Array
     return (m.forces.along if hold > 0.0 else -m.forces.along), False
 
 
-@njit
+@kernel
 def _crossing(
     m: Mechanics,
     index: int,
@@ -132,7 +132,7 @@ def _crossing(
     """Share of the step at which a switch changes its sign."""
     count = len(memory)
     probe = PROBE * step
-    slopes = np.empty(2)
+    slope_start, slope_end = 0.0, 0.0
     for end in range(2):
         at = time + end * step * m.time_unit
         here, kept = (state, memory) if end == 0 else (result, remembered)
@@ -143,17 +143,18 @@ def _crossing(
             work[4, i] = here[i] + sign * probe * work[5, i]
         beside = signal + sign * PROBE * (last - first)
         switches(m, at, work[4, : len(state)], beside, kept, direction, work[6, : count + 2])
-        slopes[end] = sign * (work[6, index] - (before if end == 0 else after)) / PROBE
-    return _first_root(before, slopes[0], after, slopes[1])
+        slope = sign * (work[6, index] - (before if end == 0 else after)) / PROBE
+        slope_start, slope_end = (slope, 0.0) if end == 0 else (slope_start, slope)
+    return _first_root(before, slope_start, after, slope_end)
 
 
-@njit
+@kernel
 def _copy(source: Array, target: Array) -> None:
     for i in range(len(source)):
         target[i] = source[i]
 
 
-@njit
+@kernel
 def careful_step(  # noqa: C901, PLR0912, PLR0915 - each call counts references to ten arrays: in parts, twice the time
     m: Mechanics,
     time: float,

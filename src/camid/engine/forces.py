@@ -15,7 +15,7 @@ from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from camid.compiled import njit
+from camid.compiled import kernel
 
 Array = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def _call_by_address(
 _call: Any = intrinsic(_call_by_address)
 
 
-@njit(inline="always")
+@kernel(inline="always")
 def dot(row: Array, state: Array) -> float:
     """Scalar product; a call of BLAS costs more than the few multiplications."""
     total = 0.0
@@ -121,13 +121,13 @@ def dot(row: Array, state: Array) -> float:
     return total
 
 
-@njit
+@kernel(forceinline=True)
 def free_velocity(m: Mechanics, state: Array, signal: float) -> float:
     """Velocity in y/s but for what forces make of it at once."""
     return dot(m.velocity, state) / m.time_unit + m.velocity_input * signal
 
 
-@njit(error_model="numpy")
+@kernel(error_model="numpy", forceinline=True)
 def _smooth_force(f: Forces, time: float, position: float, velocity: float, signal: float, memory: Array) -> float:
     """Sum of the forces other than dry friction, along the input."""
     functions = f.functions
@@ -140,7 +140,7 @@ def _smooth_force(f: Forces, time: float, position: float, velocity: float, sign
     return total
 
 
-@njit(error_model="numpy")
+@kernel(error_model="numpy", forceinline=True)
 def friction_level(f: Forces, time: float, position: float, speed: float, signal: float) -> float:
     """Sum of all dry friction at a speed ≥ 0, never negative."""
     functions = f.functions
@@ -153,7 +153,7 @@ def friction_level(f: Forces, time: float, position: float, speed: float, signal
     return max(total, 0.0)
 
 
-@njit
+@kernel
 def _agreeing_force(f: Forces, time: float, position: float, free: float, signal: float, memory: Array) -> float:
     """Force along the input that agrees with the velocity v = free + b · force that it leaves."""
     b = f.velocity_force
@@ -193,7 +193,7 @@ def _agreeing_force(f: Forces, time: float, position: float, free: float, signal
     return (side * 0.5 * (low + high) - free) / b
 
 
-@njit(error_model="numpy")
+@kernel(error_model="numpy", forceinline=True)
 def force_at(
     f: Forces, time: float, position: float, free: float, signal: float, memory: Array, direction: float
 ) -> float:
@@ -209,13 +209,13 @@ def force_at(
     return total
 
 
-@njit
+@kernel
 def force_in(m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float) -> float:
     """Total force along the input in a state; see :func:`force_at`."""
     return force_at(m.forces, time, dot(m.position, state), free_velocity(m, state, signal), signal, memory, direction)
 
 
-@njit
+@kernel(forceinline=True)
 def remember(f: Forces, time: float, displacement: float, memory: Array, result: Array) -> None:
     """Inner states after a displacement of the body."""
     data = f.data
@@ -226,7 +226,7 @@ def remember(f: Forces, time: float, displacement: float, memory: Array, result:
             result[i] = _call(f.functions[2, i], time, displacement, displacement, 0.0, memory[i], data + i * stride)
 
 
-@njit
+@kernel(forceinline=True)
 def switches_at(
     f: Forces,
     time: float,
@@ -259,7 +259,7 @@ def switches_at(
         result[count], result[count + 1] = rest - held, rest + held
 
 
-@njit
+@kernel
 def switches(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, result: Array
 ) -> None:

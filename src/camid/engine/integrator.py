@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.exact import _exponential_and_integral
-from camid.compiled import njit
+from camid.compiled import kernel, njit
 from camid.engine.events import careful_step
 from camid.engine.forces import Mechanics, dot, force_at, force_in, remember, switches, switches_at
 
@@ -109,7 +109,7 @@ def _smooth(m: Mechanics, scaled: float) -> _Smooth:
     )
 
 
-@njit(error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@kernel(error_model="numpy", fastmath={"reassoc", "contract", "nsz"}, forceinline=True)
 def _smooth_step(
     m: Mechanics,
     c: _Smooth,
@@ -188,7 +188,7 @@ def _smooth_step(
     return middle_position, halfway, max(abs(force_1), abs(force_3)), abs(force_3 - force_2)
 
 
-@njit
+@kernel
 def _direct_rate(
     m: Mechanics,
     time: float,
@@ -221,7 +221,7 @@ class Feedback(NamedTuple):
     control: Array
 
 
-@njit
+@kernel
 def _passed(times: Array, now: float, inclusive: bool) -> int:
     """How many of sorted times lie before now, or at it."""
     count = 0
@@ -230,14 +230,14 @@ def _passed(times: Array, now: float, inclusive: bool) -> int:
     return count
 
 
-@njit
+@kernel
 def _run_away(node: int, measured: Array, rate: Array, integral: Array, rate_end: Array) -> None:
     """Nothing that follows a motion which runs away means anything."""
     for i in range(node, len(measured)):
         measured[i], rate[i], integral[i], rate_end[max(i - 1, 0)] = np.nan, np.nan, np.nan, np.nan
 
 
-@njit
+@kernel
 def _controlled(feedback: Feedback, sample: int, position: float, speed: float) -> float:
     """What the controller puts out at a sample, and keeps."""
     wanted = feedback.velocity_gain * (feedback.position_gain * (feedback.reference[sample] - position) - speed)
@@ -246,10 +246,35 @@ def _controlled(feedback: Feedback, sample: int, position: float, speed: float) 
     return held
 
 
-@njit(nogil=True)
-def integrate(  # noqa: C901, PLR0912, PLR0915 - each call counts references to ten arrays: in parts, twice the time
+class _Room(NamedTuple):
+    """Room for the state of a run and for what its steps work with; kernels allocate nothing.
+
+    Attributes
+    ----------
+    state, following, derivative : ndarray, shape (q,)
+        State now and after a step, and the row that gives the derivative of the measured motion.
+    memory, remembered : ndarray, shape (f,)
+        Inner states of the effects now and after a step.
+    before, between, after : ndarray, shape (f + 2,)
+        Switches at the start of a step, in its middle and at its end.
+    work : ndarray, shape (10, max(q, f + 2))
+    """
+
+    state: Array
+    following: Array
+    memory: Array
+    remembered: Array
+    before: Array
+    between: Array
+    after: Array
+    derivative: Array
+    work: Array
+
+
+@kernel
+def _integrate(  # noqa: C901, PLR0912, PLR0915
     m: Mechanics,
-    initial: Array,
+    c: _Smooth,
     start: Array,
     end: Array,
     start_time: float,
@@ -258,57 +283,28 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - each call counts references to 
     impulse_times: Array,
     impulse_sizes: Array,
     feedback: Feedback,
-) -> tuple[Array, Array, Array, Array, float]:
-    """Run the system over a grid of equal steps.
-
-    Parameters
-    ----------
-    m : Mechanics
-    initial : ndarray, shape (q,)
-        State at the start of the grid.
-    start, end : ndarray, shape (M,)
-        Input at the start and at the end of each step.
-    start_time, step : float
-        Of the grid, in seconds.
-    breaks : ndarray
-        Sorted times in seconds at which a force jumps.
-    impulse_times, impulse_sizes : ndarray
-        Sorted times in seconds, and sizes in units of u times seconds.
-    feedback : Feedback
-        What a controller adds to the input.
-
-    Returns
-    -------
-    measured, rate, integral : ndarray, shape (M + 1,)
-        Motion before the sensor, its derivative by time in seconds, and its integral over time in seconds.
-    rate_end : ndarray, shape (M,)
-        Derivative at the end of each step: another one than at the start of the next where the input jumps.
-    doubt : float
-        The largest difference of two forces that a step of infinite fineness would take for the same, as a share of the
-        largest force or input.
-    """
-    size, count, steps = len(initial), m.forces.functions.shape[1], len(start)
-    scaled = step / m.time_unit
-    c = _smooth(m, scaled)
+    room: _Room,
+    measured: Array,
+    rate: Array,
+    integral: Array,
+    rate_end: Array,
+) -> float:
+    state, following, memory, remembered = room.state, room.following, room.memory, room.remembered
+    before, between, after = room.before, room.between, room.after
+    derivative, work = room.derivative, room.work
+    size, count, steps = len(state), m.forces.functions.shape[1], len(start)
     dry, kinks, remembers, forced = False, m.forces.implicit, False, False
     for i in range(count):
         dry = dry or (m.forces.functions[1, i] != 0 and m.sticks)
         kinks = kinks or m.forces.functions[3, i] != 0
         remembers = remembers or m.forces.functions[2, i] != 0
         forced = forced or m.forces.functions[0, i] != 0 or m.forces.functions[1, i] != 0
-    row = m.state_matrix[size - 1].copy()  # the integral grows by the measured motion
-    derivative = np.zeros(size)
+    row = m.state_matrix[size - 1]  # the integral grows by the measured motion
     for j in range(size):
         for i in range(size):
             derivative[j] += row[i] * m.state_matrix[i, j]
     direct_input, direct_force = dot(row, m.input_vector), dot(row, m.force_vector) if forced else 0.0
     direct = direct_input != 0.0 or direct_force != 0.0
-    measured, rate, integral = np.empty(steps + 1), np.empty(steps + 1), np.empty(steps + 1)
-    rate_end = np.empty(steps)
-    state, memory = initial.copy(), np.zeros(count)
-    following, remembered = np.empty(size), np.zeros(count)
-    work = np.zeros((10, max(size, count + 2)))
-    before, between, after = np.ones(count + 2), np.ones(count + 2), np.ones(count + 2)
     known = False  # whether ``before`` holds the switches at the start of the step
     direction, stuck = 0.0, False
     next_break, next_impulse = _passed(breaks, start_time, True), _passed(impulse_times, start_time, False)
@@ -324,7 +320,7 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - each call counts references to 
         integral[k] = state[size - 1] * m.time_unit
         if not abs(measured[k]) < ASTRAY:
             _run_away(k, measured, rate, integral, rate_end)
-            return measured, rate, integral, rate_end, np.inf
+            return np.inf
         rate[k] = dot(derivative, state) / m.time_unit
         held_before = held
         if feedback.steps > 0 and k % feedback.steps == 0 and k // feedback.steps < len(feedback.reference):
@@ -424,4 +420,67 @@ def integrate(  # noqa: C901, PLR0912, PLR0915 - each call counts references to 
                 stuck, direction = False, 0.0
             elif until >= finish:
                 break
-    return measured, rate, integral, rate_end, doubt / largest if largest > 0.0 else 0.0
+    return doubt / largest if largest > 0.0 else 0.0
+
+
+@njit(nogil=True)
+def integrate(
+    m: Mechanics,
+    initial: Array,
+    start: Array,
+    end: Array,
+    start_time: float,
+    step: float,
+    breaks: Array,
+    impulse_times: Array,
+    impulse_sizes: Array,
+    feedback: Feedback,
+) -> tuple[Array, Array, Array, Array, float]:
+    """Run the system over a grid of equal steps.
+
+    Parameters
+    ----------
+    m : Mechanics
+    initial : ndarray, shape (q,)
+        State at the start of the grid.
+    start, end : ndarray, shape (M,)
+        Input at the start and at the end of each step.
+    start_time, step : float
+        Of the grid, in seconds.
+    breaks : ndarray
+        Sorted times in seconds at which a force jumps.
+    impulse_times, impulse_sizes : ndarray
+        Sorted times in seconds, and sizes in units of u times seconds.
+    feedback : Feedback
+        What a controller adds to the input.
+
+    Returns
+    -------
+    measured, rate, integral : ndarray, shape (M + 1,)
+        Motion before the sensor, its derivative by time in seconds, and its integral over time in seconds.
+    rate_end : ndarray, shape (M,)
+        Derivative at the end of each step: another one than at the start of the next where the input jumps.
+    doubt : float
+        The largest difference of two forces that a step of infinite fineness would take for the same, as a share of the
+        largest force or input.
+    """
+    size, count, steps = len(initial), m.forces.functions.shape[1], len(start)
+    measured, rate, integral = np.empty(steps + 1), np.empty(steps + 1), np.empty(steps + 1)
+    rate_end = np.empty(steps)
+    room = _Room(
+        initial.copy(),
+        np.empty(size),
+        np.zeros(count),
+        np.zeros(count),
+        np.ones(count + 2),
+        np.ones(count + 2),
+        np.ones(count + 2),
+        np.zeros(size),
+        np.zeros((10, max(size, count + 2))),
+    )
+    coefficients = _smooth(m, step / m.time_unit)
+    doubt = _integrate(
+        m, coefficients, start, end, start_time, step, breaks, impulse_times, impulse_sizes, feedback, room,
+        measured, rate, integral, rate_end,
+    )  # fmt: skip
+    return measured, rate, integral, rate_end, doubt

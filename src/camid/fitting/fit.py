@@ -106,7 +106,7 @@ class Fitted:
 def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False) -> Fitted:
     """Residual and noise of a model as it is."""
     packing = Packing.of(problem, model, fixed)
-    residual = problem.output - problem.fitted(problem.simulate(model))
+    residual = problem.output - problem.simulate_fitted(model)
     return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing, weighted)
 
 
@@ -121,7 +121,7 @@ def _sensitivities(
         moved = vector.copy()
         moved[i] += step
         try:
-            table[:, position] = (problem.fitted(problem.simulate(packing.unpack(moved))) - simulated) / step
+            table[:, position] = (problem.simulate_fitted(packing.unpack(moved)) - simulated) / step
         except (ValueError, ArithmeticError):
             table[:, position] = 0.0
     table[~np.isfinite(table)] = 0.0
@@ -186,7 +186,7 @@ class _OutputError:
     def _simulated(self, vector: Array) -> Array:
         problem, worst = self.problem, self.worst
         try:
-            rows = problem.fitted(problem.simulate(self.packing.unpack(vector)))
+            rows = problem.simulate_fitted(self.packing.unpack(vector))
         except NotApplicable:
             raise
         except (ValueError, ArithmeticError):

@@ -39,10 +39,9 @@ def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
     """
     if not start.initial:
         start = recorded_start(problem, start)
-    numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
     longest = max(len(t) for t in problem.times)
     starts = [start, *problem.kind.starts_from_regression(problem, start)]
-    rows = [max(_horizon(problem, s), ROWS_PER_UNKNOWN * numbers) for s in starts]
+    rows = [first_horizon(problem, s) for s in starts]
     first = [fit(problem.start_of(r), s, steps=steps, finest=False) for r, s in zip(rows, starts, strict=True)]
     best = int(np.argmin([f.cost / len(f.residual) for f in first]))
     model, horizon = first[best].model, int(GROWTH * rows[best])
@@ -52,7 +51,8 @@ def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
     return fit(problem, model, steps=steps)
 
 
-def _horizon(problem: Problem, model: Model) -> int:
-    """Rows of the first horizon."""
-    constant = time_scale((1.0, *model.coefficients[problem.structure.degree + 1 :]))
-    return int(FIRST_HORIZON * constant / problem.acquisition.period)
+def first_horizon(problem: Problem, start: Model) -> int:
+    """Rows over which a model follows the recordings well enough for a fit to start there."""
+    constant = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
+    numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
+    return max(int(FIRST_HORIZON * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)

@@ -33,6 +33,8 @@ ROWS_PER_COEFFICIENT = 20
 # Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak
 # effect would else be mistaken for colour, which the test of whiteness would not confirm.
 COLOUR_PENALTY = 12.0
+# Rows after the last fitted one that a simulation needs, for what an actuator or the sensor takes from the next sample.
+ROWS_AFTER_FITTED = 2
 # Steps in a period of simulations that rank hypotheses, and of those that decide.
 MOST_COARSE_STEPS = 12
 MOST_STEPS = 100
@@ -159,10 +161,10 @@ class Problem:
 
         Differences of simulations are derivatives only if all take the same steps.
         """
-        free = replace(self, steps=None)
+        free = replace(self._until_last_fitted, steps=None)
         counts = tuple(
             min(steps_of(free.chain(model, i), e.signal, t, finest=finest), MOST_STEPS if finest else MOST_COARSE_STEPS)
-            for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True))
+            for i, (e, t) in enumerate(zip(free.experiments, free.times, strict=True))
         )
         return replace(self, steps=counts)
 
@@ -188,6 +190,19 @@ class Problem:
     def simulate(self, model: Model) -> list[Array]:
         """What is compared with the outputs of all recordings, all rows: shapes (N,)."""
         return [self.simulate_one(model, i) for i in range(len(self.experiments))]
+
+    @cached_property
+    def _until_last_fitted(self) -> Problem:
+        """The same, cut off after the last row that is fitted: a fit need not simulate the rows that judge it."""
+        rows = max((int(np.flatnonzero(e.used)[-1]) + 1 for e in self.experiments if e.used.any()), default=0)
+        longest = max(len(t) for t in self.times)
+        return self if rows + ROWS_AFTER_FITTED >= longest else self.start_of(rows + ROWS_AFTER_FITTED)
+
+    def simulate_fitted(self, model: Model) -> Array:
+        """What is compared with the outputs, the fitted rows of all recordings, concatenated; shape (M,)."""
+        short = self._until_last_fitted
+        parts = [short.simulate_one(model, i)[e.used] for i, e in enumerate(short.experiments) if e.used.any()]
+        return np.concatenate(parts) if parts else np.zeros(0)
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
         """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) per recording."""

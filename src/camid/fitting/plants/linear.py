@@ -112,7 +112,7 @@ class FreeDecay(LinearPlant):
 def _misfit(problem: Problem, model: Model) -> float:
     """Sum of squared residuals; infinite where the simulation fails."""
     try:
-        residual = problem.output - problem.fitted(problem.simulate(model))
+        residual = problem.output - problem.simulate_fitted(model)
     except (ValueError, ArithmeticError):
         return np.inf
     return float(np.nan_to_num(residual @ residual, nan=np.inf, posinf=np.inf))
