@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
+# Chance of a place's test below which the re-estimated plant may be bent by what is missing.
+SUSPECT_P_VALUE = 1e-2
 Progress = Callable[[str], None] | None
 
 
@@ -136,14 +138,17 @@ def investigate(
     say = progress or (lambda sentence: None)
     setting = _prepared(believed, problem, nominal, validation, chosen, say)
     problem, base = setting.problem, setting.base
+    before = mismatch_location.places(problem, base)
     decision = Decision(base, base)
     if not setting.settled:
-        start = setting.start if not setting.known else None
+        # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
+        start = setting.start if not setting.known and _leaves_structure(setting, before) else None
         decision = select_effects(problem, base, setting.screened, validation, progress, start)
     say("testing what is left")
     if not setting.settled:
         decision = _with_noise(problem, decision, setting.known)
-    before = mismatch_location.places(problem, decision.base)
+    if decision.base is not base:
+        before = mismatch_location.places(problem, decision.base)
     decision, residue = _simplified(setting, decision, before, progress)
     return _diagnosis(setting, decision, before, residue, say)
 
@@ -178,6 +183,14 @@ def _as_simulated(whole: Problem, nominal: Model, start: Model) -> Model:
     known = whole.with_known_constants()
     effects = tuple(e for e in nominal.effects if not e.noise_like)
     return known.with_initial_states(replace(nominal, effects=effects, constants=known.kind.constants()))
+
+
+def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest]) -> bool:
+    """Whether the re-estimated plant may leave more than white noise."""
+    base = setting.base
+    if len(base.noise.whitening) > 1 or any(test.p_value < SUSPECT_P_VALUE for test in places):
+        return True
+    return bool(reasons_for_structure(setting.problem, base, places, setting.validation, set()))
 
 
 def _simplified(

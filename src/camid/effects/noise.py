@@ -15,6 +15,8 @@ NEGLIGIBLE_ROUNDING = 0.02
 # Residuals beyond this many robust standard deviations are outliers: one in 16,000 and 1.7 million of Gaussian noise.
 OUTLYING = (4.0, 5.0, 7.0)
 FEWEST_REPEATED = 1
+# Chance of so few repeated frames in fast motion below which it is the sensor's step that repeats them.
+LEAST_CHANCE_OF_LOSS = 1e-3
 # Values that differ by less than this share of their range are the same.
 SAME_VALUE = 1e-10
 # Digits smaller than this share of a lattice's step do not hide it.
@@ -133,7 +135,7 @@ class DroppedFrames(Effect):
         inside = (values > np.min(values)) & (values < np.max(values))
         repeated = np.append(False, values[1:] == values[:-1]) & inside
         count = int(np.sum(repeated))
-        if count < FEWEST_REPEATED:
+        if count < FEWEST_REPEATED or _repeats_where_slow(values, repeated):
             return None
         share = count / len(values)
         fineness = resolution(values) if step is None else step
@@ -144,6 +146,17 @@ class DroppedFrames(Effect):
             rare_count(count, len(values), chance),
             repeated,
         )
+
+
+def _repeats_where_slow(values: Array, repeated: NDArray[np.bool_]) -> bool:
+    """Whether values repeat because the motion takes several frames for a step of the sensor.
+
+    A lost frame does not care how fast the motion is, so that half of them fall among the faster half of the rows.
+    """
+    speed = np.abs(values[3:] - values[:-3])
+    inner = repeated[2:-1]
+    fast, count = int(np.sum(inner & (speed > np.median(speed)))), int(np.sum(inner))
+    return count > 0 and tail((0.5 * count - fast) / (0.5 * sqrt(count))) < LEAST_CHANCE_OF_LOSS
 
 
 def _repeated(situation: Situation) -> NDArray[np.bool_]:

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.compiled import njit
+from camid.compiled import kernel
 from camid.proof.concealed import vector_layout as s
 
 Array = NDArray[np.float64]
 
 
-@njit
+@kernel
 def drift(p: Array, kind: int, t: float) -> float:
     """Factor of stiffness (1), damping (2) or actuator constant (3) at time t in s; nothing drifts before t = 0."""
     if p[s.DRIFT_KIND] != kind or t <= 0.0:
@@ -25,7 +25,7 @@ def drift(p: Array, kind: int, t: float) -> float:
     return 1.0 + p[s.DRIFT_RATE] * (t if tau == 0.0 else tau * (1.0 - np.exp(-t / tau)))
 
 
-@njit
+@kernel
 def contact(p: Array, x: float, v: float) -> float:
     """Positive while the stop pushes: depth in m, or force in N where its damper would have to pull."""
     side = p[s.STOP_SIDE]
@@ -36,7 +36,7 @@ def contact(p: Array, x: float, v: float) -> float:
     return min(depth, push)
 
 
-@njit
+@kernel
 def disturbance(p: Array, t: float, within: float) -> float:
     """Disturbing force in V at the actuator at a time of the step around another; steps end where a force begins."""
     force = 0.0
@@ -50,7 +50,7 @@ def disturbance(p: Array, t: float, within: float) -> float:
     return force
 
 
-@njit
+@kernel
 def jenkins(p: Array, x: float, memory: Array, element: int) -> float:
     """Force in N of one spring-slider element, from its force at the last committed position in ``memory``."""
     limit = p[s.JENKINS_FORCE] * (element + 1.0) / s.JENKINS_ELEMENTS
@@ -58,7 +58,7 @@ def jenkins(p: Array, x: float, memory: Array, element: int) -> float:
     return min(max(force, -limit), limit)
 
 
-@njit
+@kernel
 def bristle_rate(p: Array, z: float, v: float) -> float:
     """Rate of the bristle deflection in m/s."""
     level = p[s.BRISTLE_COULOMB]
@@ -67,7 +67,7 @@ def bristle_rate(p: Array, z: float, v: float) -> float:
     return v - p[s.BRISTLE_STIFFNESS] * abs(v) / level * z
 
 
-@njit
+@kernel
 def spring_force(p: Array, x: float, t: float) -> float:
     """Restoring force in N of the mount and of what is fixed beside it."""
     stiffness = p[s.STIFFNESS] * drift(p, 1, t)
@@ -94,7 +94,7 @@ def spring_force(p: Array, x: float, t: float) -> float:
     return force
 
 
-@njit
+@kernel
 def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float:
     """Force in N of the actuator for what reaches it, in V."""
     force = p[s.ACTUATOR_CONSTANT] * command * drift(p, 3, t)
@@ -109,7 +109,7 @@ def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float
     return force
 
 
-@njit
+@kernel
 def reaching(p: Array, state: Array, command: float) -> float:
     """Command in V behind the actuator's lags."""
     if p[s.LAG] != 0.0 or p[s.SOFT_SLEW] != 0.0:
@@ -117,7 +117,7 @@ def reaching(p: Array, state: Array, command: float) -> float:
     return command
 
 
-@njit
+@kernel
 def net_force(p: Array, state: Array, memory: Array, command: float, t: float, damped: bool) -> float:
     """All forces on the mass in N but dry friction; without the viscous damper where ``damped`` is false."""
     x, v = state[s.POSITION], state[s.VELOCITY]
@@ -150,7 +150,7 @@ def net_force(p: Array, state: Array, memory: Array, command: float, t: float, d
     return force
 
 
-@njit
+@kernel
 def hidden_pull(p: Array, state: Array) -> float:
     """Force in N with which the hidden mass holds the mass back."""
     stretch = state[s.POSITION] - state[s.HIDDEN]
@@ -158,7 +158,7 @@ def hidden_pull(p: Array, state: Array) -> float:
     return force + p[s.HIDDEN_DAMPING] * (state[s.VELOCITY] - state[s.HIDDEN_RATE])
 
 
-@njit
+@kernel
 def _swing_beside(p: Array, state: Array, force: float, rate: Array) -> None:
     """Rates of the mode beside the machine under the actuator's force in N."""
     omega = p[s.BESIDE_FREQUENCY]
@@ -167,7 +167,7 @@ def _swing_beside(p: Array, state: Array, force: float, rate: Array) -> None:
     rate[s.BESIDE_RATE] = omega * (pull - 2.0 * p[s.BESIDE_DAMPING] * state[s.BESIDE_RATE])
 
 
-@njit
+@kernel
 def _follow_command(p: Array, state: Array, command: float, rate: Array) -> None:
     """Rates of the actuator's lags, or of its soft slew, under a command in V."""
     if p[s.LAG] != 0.0:
@@ -179,7 +179,7 @@ def _follow_command(p: Array, state: Array, command: float, rate: Array) -> None
         rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
 
 
-@njit
+@kernel
 def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machine can have
     p: Array, state: Array, memory: Array, command: float, t: float, direction: int, rate: Array
 ) -> None:
@@ -238,7 +238,7 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
     _follow_command(p, state, command, rate)
 
 
-@njit
+@kernel
 def dry_level(p: Array, x: float, v: float, load: float, direction: int) -> float:
     """Dry friction level in N at a position in m and a speed in m/s, under a driving force in N.
 
@@ -254,7 +254,7 @@ def dry_level(p: Array, x: float, v: float, load: float, direction: int) -> floa
     return level + p[s.DRY_LOAD] * abs(load)
 
 
-@njit
+@kernel
 def resting_level(p: Array, state: Array, command: float, t: float, force: float) -> float:
     """Dry friction level in N that holds a mass at rest against a force in N."""
     x = state[s.POSITION]

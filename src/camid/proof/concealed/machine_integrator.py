@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.compiled import njit
+from camid.compiled import kernel, njit
 from camid.proof.concealed import vector_layout as s
 from camid.proof.concealed.machine_forces import contact, derivative, jenkins, net_force, resting_level
 
@@ -73,22 +73,30 @@ class Trajectory:
     velocity_before: Array
 
 
-@njit
+@kernel
+def _beside(state: Array, h: float, rate: Array, result: Array) -> None:
+    """A state a time h further on at a rate."""
+    for i in range(s.STATES):
+        result[i] = state[i] + h * rate[i]
+
+
+@kernel
 def _step(
     p: Array, state: Array, memory: Array, value: float, slope: float, t: float, h: float, direction: int, work: Array
 ) -> None:
     """One Runge–Kutta step; the new state is in ``work[5]``."""
     derivative(p, state, memory, value, t, direction, work[0])
-    work[4] = state + 0.5 * h * work[0]
+    _beside(state, 0.5 * h, work[0], work[4])
     derivative(p, work[4], memory, value + 0.5 * h * slope, t + 0.5 * h, direction, work[1])
-    work[4] = state + 0.5 * h * work[1]
+    _beside(state, 0.5 * h, work[1], work[4])
     derivative(p, work[4], memory, value + 0.5 * h * slope, t + 0.5 * h, direction, work[2])
-    work[4] = state + h * work[2]
+    _beside(state, h, work[2], work[4])
     derivative(p, work[4], memory, value + h * slope, t + h, direction, work[3])
-    work[5] = state + h / 6.0 * (work[0] + 2.0 * work[1] + 2.0 * work[2] + work[3])
+    for i in range(s.STATES):
+        work[5, i] = state[i] + h / 6.0 * (work[0, i] + 2.0 * work[1, i] + 2.0 * work[2, i] + work[3, i])
 
 
-@njit
+@kernel
 def _indicator(
     kind: int, p: Array, state: Array, memory: Array, command: float, t: float, direction: int, touching: bool
 ) -> float:
@@ -102,7 +110,7 @@ def _indicator(
     return resting_level(p, state, command, t, force) - abs(force)
 
 
-@njit
+@kernel
 def _locate(
     kind: int,
     p: Array,
@@ -128,7 +136,7 @@ def _locate(
     return high
 
 
-@njit
+@kernel
 def _watched(kind: int, dry: bool, stop: bool, direction: int) -> bool:
     """Whether an event can happen."""
     if kind == CONTACT:
@@ -136,7 +144,7 @@ def _watched(kind: int, dry: bool, stop: bool, direction: int) -> bool:
     return direction != 0 if kind == REVERSAL else dry and direction == 0
 
 
-@njit
+@kernel
 def _advance(
     p: Array, state: Array, memory: Array, value: float, slope: float, t: float, end: float, direction: int, work: Array
 ) -> int:
@@ -174,7 +182,8 @@ def _advance(
             for element in range(s.JENKINS_ELEMENTS):
                 memory[element] = jenkins(p, x, memory, element)
             memory[s.LAST_POSITION] = x
-        state[:] = work[5]
+        for i in range(s.STATES):
+            state[i] = work[5, i]
         if p[s.EDGE_HEIGHT] > 0.0 and p[s.EDGE_WEIR] == 0.0:
             state[s.POSITION] -= p[s.EDGE_SIDE] * max(p[s.EDGE_SIDE] * state[s.POSITION] - p[s.EDGE_HEIGHT], 0.0)
         t += h
@@ -221,13 +230,13 @@ def _run(p: Array, begin: float, h: float, count: int, start: Array, value: Arra
     return table
 
 
-@njit
+@kernel
 def _direction(p: Array, state: Array, direction: int) -> int:
     """A mass at rest does not slide."""
     return 0 if state[s.VELOCITY] == 0.0 and p[s.DRY_BREAKAWAY] != 0.0 else direction
 
 
-@njit
+@kernel
 def _measured_velocity(p: Array, state: Array, rate: Array) -> float:
     """Velocity in m/s of the point that the camera sees."""
     if p[s.SECOND_SERIES_FREQUENCY] != 0.0:
