@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from camid.ablations.identification_runs import RESOLUTION
-
+# Percent; finer digits are those of the stopping rule and of the processor, and no table of a figure prints them.
+RESOLUTION = 1e-5
 PARAMETERS = ("b0", "a1", "a0")
 SYMBOLS = {"b0": "$b_0$", "a1": "$a_1$", "a0": "$a_0$"}
 ERROR_LABELS = {p: f"error in {symbol} (%)" for p, symbol in SYMBOLS.items()}

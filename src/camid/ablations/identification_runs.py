@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 
 # Errors below this many percent are rounding and the stopping rule, not bias.
 NO_BIAS = 1e-6
-# Percent; finer digits are those of the stopping rule and of the processor, and no table of a figure prints them.
-RESOLUTION = 1e-5
 
 
 def excitation_signal(excitation: Mapping[str, Any]) -> Array:

@@ -59,7 +59,7 @@ class SearchEffort:
 
 FIRST_EFFECT = SearchEffort(12, shapes=2)
 # Where phases add up the screening is a poor guide; beside a first effect the motion is followed, and it is one again.
-FIRST_EFFECT_OVER_TIME = SearchEffort(20, shapes=2, steps=ALL_STEPS, least_share=0.0, gap_share=0.6)
+FIRST_EFFECT_OVER_TIME = SearchEffort(12, least_share=0.0, gap_share=0.6)
 BESIDE_OTHERS = SearchEffort(7)
 RIVALS = SearchEffort(5)
 
@@ -96,6 +96,11 @@ def hypotheses(
         if nominal is not None:
             tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), from_nominal)
             first += [h for h in tried if h is not None]
+            tried = pool.map(
+                lambda m: _fitted(problem, m.effects[-1].identifier, m, FIRST_STEPS),
+                _with_effect_undone(problem, nominal),
+            )
+            first += [h for h in tried if h is not None]
         first += _simpler(problem, base, first)
         ranked = _best_of_each(first)
         near = _near_the_best(ranked, base, effort)
@@ -105,6 +110,21 @@ def hypotheses(
             for old, new in zip(near, again, strict=True)
         ]
     return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
+
+
+def _with_effect_undone(problem: Problem, nominal: Model) -> list[Model]:
+    """Models with an effect whose plant was identified from the outputs as they may have been before it."""
+    found = []
+    for effect in known_effects().values():
+        undone = [effect.undone(e.output) for e in problem.experiments]
+        if problem.kind.unseen(effect) is not None or any(output is None for output in undone):
+            continue
+        experiments = [replace(e, output=o) for e, o in zip(problem.experiments, undone, strict=True)]
+        before = replace(problem, experiments=experiments)
+        view = problem.situations(nominal).of(effect)
+        for guess in effect.candidates(view):
+            found.append(problem.kind.refit(before, before.with_initial_states(nominal)).model.plus(guess))
+    return found
 
 
 def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:

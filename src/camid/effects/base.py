@@ -383,6 +383,14 @@ class Effect:
         raise NotImplementedError(f"{cls.__name__} guesses nothing")
 
     @classmethod
+    def undone(cls, recorded: Array) -> Array | None:
+        """Output, shape (N,), that may have been before the effect, where the recorded one alone suggests it.
+
+        A nominal plant that is identified with it does not have to be near the true one.
+        """
+        return None
+
+    @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """For noise-like effects: whether residual and recorded values show it."""
         raise NotImplementedError(f"{cls.__name__} changes the expected output")
