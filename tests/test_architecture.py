@@ -21,7 +21,7 @@ COMPILED = "compiled: its parts share local arrays, which calls between them wou
 LONG_FUNCTIONS = {
     "engine/events.careful_step": COMPILED,
     "engine/integrator._smooth_step": COMPILED,
-    "engine/integrator.integrate": COMPILED,
+    "engine/integrator._integrate": COMPILED,
     "identification/factorisation.factorise": COMPILED,
     "identification/safeguarded._iterate": COMPILED,
 }

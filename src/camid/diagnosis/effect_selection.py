@@ -31,8 +31,8 @@ FALSE_ALARM_BESIDE_OTHERS = 1e-4
 MOST_EFFECTS = 3
 MOST_SWAPS = 4
 SWAP_MARGIN = 2.0
-# Error beside effects found already, as a share of the output's spread, from which fits start from the nominal
-# coefficients, too.
+# Error, as a share of the output's spread, from which the coefficients may be so wrong that fits start from the nominal
+# ones, too.
 NOMINAL_START_ERROR = 0.1
 # Fall of the criterion that betrays another minimum of the coefficients, and how often the search restarts from one.
 ANOTHER_MINIMUM = 10.0
@@ -129,9 +129,10 @@ def select_effects(
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
     """The nominal model with the effects found, as a start beside the refitted one where that is still far off."""
-    if nominal is None or not current.model.effects:
-        return nominal
-    if current.cost < NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(current.residual):
+    if nominal is None:
+        return None
+    near = not problem.kind.phases_add_up or current.model.effects
+    if near and current.cost < NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(current.residual):
         return None
     return replace(nominal, effects=current.model.effects)
 

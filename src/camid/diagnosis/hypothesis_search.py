@@ -192,8 +192,7 @@ def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
     costs = []
     for start in starts:
         try:
-            pinned = problem.pinned(start, finest=False)
-            residual = problem.output - pinned.simulate_fitted(start)
+            residual = problem.output - problem.rough().simulate_fitted(start)
             costs.append(float(residual @ residual))
         except (ValueError, ArithmeticError):
             costs.append(np.inf)

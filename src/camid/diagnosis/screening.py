@@ -89,7 +89,7 @@ def signature(problem: Problem, base: Fitted, effect: Effect) -> Array | None:
     """Change of the simulated output on the fitted rows, shape (M,); None where the effect has no meaning here."""
     try:
         model = base.model.plus(effect)
-        simulated = problem.pinned(model, finest=False).simulate_fitted(model)
+        simulated = problem.rough().simulate_fitted(model)
     except (ValueError, ArithmeticError):
         return None
     change = simulated - (problem.output - base.residual)

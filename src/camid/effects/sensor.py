@@ -298,11 +298,7 @@ def smoothest_signs(distances: Array) -> Array:
     choices = np.zeros((count, 2, 2), np.intp)
     for k in range(2, count):
         last = distances[k - 2 : k + 1]
-        second = (
-            signs[:, None, None] * last[0]
-            - 2.0 * signs[None, :, None] * last[1]
-            + signs[None, None, :] * last[2]
-        )
+        second = signs[:, None, None] * last[0] - 2.0 * signs[None, :, None] * last[1] + signs[None, None, :] * last[2]
         total = cost[:, :, None] + second**2
         choices[k] = np.argmin(total, axis=0)
         cost = np.min(total, axis=0)

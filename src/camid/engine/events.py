@@ -155,7 +155,7 @@ def _copy(source: Array, target: Array) -> None:
 
 
 @kernel
-def careful_step(  # noqa: C901, PLR0912, PLR0915 - each call counts references to ten arrays: in parts, twice the time
+def careful_step(  # noqa: C901, PLR0912, PLR0915 - its parts share more variables than a call can return
     m: Mechanics,
     time: float,
     step: float,

@@ -132,7 +132,6 @@ def _smooth_step(
         Position and velocity in the middle, largest force, and the difference of the two forces in the middle: it is of
         third order in the step, and so measures how well the step resolves the force.
     """
-    # Each look into a named tuple counts references; in this place that takes longer than the arithmetic.
     whole, input_columns, force_columns = c.whole, c.input_columns, c.force_columns
     rows_half, rows_whole, input_half, input_whole = c.rows_half, c.rows_whole, c.input_half, c.input_whole
     force_half, force_carried = c.force_half, c.force_carried
@@ -272,7 +271,7 @@ class _Room(NamedTuple):
 
 
 @kernel
-def _integrate(  # noqa: C901, PLR0912, PLR0915
+def _integrate(  # noqa: C901, PLR0912, PLR0915 - its parts share more variables than a call can return
     m: Mechanics,
     c: _Smooth,
     start: Array,

@@ -52,7 +52,7 @@ class Chain:
         Whether that is the start of the interval in which the first frame's exposure starts, or the first sample.
     steps : int, optional
         Steps of the integrator per period; where it is not given they follow the plant, and become finer until the
-        motion no longer changes.
+        motion no longer changes; where it is 0 they only follow the plant.
     loop : Loop, optional
         A controller that makes the input. The recorded input then only tells what actuator effects do to it.
     known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional

@@ -30,6 +30,9 @@ FEWEST_STEPS = 2
 FEWEST_STEPS_EVENTS = 3
 MOST_STEPS = 400
 MOST_STEPS_ASTRAY = 64
+# Value of ``steps`` for a rough simulation: as few as plant and effects suggest, and at most so many.
+ROUGH = 0
+MOST_ROUGH_STEPS = 12
 # Nodes of the grid of a simulation that doubts itself, beyond which it is left to.
 MOST_NODES = 200_000
 # Largest difference from the motion with half as many steps, in its standard deviations, that counts as none.
@@ -143,7 +146,9 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     impulses = sorted(i for e in chain.effects for i in e.impulses())
     times = np.array([t for t, _ in impulses], dtype=float)
     sizes = np.array([s for _, s in impulses], dtype=float)
-    steps = _first_steps(chain, acquisition, mechanics) if chain.steps is None else chain.steps
+    steps = chain.steps or _first_steps(chain, acquisition, mechanics)
+    if chain.steps == ROUGH:
+        steps = min(steps, MOST_ROUGH_STEPS)
     affordable = max(MOST_NODES // max(len(signal), 1), steps)
     most_steps = steps if chain.steps is not None else min(MOST_FINER * steps, MOST_STEPS, affordable)
     most_doubt = MOST_DOUBT

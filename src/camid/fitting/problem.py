@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Effect, Situation
 from camid.engine.mechanics import Chain
-from camid.engine.run import move, run, steps_of
+from camid.engine.run import MOST_ROUGH_STEPS, ROUGH, move, run, steps_of
 from camid.fitting.plant_with_effects import Model
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
@@ -35,8 +35,7 @@ ROWS_PER_COEFFICIENT = 20
 COLOUR_PENALTY = 12.0
 # Rows after the last fitted one that a simulation needs, for what an actuator or the sensor takes from the next sample.
 ROWS_AFTER_FITTED = 2
-# Steps in a period of simulations that rank hypotheses, and of those that decide.
-MOST_COARSE_STEPS = 12
+# Steps in a period of simulations that decide.
 MOST_STEPS = 100
 
 
@@ -163,10 +162,14 @@ class Problem:
         """
         free = replace(self._until_last_fitted, steps=None)
         counts = tuple(
-            min(steps_of(free.chain(model, i), e.signal, t, finest=finest), MOST_STEPS if finest else MOST_COARSE_STEPS)
+            min(steps_of(free.chain(model, i), e.signal, t, finest=finest), MOST_STEPS if finest else MOST_ROUGH_STEPS)
             for i, (e, t) in enumerate(zip(free.experiments, free.times, strict=True))
         )
         return replace(self, steps=counts)
+
+    def rough(self) -> Problem:
+        """The same with as few steps of the integrator as each model suggests: to rank models, not to differentiate."""
+        return replace(self, steps=tuple(ROUGH for _ in self.experiments))
 
     # -- models ----------------------------------------------------------------------------------------------------
 
