@@ -182,12 +182,16 @@ class Session:
         from camid.cli import main as camid
 
         printed, code = io.StringIO(), 0
-        with mock.patch.dict(os.environ, self.environment), contextlib.chdir(self.folder):
-            with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
-                if program == "camid":
-                    code = camid(arguments)
-                else:
-                    runpy.run_path(arguments[0], run_name="__main__")
+        with (
+            mock.patch.dict(os.environ, self.environment),
+            contextlib.chdir(self.folder),
+            contextlib.redirect_stdout(printed),
+            contextlib.redirect_stderr(printed),
+        ):
+            if program == "camid":
+                code = camid(arguments)
+            else:
+                runpy.run_path(arguments[0], run_name="__main__")
         return _shown(printed.getvalue(), code)
 
 

@@ -187,7 +187,7 @@ def simulations(draw):
 
 
 @given(simulations())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_any_simulation_is_written_and_read_back(tmp_path_factory, simulation):
     path = tmp_path_factory.getbasetemp() / "written.yaml"
     path.write_bytes(simulation_text(simulation).encode("utf-8"))

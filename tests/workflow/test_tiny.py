@@ -24,8 +24,8 @@ def test_settings_of_the_tiny_configuration_arrive(tiny):
 
     runs = pd.read_parquet(tiny.folder / "results/estimates/sampling_period.parquet")
     assert sorted(runs["period"].unique()) == pytest.approx([0.1, 0.2, 0.3])
-    latency = pd.read_parquet(tiny.folder / "results/ablations/latency.parquet")
-    assert latency["period"].unique() == pytest.approx([0.1])
+    fits = pd.read_parquet(tiny.folder / "results/ablations/monte_carlo.parquet")
+    assert set(fits["fits"]) == {4}
 
 
 def test_second_run_does_nothing_and_a_deleted_figure_takes_one_job(tiny):

@@ -59,7 +59,11 @@ class TransferFunction:
 
     def __post_init__(self) -> None:
         for name in ("numerator", "denominator"):
-            coefficients = np.ravel(np.asarray(getattr(self, name), dtype=float)).tolist()
+            given = getattr(self, name)
+            # A diagnosis makes some ten thousand of tuples, for which an array takes longer than all the rest.
+            coefficients = (
+                [*map(float, given)] if isinstance(given, tuple) else np.ravel(np.asarray(given, float)).tolist()
+            )
             if not all(map(isfinite, coefficients)):
                 raise ValueError(f"the {name} has a coefficient that is not a finite number")
             leading = next((i for i, c in enumerate(coefficients) if c != 0.0), None)
@@ -81,6 +85,8 @@ class TransferFunction:
     def monic(self) -> TransferFunction:
         """The same function with a leading denominator coefficient of one."""
         lead = self.denominator[0]
+        if lead == 1.0:
+            return self
         return TransferFunction(tuple(b / lead for b in self.numerator), tuple(a / lead for a in self.denominator))
 
     def poles(self) -> NDArray[np.complex128]:

@@ -26,7 +26,7 @@ STEPS = 8
 SHAPES = 2
 FEWEST = 5
 # The field shrinks with this power of the horizon, so that a longer one costs little more.
-SHRINKING = 0.7
+SHRINKING = 1.0
 
 
 def raced(problem: Problem, start: Model) -> list[Model]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.hypotheses_over_time import raced
+from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -82,25 +82,16 @@ def hypotheses(
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
     """
     starts = _shortlist(problem, screened, effort)
-    from_nominal = [] if nominal is None else _from_nominal(problem, nominal, screened)
+    elsewhere = [] if nominal is None else _starts_elsewhere(problem, nominal, screened)
 
-    def fitted(candidate: ScreenedEffect, steps: int) -> Hypothesis | None:
+    def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
-        return _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
+        return _fitted(problem, effect.identifier, base.model.plus(effect), effort.steps, base)
 
-    follow = raced(problem, nominal) if nominal is not None and problem.kind.phases_add_up else []
     with ThreadPoolExecutor(WORKERS) as pool:
-        first = [h for h in pool.map(lambda c: fitted(c, effort.steps), starts) if h is not None]
-        tried = pool.map(lambda m: _fitted(problem, m.effects[-1].identifier, m, FIRST_STEPS), follow)
+        first = [h for h in pool.map(fitted, starts) if h is not None]
+        tried = pool.map(lambda m: _fitted(problem, m.effects[-1].identifier, m, FIRST_STEPS), elsewhere)
         first += [h for h in tried if h is not None]
-        if nominal is not None:
-            tried = pool.map(lambda e: _fitted(problem, e.identifier, nominal.plus(e), FIRST_STEPS), from_nominal)
-            first += [h for h in tried if h is not None]
-            tried = pool.map(
-                lambda m: _fitted(problem, m.effects[-1].identifier, m, FIRST_STEPS),
-                _with_effect_undone(problem, nominal),
-            )
-            first += [h for h in tried if h is not None]
         first += _simpler(problem, base, first)
         ranked = _best_of_each(first)
         near = _near_the_best(ranked, base, effort)
@@ -112,18 +103,26 @@ def hypotheses(
     return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
 
 
+def _starts_elsewhere(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Model]:
+    """Models with an effect that fits should start from where the refitted coefficients may be bent beyond repair."""
+    found = [nominal.plus(effect) for effect in _from_nominal(problem, nominal, screened)]
+    found += _with_effect_undone(problem, nominal)
+    if problem.kind.phases_add_up:
+        found += raced(problem, nominal)
+    return found
+
+
 def _with_effect_undone(problem: Problem, nominal: Model) -> list[Model]:
     """Models with an effect whose plant was identified from the outputs as they may have been before it."""
-    found = []
+    found: list[Model] = []
     for effect in known_effects().values():
-        undone = [effect.undone(e.output) for e in problem.experiments]
-        if problem.kind.unseen(effect) is not None or any(output is None for output in undone):
+        undone = [u for e in problem.experiments if (u := effect.undone(e.output)) is not None]
+        if problem.kind.unseen(effect) is not None or len(undone) < len(problem.experiments):
             continue
         experiments = [replace(e, output=o) for e, o in zip(problem.experiments, undone, strict=True)]
         before = replace(problem, experiments=experiments)
-        view = problem.situations(nominal).of(effect)
-        for guess in effect.candidates(view):
-            found.append(problem.kind.refit(before, before.with_initial_states(nominal)).model.plus(guess))
+        plant = problem.kind.refit(before, before.with_initial_states(nominal)).model
+        found += [plant.plus(guess) for guess in effect.candidates(problem.situations(nominal).of(effect))]
     return found
 
 

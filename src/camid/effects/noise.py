@@ -63,7 +63,7 @@ def resolution(values: Array) -> float:
 
 
 def noise_beside_motion(values: Array) -> float:
-    """Standard deviation of what changes from frame to frame, by third differences, which a smooth motion hardly has."""
+    """Standard deviation of what changes from frame to frame, by third differences: a smooth motion hardly has any."""
     differences = np.abs(np.diff(values, 3))
     return 1.4826 * float(np.median(differences)) / sqrt(20.0) if len(differences) else 0.0
 
