@@ -63,6 +63,11 @@ def undetectable(
         if reason is not None:
             return Undetectable(identifier, reason)
         visible = [c for c in shapes.get(identifier, []) if c.visible > 0.0]
+        if not visible and effect.bends_coefficients:
+            return Undetectable(
+                identifier,
+                "the re-estimated motion never gets where it would show; it was tried with plants around the nominal one",
+            )
         if not visible:
             return Undetectable(
                 identifier,

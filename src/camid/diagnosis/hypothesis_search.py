@@ -10,6 +10,7 @@ import numpy as np
 
 from camid.diagnosis.hypotheses_over_time import raced
 from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.models_around import models_around
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -106,23 +107,11 @@ def hypotheses(
 def _starts_elsewhere(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Model]:
     """Models with an effect that fits should start from where the refitted coefficients may be bent beyond repair."""
     found = [nominal.plus(effect) for effect in _from_nominal(problem, nominal, screened)]
-    found += _with_effect_undone(problem, nominal)
+    for candidate in screened:
+        if candidate.effect.bends_coefficients:
+            found += models_around(problem, nominal.plus(candidate.effect))
     if problem.kind.phases_add_up:
         found += raced(problem, nominal)
-    return found
-
-
-def _with_effect_undone(problem: Problem, nominal: Model) -> list[Model]:
-    """Models with an effect whose plant was identified from the outputs as they may have been before it."""
-    found: list[Model] = []
-    for effect in known_effects().values():
-        undone = [u for e in problem.experiments if (u := effect.undone(e.output)) is not None]
-        if problem.kind.unseen(effect) is not None or len(undone) < len(problem.experiments):
-            continue
-        experiments = [replace(e, output=o) for e, o in zip(problem.experiments, undone, strict=True)]
-        before = replace(problem, experiments=experiments)
-        plant = problem.kind.refit(before, before.with_initial_states(nominal)).model
-        found += [plant.plus(guess) for guess in effect.candidates(problem.situations(nominal).of(effect))]
     return found
 
 
@@ -205,16 +194,16 @@ def _fitted(
         result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
-    if not np.isfinite(result.noise.deviance) or not _repeats(problem, result):
+    if not np.isfinite(result.noise.deviance) or not _is_plausible(problem, result):
         return None
     penalty = 2.0 * float(np.log(trials(known_effects()[identifier], problem)))
     return Hypothesis(identifier, result, result.criterion + penalty)
 
 
-def _repeats(problem: Problem, fitted: Fitted) -> bool:
-    """Whether the effect that was fitted last repeats along the way that the recordings show, if it is of that kind."""
+def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
+    """Whether the values of the effect that was fitted last are possible on the way that the recordings show."""
     span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
-    return fitted.model.effects[-1].repeats_within(span)
+    return fitted.model.effects[-1].is_plausible(span)
 
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:

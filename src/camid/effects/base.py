@@ -199,6 +199,8 @@ class Effect:
         Of a noise-like effect, whether noise of a variance that changes (see :meth:`added_variance`) imitates it.
     colours_noise : bool
         Whether it describes a residual that is not white; see :meth:`of_autoregression`.
+    bends_coefficients : bool
+        Of an effect without parameters, whether coefficients that were re-estimated without it say nothing of the plant.
 
     Raises
     ------
@@ -228,6 +230,7 @@ class Effect:
     makes_variance_uneven: ClassVar[bool] = False
     judged_by_even_spread: ClassVar[bool] = False
     colours_noise: ClassVar[bool] = False
+    bends_coefficients: ClassVar[bool] = False
     # Compiled parts; see :class:`Compiled` for their arguments.
     force: ClassVar[Compiled | None] = None
     """Force against the motion, in units of u."""
@@ -291,10 +294,11 @@ class Effect:
         lower, upper = np.array(self.bounds(acquisition)).reshape(-1, 2).T
         return self.with_vector(np.clip(self.vector, lower, upper))
 
-    def repeats_within(self, span: float) -> bool:
-        """Whether what repeats along the way does so within the positions that a recording spans; others always do.
+    def is_plausible(self, span: float) -> bool:
+        """Whether the values are possible on the positions that a recording spans.
 
-        Less than a period of a sinusoid is a polynomial, which other effects name.
+        What repeats along the way has to do so there, for instance: less than a period of a sinusoid is a polynomial,
+        which other effects name.
         """
         return True
 
@@ -381,14 +385,6 @@ class Effect:
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """First guesses from the data: one for each value of the shape, of a strength that is small but visible."""
         raise NotImplementedError(f"{cls.__name__} guesses nothing")
-
-    @classmethod
-    def undone(cls, recorded: Array) -> Array | None:
-        """Output, shape (N,), that may have been before the effect, where the recorded one alone suggests it.
-
-        A nominal plant that is identified with it does not have to be near the true one.
-        """
-        return None
 
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
 LARGEST_PERIOD = 0.6
+# Slope of an encoder's error from which it is none: beyond one the reading turns round while the shaft goes on.
+LARGEST_SLOPE = 0.5
 # Rows that are looked at, evenly spread, and the best periods that become first guesses.
 MOST_ROWS = 2000
 BEST = 3
@@ -92,7 +94,7 @@ def _least_difference(values: Array) -> float:
 class _PeriodicInPosition(Effect):
     """An effect of which about two periods have to be seen."""
 
-    def repeats_within(self, span: float) -> bool:
+    def is_plausible(self, span: float) -> bool:
         """Whether the positions hold enough periods."""
         return bool(self.values["period"] <= LARGEST_PERIOD * span)
 
@@ -152,6 +154,11 @@ class EncoderEccentricity(_PeriodicInPosition):
     separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     strength = "amplitude"
     trials = "frequencies"
+
+    def is_plausible(self, span: float) -> bool:
+        """Whether the positions hold enough periods, and the reading still grows with the position."""
+        slope = 2.0 * pi * self.values["amplitude"] / self.values["period"]
+        return super().is_plausible(span) and slope < LARGEST_SLOPE
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean of the reading over the exposure."""

@@ -1,0 +1,95 @@
+"""Starts all around a nominal model, for effects beside which re-estimated coefficients say nothing of the plant.
+
+A sensor without sign makes the plant of best fit one that stands still in the middle of what it reads. From coefficients
+that are off by a half no fit finds the way back, so the poles of the nominal plant are moved over more than that, and
+each plant is judged by how well its output with the effect follows the recording.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.kind import BIAS, OFFSET
+from camid.fitting.problem import Problem
+
+Array = NDArray[np.float64]
+
+# Factors of the natural frequencies and damping ratios of complex poles, and of real poles.
+FREQUENCIES = np.geomspace(0.3, 3.5, 13)
+DAMPINGS = (0.3, 1.0, 3.0, 10.0)
+REAL_POLES = np.geomspace(0.2, 5.0, 6)
+# Of the largest damping ratio with which complex poles are tried.
+MOST_DAMPED = 3.0
+# Models that fits start from.
+KEPT = 4
+
+
+def models_around(problem: Problem, nominal: Model) -> list[Model]:
+    """The models with moved poles that follow the recordings best, the best first.
+
+    Parameters
+    ----------
+    problem : Problem
+    nominal : Model
+        With the effect, which has no parameters and a size that grows with that of the output.
+
+    Returns
+    -------
+    list of Model
+        Their numerators are scaled to the recordings.
+    """
+    rough, recorded = problem.rough(), problem.output
+    judged: list[tuple[float, int, Model]] = []
+    # Those that were estimated without the effect are of a plant that there is not.
+    constants = {**nominal.constants, **dict.fromkeys({OFFSET.name, BIAS.name} & set(nominal.constants), 0.0)}
+    initial = tuple(None if state is None else np.zeros_like(state) for state in nominal.initial)
+    for coefficients in _moved(problem, nominal.coefficients):
+        model = replace(nominal, coefficients=coefficients, initial=initial, constants=constants)
+        try:
+            simulated = rough.simulate_fitted(model)
+        except (ValueError, ArithmeticError):
+            continue
+        power = float(simulated @ simulated)
+        gain = float(simulated @ recorded) / power if 0.0 < power < np.inf else 0.0
+        if gain <= 0.0:
+            continue
+        error = recorded - gain * simulated
+        judged.append((float(error @ error), len(judged), replace(model, coefficients=_scaled(problem, model, gain))))
+    return [model for _, _, model in sorted(judged, key=lambda item: item[:2])[:KEPT]]
+
+
+def _scaled(problem: Problem, model: Model, gain: float) -> Array:
+    """Coefficients whose numerator is larger by a gain."""
+    coefficients = model.coefficients.copy()
+    coefficients[: problem.structure.degree + 1] *= gain
+    return problem.kind.completed(coefficients)
+
+
+def _moved(problem: Problem, coefficients: Array) -> list[Array]:
+    """Coefficients of plants with other poles and the same static gain, the nominal ones first."""
+    split = problem.structure.degree + 1
+    numerator, denominator = coefficients[:split], np.concatenate([[1.0], coefficients[split:]])
+    poles = np.roots(denominator)
+    pairs, real = poles[poles.imag > 0.0], poles[poles.imag == 0.0].real
+    found = [coefficients]
+    for frequency, damping, factor in product(
+        FREQUENCIES if len(pairs) else (1.0,), DAMPINGS if len(pairs) else (1.0,), REAL_POLES if len(real) else (1.0,)
+    ):
+        polynomial = np.ones(1)
+        for pole in pairs:
+            size = abs(pole) * frequency
+            ratio = min(max(-pole.real / abs(pole), 0.0) * damping, MOST_DAMPED)
+            polynomial = np.polymul(polynomial, [1.0, 2.0 * ratio * size, size**2])
+        for pole in real:
+            polynomial = np.polymul(polynomial, [1.0, -factor * pole])
+        last = denominator[-1] if denominator[-1] != 0.0 else 1.0
+        gain = polynomial[-1] / last if polynomial[-1] != 0.0 else 1.0
+        moved = np.concatenate([gain * numerator, polynomial[1:]])
+        moved[~problem.structure.free] = coefficients[~problem.structure.free]
+        found.append(moved)
+    return found
