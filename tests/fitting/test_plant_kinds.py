@@ -74,3 +74,28 @@ def test_a_known_gain_follows_the_natural_frequency():
     np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).completed(coefficients), [4.0, 2.0, 8.0])
     np.testing.assert_array_equal(PendulumKind(0.0).completed(coefficients), coefficients)
     np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).all_fixed().completed(coefficients), coefficients)
+
+
+def test_re_estimated_coefficients_are_never_worse_than_the_given_ones(monkeypatch):
+    """Even where the search ends in another minimum, or nowhere."""
+    from camid.fitting.fit import evaluate
+    from camid.fitting.from_simulation import model_of, problem_of, structure_of
+    from camid.identification.from_recordings import experiments_of
+
+    random = np.random.default_rng(np.random.SeedSequence(5))
+    signal = np.repeat(random.choice([-1.0, 1.0], 40), 10)
+    time = 0.05 * np.arange(400)
+    believed = simulation(LINEAR, initial_state="zero")
+    table = pd.DataFrame({"t": time, "u": signal, "y": np.zeros(400)})
+    recordings, experiments, _ = experiments_of(table, believed, None)
+    problem = problem_of(believed, structure_of(believed), recordings, experiments)
+    given = model_of(problem, [])
+    output = problem.simulate_one(given, 0) + 0.01 * random.standard_normal(400)
+    recordings, experiments, _ = experiments_of(table.assign(y=output), believed, None)
+    problem = problem_of(believed, structure_of(believed), recordings, experiments)
+    start = problem.with_initial_states(given)
+    least = evaluate(problem, start).cost
+    elsewhere = Model(np.array([3.0, 0.1, 90.0]), constants=start.constants, initial=start.initial)
+    for wrong in (elsewhere, Model(np.full(3, np.nan), constants=start.constants, initial=start.initial)):
+        monkeypatch.setattr(LinearPlant, "refit", lambda kind, problem, start, wrong=wrong: evaluate(problem, wrong))
+        assert problem.kind.never_worse(problem, start).cost <= least

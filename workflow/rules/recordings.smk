@@ -92,7 +92,7 @@ rule recording_diagnosis:
         "Diagnosing the recording {wildcards.recording}."
     shell:
         "{params.camid} diagnose {input.recording} --simulation {input.simulation} --output {params.folder}"
-        " > {log} 2>&1"
+        " --time-limit 0 > {log} 2>&1"
 
 
 rule recording_diagnosis_again:
@@ -111,7 +111,7 @@ rule recording_diagnosis_again:
         "Diagnosing the recording {wildcards.recording} again, from the improved simulation."
     shell:
         "{params.camid} diagnose {input.recording} --simulation {input.improved} --output {params.folder} --no-report"
-        " > {log} 2>&1"
+        " --time-limit 0 > {log} 2>&1"
 
 
 rule silverbox_parts:

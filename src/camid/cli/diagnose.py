@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from camid.cli.shared import progress_display, warn
+from camid.diagnosis.watch import TIME_LIMIT
 from camid.errors import need
 
 
@@ -20,8 +21,17 @@ from camid.errors import need
     "--output", type=click.Path(path_type=Path), required=True, help="Folder for the results; created if missing."
 )
 @click.option("--report/--no-report", default=True, show_default=True, help="Also write report.html.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.0),
+    default=TIME_LIMIT,
+    show_default=True,
+    help="Seconds after which nothing new is tried; 0 for no limit.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json.")
-def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, report: bool, as_json: bool) -> None:
+def diagnose(
+    *, recording: tuple[Path, ...], simulation: Path, output: Path, report: bool, time_limit: float, as_json: bool
+) -> None:
     """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.
 
     Of several recordings the last one validates, unless the simulation says which rows do.
@@ -34,7 +44,7 @@ def diagnose(*, recording: tuple[Path, ...], simulation: Path, output: Path, rep
         need("report.html", "plots", hint="or say --no-report")
     check_folder(output, [*recording, simulation])
     with progress_display(as_json) as progress:
-        result = run(list(recording), simulation, progress=progress)
+        result = run(list(recording), simulation, progress=progress, time_limit=time_limit or None)
         written = write_diagnosis(result, output, report=report)
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))

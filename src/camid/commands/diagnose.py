@@ -11,6 +11,7 @@ import numpy as np
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
+from camid.diagnosis.watch import TIME_LIMIT, Watch
 from camid.effects.declared import effects_of
 from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
 from camid.errors import InputError
@@ -24,6 +25,7 @@ def diagnose(
     simulation: SimulationSource,
     *,
     progress: Callable[[str], None] | None = None,
+    time_limit: float | None = TIME_LIMIT,
 ) -> Diagnosis:
     """Find, name and model what a simulation leaves out.
 
@@ -36,6 +38,9 @@ def diagnose(
         What is believed of the rig: structure, nominal coefficients, declarations, effects that are known already.
     progress : callable, optional
         Called with a sentence about the current step.
+    time_limit : float, optional
+        Seconds after which nothing new is tried: the answer is the best until then, and its warnings say what was left
+        out. None for no limit.
 
     Returns
     -------
@@ -48,6 +53,7 @@ def diagnose(
         If recording and simulation do not fit together or the data are too few.
     """
     started = time.perf_counter()
+    watch = Watch(progress, time_limit)
     believed = load_simulation(simulation)
     effects = effects_of(believed)
     refuse_stillness(believed)
@@ -59,7 +65,7 @@ def diagnose(
     try:
         mechanics_of(problem.chain(nominal, 0), experiments[0].signal)  # refuses before anything takes long
         problem, validation, chosen = with_validation(problem, nominal, held_out)
-        diagnosis = investigate(believed, problem, nominal, validation, chosen, progress)
+        diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
     except InputError:
         raise
     except MotionJumps:
@@ -83,5 +89,5 @@ def diagnose(
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
         seconds=time.perf_counter() - started,
-        warnings=list(warnings_of(recordings)),
+        warnings=[*warnings_of(recordings), *([late] if (late := watch.warning()) else [])],
     )

@@ -66,7 +66,7 @@ def undetectable(
         if not visible and effect.bends_coefficients:
             return Undetectable(
                 identifier,
-                "the re-estimated motion never gets where it would show; it was tried with plants around the nominal one",
+                "the re-estimated motion never gets where it would show; plants around the nominal one were tried",
             )
         if not visible:
             return Undetectable(

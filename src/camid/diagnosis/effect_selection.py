@@ -7,7 +7,7 @@ chance, anywhere in the catalogue, in less than one recording of several hundred
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 from camid.diagnosis.hypothesis import Hypothesis, refuted
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
+from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
-Progress = Callable[[str], None] | None
-
 # Probability of naming an effect where nothing is missing, for the whole catalogue together.
 FALSE_ALARM = 0.002
 # The same for an effect beside others, whose law may not be exact.
@@ -79,7 +78,7 @@ def select_effects(
     base: Fitted,
     screened: Sequence[ScreenedEffect] | None = None,
     validation: Sequence[NDArray[np.bool_]] | None = None,
-    progress: Progress = None,
+    watch: Watch | None = None,
     nominal: Model | None = None,
 ) -> Decision:
     """Add effects as long as each is called for, then test each against what could replace it.
@@ -93,20 +92,23 @@ def select_effects(
         Of the base, where it was screened already.
     validation : sequence of ndarray of bool, optional
         Rows of each recording on which an effect must not make the errors larger.
-    progress : callable, optional
+    watch : Watch, optional
     nominal : Model, optional
         As the simulation says, without effects.
     """
+    watch = watch or Watch()
     current, rivals, restarts = base, [], 0
     known = len(base.model.effects)
     while len(current.model.effects) - known < MOST_EFFECTS:
-        if progress:
-            names = ", ".join(e.identifier for e in current.model.effects)
-            progress(f"fitting what may be missing{' in addition to ' + names if names else ''}")
+        names = ", ".join(e.identifier for e in current.model.effects)
+        if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
+            break
+        watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current) if screened is None else screened
         beside = len(current.model.effects) > known
         effort = BESIDE_OTHERS if beside else first_effort(problem.kind)
-        ranked = hypotheses(problem, current, found, _nominal_start(problem, current, nominal), effort=effort)
+        start = _nominal_start(problem, current, nominal)
+        ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch)
         screened = None
         ranked = [
             h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)
@@ -124,7 +126,7 @@ def select_effects(
         rivals.append(ranked)
     if len(current.model.effects) - known < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
-    return _swapped(problem, base, current, progress)
+    return _swapped(problem, base, current, watch)
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
@@ -159,7 +161,7 @@ def _refuted(
     return refuted(expected, noise, before, after, bool(effect.breaks() or effect.impulses()))
 
 
-def _swapped(problem: Problem, base: Fitted, current: Fitted, progress: Progress) -> Decision:
+def _swapped(problem: Problem, base: Fitted, current: Fitted, watch: Watch) -> Decision:
     """Put every effect to the test beside the others, until none is swapped or removed."""
     first = len(base.model.effects)
     rivals: list[list[Hypothesis]] = []
@@ -169,8 +171,9 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, progress: Progress
         changed = False
         for index in range(first, len(current.model.effects)):
             identifier = current.model.effects[index].identifier
-            if progress:
-                progress(f"testing what could replace {identifier}")
+            if watch.no_time_for(f"what could replace {identifier}"):
+                break
+            watch.say(f"testing what could replace {identifier}")
             others = fit(problem, current.model.without(index), steps=ALL_STEPS)
             own = Hypothesis(
                 identifier,
@@ -183,7 +186,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, progress: Progress
             ):
                 current, changed = others, True
                 break
-            ranked = hypotheses(problem, others, screen(problem, others), effort=RIVALS)
+            ranked = hypotheses(problem, others, screen(problem, others), effort=RIVALS, watch=watch)
             ranked = sorted([own, *(h for h in ranked if h.identifier != identifier)], key=lambda h: h.criterion)
             if ranked[0].criterion < own.criterion - SWAP_MARGIN:
                 current, changed = ranked[0].fitted, True

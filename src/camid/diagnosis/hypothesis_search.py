@@ -12,6 +12,7 @@ from camid.diagnosis.hypotheses_over_time import raced
 from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.models_around import models_around
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
+from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
@@ -77,6 +78,7 @@ def hypotheses(
     nominal: Model | None = None,
     *,
     effort: SearchEffort,
+    watch: Watch,
 ) -> list[Hypothesis]:
     """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first.
 
@@ -86,17 +88,29 @@ def hypotheses(
     elsewhere = [] if nominal is None else _starts_elsewhere(problem, nominal, screened)
 
     def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
+        if watch.no_time_for(candidate.effect.identifier):
+            return None
         effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
         return _fitted(problem, effect.identifier, base.model.plus(effect), effort.steps, base)
 
+    def fitted_from(model: Model) -> Hypothesis | None:
+        identifier = model.effects[-1].identifier
+        if watch.no_time_for(f"other starts of {identifier}"):
+            return None
+        return _fitted(problem, identifier, model, FIRST_STEPS)
+
+    def fitted_again(hypothesis: Hypothesis, best: Hypothesis) -> Hypothesis | None:
+        if watch.no_time_for("more thorough fits"):
+            return None
+        return _fitted(problem, hypothesis.identifier, _start(problem, hypothesis, best), ALL_STEPS)
+
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(fitted, starts) if h is not None]
-        tried = pool.map(lambda m: _fitted(problem, m.effects[-1].identifier, m, FIRST_STEPS), elsewhere)
-        first += [h for h in tried if h is not None]
+        first += [h for h in pool.map(fitted_from, elsewhere) if h is not None]
         first += _simpler(problem, base, first)
         ranked = _best_of_each(first)
         near = _near_the_best(ranked, base, effort)
-        again = pool.map(lambda h: _fitted(problem, h.identifier, _start(problem, h, near[0]), ALL_STEPS), near)
+        again = pool.map(lambda h: fitted_again(h, near[0]), near)
         thorough = [
             new if new is not None and new.criterion < old.criterion else old
             for old, new in zip(near, again, strict=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,7 @@ from camid.diagnosis.residual_structure import reasons_for_structure, unlisted_w
 from camid.diagnosis.screening import ScreenedEffect, screen
 from camid.diagnosis.simplest_effects import simplest
 from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
+from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
@@ -41,7 +42,6 @@ KNOWN_REMAINDER = 1.1
 LARGEST_REMAINDER = 0.5
 # Chance of a place's test below which the re-estimated plant may be bent by what is missing.
 SUSPECT_P_VALUE = 1e-2
-Progress = Callable[[str], None] | None
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def investigate(
     nominal: Model,
     validation: Sequence[NDArray[np.bool_]],
     chosen: bool,
-    progress: Progress = None,
+    watch: Watch,
 ) -> Diagnosis:
     """Diagnose.
 
@@ -128,29 +128,28 @@ def investigate(
         Rows of each recording that judge.
     chosen : bool
         Whether the tool chose those rows.
-    progress : callable, optional
+    watch : Watch
 
     Raises
     ------
     ValueError
         If the simulation diverges whatever its coefficients.
     """
-    say = progress or (lambda sentence: None)
-    setting = _prepared(believed, problem, nominal, validation, chosen, say)
+    setting = _prepared(believed, problem, nominal, validation, chosen, watch)
     problem, base = setting.problem, setting.base
     before = mismatch_location.places(problem, base)
     decision = Decision(base, base)
     if not setting.settled:
         # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
         start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-        decision = select_effects(problem, base, setting.screened, validation, progress, start)
-    say("testing what is left")
+        decision = select_effects(problem, base, setting.screened, validation, watch, start)
+    watch.say("testing what is left")
     if not setting.settled:
         decision = _with_noise(problem, decision, setting.known)
     if decision.base is not base:
         before = mismatch_location.places(problem, decision.base)
-    decision, residue = _simplified(setting, decision, before, progress)
-    return _diagnosis(setting, decision, before, residue, say)
+    decision, residue = _simplified(setting, decision, before, watch)
+    return _diagnosis(setting, decision, before, residue, watch)
 
 
 def _prepared(
@@ -159,17 +158,17 @@ def _prepared(
     nominal: Model,
     validation: Sequence[NDArray[np.bool_]],
     chosen: bool,
-    say: Callable[[str], None],
+    watch: Watch,
 ) -> Setting:
     """The plant re-estimated, rows left out that say nothing of the motion, and the catalogue screened."""
-    say("re-estimating the plant's coefficients")
+    watch.say("re-estimating the plant's coefficients")
     known = tuple(e for e in nominal.effects if not e.noise_like)
     start = whole.with_initial_states(replace(nominal, effects=known))
-    base = whole.kind.refit(whole, start)
+    base = whole.kind.never_worse(whole, start)
     if not np.all(np.isfinite(base.residual)):
         raise ValueError("the simulation diverges, whatever its coefficients")
     problem, base = _without_spoiled(whole, base, start)
-    say("screening the catalogue")
+    watch.say("screening the catalogue")
     screened = screen(problem, base)
     settled = _settled(problem, base)
     simulated = _as_simulated(whole, nominal, start)
@@ -194,7 +193,7 @@ def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest
 
 
 def _simplified(
-    setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest], progress: Progress
+    setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest], watch: Watch
 ) -> tuple[Decision, Residue]:
     """The decision, and what it leaves; with the fewest and simplest effects where that is more than noise."""
     problem = setting.problem
@@ -204,7 +203,7 @@ def _simplified(
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
     if residue.reasons and decision.rivals:
         share = max((t.share for t in residue.places), default=0.0)
-        decision = simplest(problem, _unweighted(problem, decision), setting.known, share, progress)
+        decision = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
         residue = _residue(setting, decision, before)
     return decision, residue
 
@@ -227,7 +226,7 @@ def _diagnosis(
     decision: Decision,
     before: list[mismatch_location.PlaceTest],
     residue: Residue,
-    say: Callable[[str], None],
+    watch: Watch,
 ) -> Diagnosis:
     """What is said of a decision."""
     believed, problem, validation = setting.believed, setting.problem, setting.validation
@@ -241,7 +240,7 @@ def _diagnosis(
     found += residue.findings
     verdict = verdict_of(bool(found), bool(reasons))
     location = _location(problem, base, found, before, reasons)
-    say("working out what the recording could not have shown")
+    watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
     effects = [*zip(final.model.effects, effect_deviations(final), strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, validation)
@@ -286,7 +285,7 @@ def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Prob
     if not any(s.any() for s in spoiled):
         return problem, base
     problem = problem.with_used([e.used & ~s for e, s in zip(problem.experiments, spoiled, strict=True)])
-    return problem, problem.kind.refit(problem, problem.with_initial_states(start))
+    return problem, problem.kind.never_worse(problem, problem.with_initial_states(start))
 
 
 def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:

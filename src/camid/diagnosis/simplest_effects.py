@@ -8,7 +8,6 @@ margin that justifies a name; else the name would be that of a correction.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 
@@ -28,7 +28,7 @@ SPECIAL_CASE_SHARE = 0.9
 
 
 def simplest(
-    problem: Problem, decision: Decision, known: int, structured: float, progress: Callable[[str], None] | None = None
+    problem: Problem, decision: Decision, known: int, structured: float, watch: Watch | None = None
 ) -> Decision:
     """The decision without effects that only correct others, and with special cases where they say as much.
 
@@ -40,11 +40,11 @@ def simplest(
         How many of the model's effects the nominal simulation holds already.
     structured : float
         Share of the residual's sum of squares that is structure.
-    progress : callable, optional
+    watch : Watch, optional
     """
     noise = (1.0 - min(structured, 1.0)) * decision.fitted.cost
-    if progress and decision.rivals:
-        progress("testing whether fewer and simpler effects say as much")
+    if watch and decision.rivals:
+        watch.say("testing whether fewer and simpler effects say as much")
     while len(decision.rivals) > 1:
         gains = [w.cost - decision.fitted.cost for w in decision.without]
         weakest = int(np.argmin(gains))

@@ -200,7 +200,7 @@ class Effect:
     colours_noise : bool
         Whether it describes a residual that is not white; see :meth:`of_autoregression`.
     bends_coefficients : bool
-        Of an effect without parameters, whether coefficients that were re-estimated without it say nothing of the plant.
+        Of an effect without parameters, whether coefficients that are re-estimated without it mean nothing.
 
     Raises
     ------

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
 LARGEST_PERIOD = 0.6
-# Slope of an encoder's error from which it is none: beyond one the reading turns round while the shaft goes on.
-LARGEST_SLOPE = 0.5
+# Slope of an encoder's error from which it is none: from one on the reading turns round while the shaft goes on.
+LARGEST_SLOPE = 0.9
 # Rows that are looked at, evenly spread, and the best periods that become first guesses.
 MOST_ROWS = 2000
 BEST = 3

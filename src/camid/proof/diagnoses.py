@@ -20,6 +20,7 @@ from camid.proof.sealed_files import DIAGNOSIS, FAILURE, IMPROVED, RECORDING, SI
 OUTPUT = "diagnosis"
 # Of a recording whose diagnosis only makes the process import and load what it needs.
 WARM_UP_LINES = 301
+NO_TIME_LIMIT = ["--time-limit", "0"]  # the same answer on any machine
 NO_REPORT = "--no-report"  # nobody reads hundreds of them, and they say no more than diagnosis.json
 ONE_THREAD_EACH = {
     f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM", "NUMBA")
@@ -85,6 +86,7 @@ def _diagnose(worker: Worker, source: Path, target: Path | None) -> float:
             names[file.name] = hashlib.sha256(content).hexdigest()[:16] + file.suffix
             (folder / names[file.name]).write_bytes(content)
         arguments = ["diagnose", names[RECORDING], "--simulation", names[SIMULATION], "--output", OUTPUT, NO_REPORT]
+        arguments += NO_TIME_LIMIT
         answer = worker.run(folder, arguments)
         if answer["forbidden"]:
             raise ForbiddenReadError(f"the diagnosis in {source} opened {', '.join(answer['forbidden'])}")

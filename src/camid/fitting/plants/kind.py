@@ -17,7 +17,7 @@ from camid.effects.base import Effect, Parameter, Situation
 from camid.effects.sensor import SensorOffset
 from camid.engine.mechanics import Chain
 from camid.engine.run import run, steps_of
-from camid.fitting.fit import Fitted
+from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
@@ -254,6 +254,16 @@ class PlantKind:
         return None
 
     # -- how it is fitted --------------------------------------------------------------------------------------------
+
+    def never_worse(self, problem: Problem, start: Model) -> Fitted:
+        """The same as :meth:`refit`, or least squares from the start where that has led to more than the start leaves.
+
+        A search may end in another minimum than the one that the given model lies in.
+        """
+        found, given = self.refit(problem, start), evaluate(problem, start)
+        if np.isfinite(found.cost) and not given.cost < found.cost:
+            return found
+        return min((fit(problem, start), given), key=lambda fitted: fitted.cost)
 
     def refit(self, problem: Problem, start: Model) -> Fitted:
         """The nominal structure with its coefficients, its effects and the initial states re-estimated."""
