@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.compiled import njit
+from camid.compiled import kernel, njit
 
 Array = NDArray[np.float64]
 
@@ -162,7 +162,7 @@ def sampling_matrices(
     return transition, first, second
 
 
-@njit
+@kernel
 def input_at_start(
     signal: Array, first: int, count: int, j: int, first_order: bool, period: float
 ) -> tuple[float, float]:

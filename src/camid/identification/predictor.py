@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from camid.chain.exact import companion, derivative_rows, respond, time_scale
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import Records, factorise, solve
+from camid.identification.factorisation import factorise
+from camid.identification.least_squares import solve
+from camid.identification.records import Records
 from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
