@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.controller import Loop
-from camid.chain.exact import driven
+from camid.chain.hold import driven
 from camid.effects.base import Effect
 from camid.engine.feedback import Feedback
 

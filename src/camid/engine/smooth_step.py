@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import _exponential_and_integral
+from camid.chain.matrix_exponential import exponential_and_integral
 from camid.compiled import kernel, njit
 from camid.engine.forces import Mechanics, force_at, remember
 
@@ -31,7 +31,7 @@ def _coefficients(matrix: Array, vector: Array, step: float) -> tuple[Array, Arr
             augmented[i, j] = matrix[i, j] * step
     augmented[size, size + 1] = 1.0
     augmented[size + 1, size + 2] = 1.0
-    exponential, _ = _exponential_and_integral(augmented, 1.0)
+    exponential, _ = exponential_and_integral(augmented, 1.0)
     whole, columns = np.empty((size, size)), np.empty((size, 3))
     for i in range(size):
         for j in range(size):

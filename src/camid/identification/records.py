@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import driven
+from camid.chain.hold import driven
 
 if TYPE_CHECKING:
     from camid.identification.experiment import Experiment

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import time_scale
+from camid.chain.companion_form import time_scale
 from camid.identification.discrete_time_start import HIGHEST_FREQUENCY, continuous_denominators, discrete_time_poles
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
