@@ -17,13 +17,9 @@ NAMES_EFFECTS = {"effects", "proof", "paper", "ablations", "real_recordings"}
 # An exposure is also what a simulation declares of its camera.
 DECLARED = {field.name for field in fields(Acquisition)}
 LONGEST_FUNCTION = 60
-COMPILED = "compiled: its parts share local arrays, which calls between them would hand over in every step"
 LONG_FUNCTIONS = {
-    "engine/events.careful_step": COMPILED,
-    "engine/integrator._smooth_step": COMPILED,
-    "engine/integrator._integrate": COMPILED,
-    "identification/factorisation.factorise": COMPILED,
-    "identification/safeguarded._iterate": COMPILED,
+    "engine/smooth_step.smooth_step": "compiled as one: the compiler made slower code of its parts",
+    "identification/safeguarded._iterate": "its steps share more variables than a call can return",
 }
 
 

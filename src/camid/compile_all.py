@@ -39,7 +39,7 @@ def engine() -> None:
 def effects() -> None:
     """The forces of all effects, and the actuators that remember."""
     from camid.effects import known_effects
-    from camid.effects.base import Compiled
+    from camid.effects.compiled_part import Compiled
     from camid.effects.pendulum import SineRestoringForce
 
     for kind in (*known_effects().values(), SineRestoringForce):

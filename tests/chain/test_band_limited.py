@@ -5,7 +5,8 @@ import pandas as pd
 
 import camid
 from camid.chain.acquisition import Acquisition
-from camid.chain.exact import sample, straight_line_corners
+from camid.chain.exact import sample
+from camid.chain.hold import straight_line_corners
 from camid.chain.plant import second_order
 
 PERIOD, COUNT = 0.01, 2000

@@ -3,7 +3,8 @@ import pytest
 from scipy.linalg import expm
 
 from camid.chain.acquisition import Acquisition
-from camid.chain.exact import _exponential_and_integral, sample
+from camid.chain.exact import sample
+from camid.chain.matrix_exponential import exponential_and_integral
 from camid.chain.plant import TransferFunction, second_order
 from tests.support.adaptive_integration import Reference, pieces_of
 
@@ -59,12 +60,12 @@ def test_output_equals_adaptive_integration(name, exposure, latency, hold, excit
     assert np.max(np.abs(sample(plant, excitation, acquisition)[:ROWS] - expected)) < 1e-9
 
 
-def test_exponential_and_integral_equal_scipy():
+def testexponential_and_integral_equal_scipy():
     generator = np.random.default_rng(5)
     for scale in (1e-3, 1.0, 30.0):
         matrix = scale * generator.standard_normal((5, 5))
         matrix[4] = 0.0  # singular, as with an integrator
-        exponential, integral = _exponential_and_integral(matrix, 0.3)
+        exponential, integral = exponential_and_integral(matrix, 0.3)
         block = np.block([[matrix, np.eye(5)], [np.zeros((5, 10))]])
         whole = expm(0.3 * block)
         assert np.allclose(exponential, whole[:5, :5], rtol=1e-9, atol=1e-12 * np.abs(whole).max())

@@ -3,9 +3,11 @@ import pytest
 
 from camid.chain.acquisition import Acquisition
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import BLOCK, Records, fold, output_error_costs
+from camid.identification.least_squares import BLOCK, fold
 from camid.identification.predictor import Predictor
+from camid.identification.records import Records
 from camid.identification.structure import Structure
+from camid.identification.variable_projection import output_error_costs
 
 ACQUISITIONS = [
     Acquisition(0.1),

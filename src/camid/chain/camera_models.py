@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from camid.chain.acquisition import Acquisition
-from camid.chain.exact import companion, derivative_rows, respond, sample, time_scale
+from camid.chain.companion_form import companion, derivative_rows, time_scale
+from camid.chain.exact import respond, sample
 from camid.chain.plant import TransferFunction
 
 if TYPE_CHECKING:

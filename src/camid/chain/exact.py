@@ -15,113 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
+from camid.chain.companion_form import companion, derivative_rows, time_scale
+from camid.chain.hold import driven
+from camid.chain.matrix_exponential import divided, exponential_and_integral, mean, multiply
 from camid.chain.plant import TransferFunction
-from camid.compiled import njit
+from camid.compiled import kernel, njit
 
 Array = NDArray[np.float64]
-
-
-@njit
-def _multiply(left: Array, right: Array, product: Array) -> None:
-    """Product of small square matrices; a call of BLAS costs more than their few hundred multiplications."""
-    size = left.shape[0]
-    for i in range(size):
-        for j in range(size):
-            product[i, j] = 0.0
-        for k in range(size):
-            factor = left[i, k]
-            if factor != 0.0:
-                for j in range(size):
-                    product[i, j] += factor * right[k, j]
-
-
-@njit
-def _copy(source: Array, target: Array) -> None:
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            target[i, j] = source[i, j]
-
-
-@njit
-def _norm(matrix: Array, duration: float) -> float:
-    """Largest sum of absolute values in a row of F h."""
-    norm = 0.0
-    for i in range(matrix.shape[0]):
-        total = 0.0
-        for j in range(matrix.shape[1]):
-            total += abs(matrix[i, j])
-        norm = max(norm, total * duration)
-    return norm
-
-
-@njit
-def _series(matrix: Array, step: float, exponential: Array, integral: Array, product: Array) -> None:
-    """Exp(F s) and its integral over [0, s] divided by s, for ‖F s‖ ≤ 1/2, by their Taylor series."""
-    size = matrix.shape[0]
-    term, scaled = np.zeros((size, size)), np.empty((size, size))
-    for i in range(size):
-        exponential[i, i] = integral[i, i] = term[i, i] = 1.0
-        for j in range(size):
-            scaled[i, j] = matrix[i, j] * step
-    for k in range(1, 15):  # 0.5**15 / 15! lies below the rounding error
-        _multiply(term, scaled, product)
-        for i in range(size):
-            for j in range(size):
-                term[i, j] = product[i, j] / k
-                exponential[i, j] += term[i, j]
-                integral[i, j] += term[i, j] / (k + 1)
-
-
-@njit
-def _exponential_and_integral(matrix: Array, duration: float) -> tuple[Array, Array]:
-    """Exp(F h) and its integral over [0, h], by a Taylor series of a halved duration and doubling.
-
-    Doubling keeps the integral as exact as the exponential even where F is singular, which a formula with the inverse
-    of F would not. Loops over elements, because numba takes ten times as long to compile expressions of whole arrays.
-    """
-    size = matrix.shape[0]
-    exponential, integral = np.zeros((size, size)), np.zeros((size, size))
-    norm = _norm(matrix, duration)
-    if not np.isfinite(norm):
-        for i in range(size):
-            for j in range(size):
-                exponential[i, j] = integral[i, j] = np.nan
-        return exponential, integral
-    halvings = 0
-    while norm > 0.5:
-        norm *= 0.5
-        halvings += 1
-    step = duration / 2.0**halvings
-    product = np.empty((size, size))
-    _series(matrix, step, exponential, integral, product)
-    for i in range(size):
-        for j in range(size):
-            integral[i, j] *= step
-    for _ in range(halvings):
-        _multiply(exponential, integral, product)
-        for i in range(size):
-            for j in range(size):
-                integral[i, j] += product[i, j]
-        _multiply(exponential, exponential, product)
-        _copy(product, exponential)
-    return exponential, integral
-
-
-@njit
-def _mean(matrix: Array, duration: float) -> Array:
-    """Mean of exp(F t) over [0, h]."""
-    _, integral = _exponential_and_integral(matrix, duration)
-    return _divided(integral, duration)
-
-
-@njit
-def _divided(matrix: Array, divisor: float) -> Array:
-    size = matrix.shape[0]
-    result = np.empty((size, size))
-    for i in range(size):
-        for j in range(size):
-            result[i, j] = matrix[i, j] / divisor
-    return result
 
 
 @njit
@@ -145,24 +45,24 @@ def sampling_matrices(
         State after a period; the sensor's output for every state is ``first @ now + second @ following``.
     """
     size = augmented.shape[0]
-    transition, integral = _exponential_and_integral(augmented, period)
+    transition, integral = exponential_and_integral(augmented, period)
     second = np.zeros((size, size))
     if start == 0.0 and length == period:
-        return transition, _divided(integral, length), second
+        return transition, divided(integral, length), second
     # The exponential of a time of zero is the identity.
-    onset, _ = _exponential_and_integral(augmented, start)
+    onset, _ = exponential_and_integral(augmented, start)
     if length == 0.0:
         return transition, onset, second
     first = np.empty((size, size))
     if not straddles:
-        _multiply(_mean(augmented, length), onset, first)
+        multiply(mean(augmented, length), onset, first)
         return transition, first, second
-    _multiply(_divided(_exponential_and_integral(augmented, period - start)[1], length), onset, first)
-    second = _divided(_exponential_and_integral(augmented, start + length - period)[1], length)
+    multiply(divided(exponential_and_integral(augmented, period - start)[1], length), onset, first)
+    second = divided(exponential_and_integral(augmented, start + length - period)[1], length)
     return transition, first, second
 
 
-@njit
+@kernel
 def input_at_start(
     signal: Array, first: int, count: int, j: int, first_order: bool, period: float
 ) -> tuple[float, float]:
@@ -231,42 +131,6 @@ def _run(
     return result
 
 
-def straight_line_corners(signal: Array) -> Array:
-    """Corners of straight lines that hold the same below π/T as the band-limited signal through the given samples.
-
-    Straight lines between samples attenuate by sinc²(ωT/2), so that the samples are amplified by the inverse of it, in
-    the cosine transform of the record (mirrored at its ends). What is left to be wrong are the images of the input
-    above π/T, of the relative size (ω/(2π/T - ω))², which a plant with more poles than zeros attenuates further.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-
-    Returns
-    -------
-    ndarray, shape (N,)
-    """
-    from scipy.fft import dct, idct
-
-    values = np.asarray(signal, dtype=float)
-    # np.sinc(x) is sin(πx)/(πx); the k-th cosine has ωT/2 = πk/(2N).
-    loss = np.sinc(0.5 * np.arange(len(values)) / len(values)) ** 2
-    return np.asarray(idct(dct(values) / loss), dtype=np.float64)
-
-
-def driven(signal: Array, hold: str) -> tuple[Array, bool]:
-    """Samples as the compiled code takes them, and whether straight lines join them.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-    hold : {"zoh", "foh", "band-limited"}
-    """
-    if hold == "band-limited":
-        return straight_line_corners(signal), True
-    return signal, hold == "foh"
-
-
 def respond(
     state_matrix: Array,
     input_vector: Array,
@@ -318,37 +182,6 @@ def respond(
         straddles,
         -delay if before_record else 0,
     )
-
-
-def companion(denominator: Array) -> Array:
-    """Companion matrix of a monic polynomial, shape (n, n), for the states z^(n-1), …, z' and z of z = u / A."""
-    coefficients = np.asarray(denominator, dtype=float)
-    return np.eye(len(coefficients) - 1, k=-1) - np.outer(np.eye(len(coefficients) - 1)[0], coefficients[1:])
-
-
-def time_scale(denominator: tuple[float, ...] | Array) -> float:
-    """Time unit in seconds in which the coefficients of a monic denominator are of the order of one."""
-    coefficients = np.abs(np.asarray(denominator, dtype=float))
-    radii = [c ** (1.0 / i) for i, c in enumerate(coefficients) if i > 0 and c > 0.0]
-    return 1.0 / max(radii) if radii else 1.0
-
-
-def derivative_rows(denominator: Array, degrees: range | list[int]) -> Array:
-    """Rows that pick the derivatives z^(degree) of z = u / A out of the companion states and the input.
-
-    Returns
-    -------
-    ndarray, shape (len(degrees), n + 1)
-    """
-    order = len(denominator) - 1
-    rows = np.zeros((len(degrees), order + 1))
-    for row, degree in zip(rows, degrees, strict=True):
-        if degree == order:  # z^(n) = u - a_1 z^(n-1) - … - a_n z
-            row[:order] = -np.asarray(denominator, dtype=float)[1:]
-            row[order] = 1.0
-        else:
-            row[order - 1 - degree] = 1.0
-    return rows
 
 
 def sample(

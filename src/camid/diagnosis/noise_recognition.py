@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from camid.diagnosis.diagnosis import Finding
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
-from camid.effects.base import Effect, Recognition, Situation
+from camid.effects.base import Effect, Recognition
 from camid.effects.noise import tail, variance_regression
+from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 

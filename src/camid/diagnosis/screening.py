@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects import known_effects
-from camid.effects.base import Effect, Situation
+from camid.effects.base import Effect
+from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import WORKERS, Problem
 

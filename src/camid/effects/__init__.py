@@ -10,9 +10,14 @@ from camid.effects import (
     periodic_in_position,
     plant,
     sensor,
+    sensor_geometry,
+    sensor_reading,
     storage,
 )
-from camid.effects.base import PLACES, Effect, Parameter, Situation, compiled, known_effects
+from camid.effects.base import PLACES, Effect, known_effects
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
+from camid.effects.situation import Situation
 
 __all__ = [
     "PLACES",
@@ -30,5 +35,7 @@ __all__ = [
     "periodic_in_position",
     "plant",
     "sensor",
+    "sensor_geometry",
+    "sensor_reading",
     "storage",
 ]

@@ -10,8 +10,10 @@ import numpy as np
 from camid.chain.acquisition import HOLDS, Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
-from camid.effects.base import Array, Effect, Parameter, Situation
+from camid.effects.base import Array, Effect
+from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # Shares of the largest input, or of its changes, at which thresholds are looked for.
 SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)

@@ -7,130 +7,26 @@ docs/adding_an_effect.md shows how one is added.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.compiled import callback
+from camid.effects.compiled_part import Compiled
+from camid.effects.parameter import Parameter, checked
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
 Array = NDArray[np.float64]
 
-# Start of a recording, in its durations, beyond which a drift from the zero of its clock is a constant.
-FAR_FROM_ZERO = 100.0
 PLACES = ("actuator", "plant", "disturbance", "sensor", "noise")
-SIGNATURE = types.float64(*[types.float64] * 5, types.CPointer(types.float64))
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of an effect.
-
-    Attributes
-    ----------
-    name, meaning : str
-    unit : str
-        In u, y and s, for instance ``u/y^3``; empty for a pure number.
-    lower, upper : float
-        Bounds, in that unit.
-    choices : tuple of str
-        Values of a parameter that is not a number.
-    sequence : bool
-        Whether the value is a list of numbers.
-    scale : str
-        What a small change of it is measured by: the ``value`` itself, the sampling ``period``, ``one``, or the
-        ``resolution`` in frequency that the length of the recording allows.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    lower: float = -inf
-    upper: float = inf
-    choices: tuple[str, ...] = ()
-    sequence: bool = False
-    scale: str = "value"
-
-
-class Compiled:
-    """A function (time, position, velocity, input, memory, values) → float that the integrator calls by its address.
-
-    It is compiled when it is first needed and kept on disk. ``values`` is indexed like an array. Time in seconds,
-    velocity in units of y per second.
-    """
-
-    def __init__(self, function: Callable[..., float]) -> None:
-        self.function = function
-        self._callback: Any = None
-
-    @property
-    def address(self) -> int:
-        """Where the compiled function lies in memory."""
-        if self._callback is None:
-            self._callback = callback(SIGNATURE, self.function)
-        return int(self._callback.address)
-
-
-def compiled(function: Callable[..., float]) -> Compiled:
-    """Mark a function of an effect's class body as compiled code, see :class:`Compiled`."""
-    return Compiled(function)
-
-
-@dataclass(frozen=True)
-class Situation:
-    """What is known when an effect is first guessed: the recording and the refitted simulation without the effect.
-
-    Attributes
-    ----------
-    time, signal, recorded, position, velocity, residual : ndarray, shape (N,)
-        Time in seconds, input, output, simulated output, its derivative by time, recorded minus simulated output.
-    plant : TransferFunction
-    acquisition : Acquisition
-    used : ndarray of bool, shape (N,)
-        Rows that are fitted; on the others the residual is zero.
-    """
-
-    time: Array
-    signal: Array
-    recorded: Array
-    position: Array
-    velocity: Array
-    residual: Array
-    plant: TransferFunction
-    acquisition: Acquisition
-    used: NDArray[np.bool_]
-
-    def largest(self, name: str, share: float = 1.0) -> float:
-        """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
-
-        Without input the force that would hold the plant where it moves takes its place.
-        """
-        found = float(np.quantile(np.abs(getattr(self, name)), share))
-        if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
-            found = abs(self.plant.denominator[-1] / self.plant.numerator[-1]) * self.largest("position", share)
-        return found or 1.0
-
-    @property
-    def duration(self) -> float:
-        """Seconds."""
-        return float(self.time[-1] - self.time[0])
-
-    @property
-    def far_from_zero(self) -> str | None:
-        """Why drifts, which count from the zero of the time column, cannot be identified; None if they can."""
-        if abs(float(self.time[0])) <= FAR_FROM_ZERO * self.duration:
-            return None
-        return "the time column begins far from zero, where drifts count from: start the time column near zero"
 
 
 @dataclass(frozen=True)
@@ -261,7 +157,7 @@ class Effect:
         for parameter in self.parameters:
             if parameter.name not in values:
                 raise ValueError(f"{self.identifier} needs the parameter '{parameter.name}'")
-            self.values[parameter.name] = _checked(self.identifier, parameter, values[parameter.name])
+            self.values[parameter.name] = checked(self.identifier, parameter, values[parameter.name])
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
@@ -412,27 +308,6 @@ class Effect:
     def invisible(cls, situation: Situation) -> str | None:
         """Why this recording cannot show the effect, whatever its size; None if it can."""
         return None
-
-
-def _checked(identifier: str, parameter: Parameter, value: Any) -> Any:
-    if parameter.choices:
-        if value not in parameter.choices:
-            raise ValueError(f"{identifier}, {parameter.name}: '{value}' is not one of {', '.join(parameter.choices)}")
-        return str(value)
-    if parameter.sequence:
-        numbers = np.asarray(value, dtype=float)
-        if numbers.ndim != 1 or not np.all(np.isfinite(numbers)):
-            raise ValueError(f"{identifier}, {parameter.name}: {value!r} is not a list of finite numbers")
-        return numbers.tolist()
-    if isinstance(value, str | bool) or not isfinite(float(value)):
-        raise ValueError(f"{identifier}, {parameter.name}: {value!r} is not a finite number")
-    number = float(value)
-    if not parameter.lower <= number <= parameter.upper:
-        raise ValueError(
-            f"{identifier}, {parameter.name} = {number:g}: it must lie between {parameter.lower:g} and "
-            f"{parameter.upper:g}"
-        )
-    return number
 
 
 def known_effects() -> Mapping[str, type[Effect]]:

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from camid.effects.base import Effect, Parameter, Situation, compiled
+from camid.effects.base import Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
 from camid.effects.plant import GUESS, AgainstMotion
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 
 class AmplitudeDependentDamping(AgainstMotion):

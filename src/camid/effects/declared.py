@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import inf, isfinite
 
 from camid.effects import known_effects
-from camid.effects.base import Effect, Parameter
+from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
 from camid.errors import InputError, nearest_match
 from camid.simulation.model import DeclaredEffect, Simulation
 

@@ -11,8 +11,11 @@ from math import pi, sin
 import numpy as np
 
 from camid.chain.exact import sample
-from camid.effects.base import Array, Effect, Parameter, Situation, compiled
+from camid.effects.base import Array, Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # Spectral lines of the residual, and times, that are looked into.
 LINES = 4

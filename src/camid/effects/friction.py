@@ -9,9 +9,12 @@ from collections.abc import Iterator
 from typing import Self
 
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Effect, Parameter, Situation, compiled
+from camid.effects.base import Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
 from camid.effects.plant import GUESS, CoulombFriction, motion_sign
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6

@@ -8,8 +8,10 @@ from math import pi
 import numpy as np
 
 from camid.chain.plant import TransferFunction, second_order
-from camid.effects.base import Effect, Parameter, Situation
+from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # First guesses of the frequency: from this share of the plant's fastest pole to this many times the Shannon limit.
 LOWEST, HIGHEST = 0.3, 1.5

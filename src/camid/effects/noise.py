@@ -7,8 +7,10 @@ from math import erfc, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.effects.base import Array, Effect, Parameter, Recognition, Situation
+from camid.effects.base import Array, Effect, Recognition
+from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # A lattice whose rounding error has less than this share of the residual's variance does not matter.
 NEGLIGIBLE_ROUNDING = 0.02

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Effect, Parameter, Situation
+from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
 from camid.effects.plant import PendulumGravity, static_stiffness
+from camid.effects.situation import Situation
 
 Array = NDArray[np.float64]
 

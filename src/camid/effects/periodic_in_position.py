@@ -14,9 +14,12 @@ import numpy as np
 
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Array, Effect, Parameter, Situation, compiled
+from camid.effects.base import Array, Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
 from camid.effects.plant import mobility
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion

@@ -12,8 +12,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from camid.chain.plant import TransferFunction, second_order
-from camid.effects.base import Effect, Parameter, Situation, compiled
+from camid.effects.base import Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # Force of a first guess as a share of the largest input: small, but above the rounding of the integrator.
 GUESS = 0.02

@@ -1,4 +1,4 @@
-"""Effects of the camera: when it looks, what an exposure yields, and what becomes of the sample."""
+"""Effects of the camera on when it looks: exposure, delay, order of the rows and clock."""
 
 from __future__ import annotations
 
@@ -9,20 +9,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camid.chain.acquisition import Acquisition
-from camid.effects.base import Array, Effect, Parameter, Situation
+from camid.effects.base import Array, Effect
+from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
 # Exposures below this share of the period are an instant.
 INSTANT = 1e-6
-
-
 # Delays beyond this many periods are not a latency but another recording.
 LONGEST_DELAY = 1000.0
-# Smallest distance to the camera, in that of the centre.
-NEAREST = 1e-3
 
 
 class Exposure(Effect):
@@ -141,195 +139,3 @@ class ClockSkew(Effect):
         """A share of a period over the recording: the effect is proportional to it."""
         for periods in (0.1, 1.0):
             yield cls(skew=periods * situation.acquisition.period / max(abs(situation.time[-1]), situation.duration))
-
-
-class LensDistortion(Effect):
-    """Radial distortion: the image is larger, or smaller, away from its centre."""
-
-    identifier = "lens-distortion"
-    place = "sensor"
-    title = "Lens distortion"
-    equation = r"w = y\,(1 + k_1 y^2)"
-    reference = "Brown (1966), Photogramm. Eng. 32, 444-462"
-    parameters = (Parameter("k1", "1/y^2", "first radial coefficient k₁"),)
-    separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
-    strength = "k1"
-
-    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
-        """Mean of the distorted position over the exposure."""
-        from camid.chain.motion import WEIGHTS
-
-        points = motion.points(start, end)
-        return np.asarray((points * (1.0 + self.values["k1"] * points**2)) @ (0.5 * WEIGHTS))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small: the effect is proportional to it."""
-        yield cls(k1=0.02 / situation.largest("position") ** 2)
-
-
-class Perspective(Effect):
-    """The plane of the motion is not parallel to the image: what is nearer to the camera looks larger."""
-
-    identifier = "perspective"
-    place = "sensor"
-    title = "Perspective (oblique view)"
-    equation = r"w = \frac{y}{1 + c\,y}"
-    reference = "Hartley & Zisserman (2004), Multiple View Geometry in Computer Vision, 2nd ed., section 2.3"
-    parameters = (Parameter("obliqueness", "1/y", "relative change c of the distance with the position"),)
-    separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
-    strength = "obliqueness"
-
-    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
-        """Mean of the projected position over the exposure."""
-        from camid.chain.motion import WEIGHTS
-
-        points = motion.points(start, end)
-        # Behind the camera nothing is seen; a fit that tries it gets a large value and no infinite one.
-        distance = np.maximum(1.0 + self.values["obliqueness"] * points, NEAREST)
-        return np.asarray((points / distance) @ (0.5 * WEIGHTS))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small: the effect is proportional to it."""
-        yield cls(obliqueness=0.02 / situation.largest("position"))
-
-
-class Clipping(Effect):
-    """The marker leaves the field of view, or the image its range of values."""
-
-    identifier = "clipping"
-    place = "sensor"
-    acts_on_reading = True
-    title = "Clipping of the measurement"
-    equation = r"w = \max(c_-,\ \min(w,\ c_+))"
-    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
-    parameters = (
-        Parameter("low", "y", "smallest value c₋"),
-        Parameter("high", "y", "largest value c₊"),
-    )
-    separated_by = (SeparatingExperiment.SCALE_IN_THE_IMAGE,)
-
-    def observe(self, output: Array, time: Array) -> Array:
-        """Clip."""
-        return np.clip(output, self.values["low"], max(self.values["high"], self.values["low"]))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Edges inside the simulated range, at either side or both, and where the recorded values end."""
-        position, recorded = situation.position, situation.recorded
-        low, high = float(np.min(position)), float(np.max(position))
-        span = (high - low) or 1.0
-        far_low, far_high = low - span, high + span
-        edges = [
-            (float(np.quantile(recorded, 0.01)), float(np.quantile(recorded, 0.99))),
-            (float(np.quantile(recorded, 0.005)), far_high),
-            (far_low, float(np.quantile(recorded, 0.995))),
-        ]
-        for share in (0.95, 0.85, 0.7):
-            near_low, near_high = high - share * span, low + share * span
-            edges += [(near_low, near_high), (far_low, near_high), (near_low, far_high)]
-        for edge_low, edge_high in edges:
-            # An edge outside of the motion does nothing, wherever it is.
-            neutral = (min(low, edge_low), max(high, edge_high))
-            yield cls(low=edge_low, high=edge_high).measured_from(*neutral)
-
-
-class SensorOffset(Effect):
-    """The zero of the image is not the plant's position of rest."""
-
-    identifier = "sensor-offset"
-    place = "sensor"
-    acts_on_reading = True
-    title = "Offset of the measurement"
-    equation = r"w = y + b"
-    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
-    parameters = (Parameter("offset", "y", "offset b"),)
-    separated_by = (SeparatingExperiment.REVERSED_INPUT,)
-    strength = "offset"
-    is_constant = True
-
-    def observe(self, output: Array, time: Array) -> Array:
-        """Add the offset."""
-        return output + self.values["offset"]
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small: the effect is proportional to it."""
-        yield cls(offset=0.02 * situation.largest("position"))
-
-
-class SensorDrift(Effect):
-    """The zero of the image wanders."""
-
-    identifier = "sensor-drift"
-    place = "sensor"
-    title = "Drift of the measurement"
-    equation = r"w = y + r\,t"
-    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
-    parameters = (Parameter("rate", "y/s", "rate r"),)
-    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
-    strength = "rate"
-
-    def observe(self, output: Array, time: Array) -> Array:
-        """Add what has drifted."""
-        return output + self.values["rate"] * time
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small: the effect is proportional to it."""
-        yield cls(rate=0.05 * situation.largest("position") / situation.duration)
-
-    @classmethod
-    def invisible(cls, situation: Situation) -> str | None:
-        """Of a clock that began long before, the drift is an offset."""
-        return situation.far_from_zero
-
-
-class AbsoluteValue(Effect):
-    """The sensor knows the distance from its zero, not the direction."""
-
-    identifier = "absolute-value"
-    place = "sensor"
-    title = "Sensor without sign"
-    equation = r"w = |y|"
-    reference = "Wigren & Schoukens (2017), Coupled electric drives data set (pulse counters without sign)"
-    parameters = ()
-    bends_coefficients = True
-    separated_by = (SeparatingExperiment.SCALE_IN_THE_IMAGE,)
-
-    def observe(self, output: Array, time: Array) -> Array:
-        """Drop the sign."""
-        return np.abs(output)
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """There is one."""
-        yield cls()
-
-
-class SpeedWeightedCentroid(Effect):
-    """The centroid of a blurred marker whose contour counts for the speed at which it passes."""
-
-    identifier = "speed-weighted-centroid"
-    place = "sensor"
-    title = "Speed-weighted centroid"
-    equation = r"w_k = \int y\,|\dot y|\,\mathrm{d}t \ /\ \int |\dot y|\,\mathrm{d}t"
-    reference = "Laroche & Delavigne, equation (2)"
-    parameters = ()
-
-    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
-        """Mean over the path in the exposure instead of over its time."""
-        share = np.linspace(0.0, 1.0, 33)
-        points = motion.at(start[:, None] + (end - start)[:, None] * share)
-        lengths = np.abs(np.diff(points, axis=1))
-        total = np.sum(lengths, axis=1)
-        weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * lengths, axis=1)
-        still = total <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
-        return np.where(still, points[:, 0], weighted / np.where(still, 1.0, total))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """There is one; an instant sensor has none."""
-        if situation.acquisition.sensor == "camera":
-            yield cls()

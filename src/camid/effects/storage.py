@@ -23,9 +23,12 @@ from math import sqrt
 import numpy as np
 
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Effect, Parameter, Situation, compiled
+from camid.effects.base import Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
 from camid.effects.plant import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
 
 # Damping ratio from which two poles are those of two storages; fits wander about the double pole.
 LEAST_DAMPING = 0.8

@@ -7,11 +7,14 @@ friction at rest.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.compiled import kernel
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, friction_level, remember, switches
+from camid.engine.workspace import Kinds, Workspace, copy
 
 Array = NDArray[np.float64]
 
@@ -21,6 +24,8 @@ MOST_EVENTS = 12
 SHORTEST_PART = 1e-9
 # Share of a step over which the slope of a switch is taken.
 PROBE = 1e-4
+# Kinds of events: a body that sticks starts to slip, one that slips comes to rest, and a force has a kink.
+NO_EVENT, RELEASE, REVERSAL, KINK = range(4)
 
 
 @kernel
@@ -111,165 +116,201 @@ def settle(m: Mechanics, time: float, state: Array, signal: float, memory: Array
     return (m.forces.along if hold > 0.0 else -m.forces.along), False
 
 
+class _Part(NamedTuple):
+    """What is left of a step: time in seconds, scaled length, input at its start and end, direction and stuck."""
+
+    time: float
+    length: float
+    first: float
+    last: float
+    direction: float
+    stuck: bool
+
+
+@kernel(inline="always")
+def _how_it_starts(
+    m: Mechanics, dry: bool, time: float, signal: float, direction: float, stuck: bool, room: Workspace, spare: Array
+) -> tuple[float, bool]:
+    """Direction of slip and whether the body sticks, where the velocity is zero or the input may have jumped."""
+    state, memory = room.state, room.memory
+    if dry and not stuck and direction == 0.0:
+        velocity = free_velocity(m, state, signal)
+        if velocity == 0.0:
+            return settle(m, time, state, signal, memory, spare)
+        return (1.0 if velocity > 0.0 else -1.0), False
+    if stuck:
+        hold = _holding_force(m, time, state, signal, memory, spare)
+        if abs(hold) > friction_level(m.forces, time, dot(m.position, state), 0.0, signal) * (1.0 + 1e-12):
+            return (m.forces.along if hold > 0.0 else -m.forces.along), False
+    return direction, stuck
+
+
+@kernel(inline="always")
+def _release(m: Mechanics, part: _Part, room: Workspace, spare: Array) -> tuple[float, int]:
+    """Share of a part at which a body that sticks starts to slip, with the event's kind."""
+    ending = part.time + part.length * m.time_unit
+    hold_end = _holding_force(m, ending, room.following, part.last, room.remembered, spare)
+    level = friction_level(m.forces, ending, dot(m.position, room.following), 0.0, part.last)
+    if not abs(hold_end) > level:
+        return 1.0, NO_EVENT
+    hold = _holding_force(m, part.time, room.state, part.first, room.memory, spare)
+    sign = 1.0 if hold_end > 0.0 else -1.0
+    held = friction_level(m.forces, part.time, dot(m.position, room.state), 0.0, part.first)
+    reserve = max(held - sign * hold, 0.0)
+    return reserve / (reserve + sign * hold_end - level), RELEASE
+
+
+@kernel(inline="always")
+def _reversal(m: Mechanics, part: _Part, room: Workspace, spare: Array) -> tuple[float, int]:
+    """Share of a part at which a body that slips comes to rest, with the event's kind."""
+    direction, velocity_end = part.direction, dot(m.velocity, room.following)
+    if not direction * velocity_end < 0.0:
+        return 1.0, NO_EVENT
+    velocity = dot(m.velocity, room.state)
+    # A body that has just started to slip leaves zero in its direction; anything else is a reversal.
+    if not direction * velocity > 0.0:
+        return 0.0, REVERSAL
+    _slope(m, part.time, room.state, part.first, room.memory, direction, False, spare)
+    slope_start = part.length * dot(m.velocity, spare)
+    ending = part.time + part.length * m.time_unit
+    _slope(m, ending, room.following, part.last, room.remembered, direction, False, spare)
+    return _first_root(velocity, slope_start, velocity_end, part.length * dot(m.velocity, spare)), REVERSAL
+
+
 @kernel
-def _crossing(
-    m: Mechanics,
-    index: int,
-    time: float,
-    step: float,
-    state: Array,
-    memory: Array,
-    first: float,
-    result: Array,
-    remembered: Array,
-    last: float,
-    direction: float,
-    stuck: bool,
-    before: float,
-    after: float,
-    work: Array,
-) -> float:
-    """Share of the step at which a switch changes its sign."""
-    count = len(memory)
-    probe = PROBE * step
+def _crossing(m: Mechanics, index: int, part: _Part, room: Workspace, before: float, after: float) -> float:
+    """Share of a part at which a switch changes its sign."""
+    work, size, count = room.work, len(room.state), len(room.memory)
+    probe = PROBE * part.length
     slope_start, slope_end = 0.0, 0.0
     for end in range(2):
-        at = time + end * step * m.time_unit
-        here, kept = (state, memory) if end == 0 else (result, remembered)
-        signal = first if end == 0 else last
+        at = part.time + end * part.length * m.time_unit
+        here, kept = (room.state, room.memory) if end == 0 else (room.following, room.remembered)
+        signal = part.first if end == 0 else part.last
         sign = 1.0 if end == 0 else -1.0
-        _slope(m, at, here, signal, kept, direction, stuck, work[5, : len(state)])
-        for i in range(len(state)):
+        _slope(m, at, here, signal, kept, part.direction, part.stuck, work[5, :size])
+        for i in range(size):
             work[4, i] = here[i] + sign * probe * work[5, i]
-        beside = signal + sign * PROBE * (last - first)
-        switches(m, at, work[4, : len(state)], beside, kept, direction, work[6, : count + 2])
+        beside = signal + sign * PROBE * (part.last - part.first)
+        switches(m, at, work[4, :size], beside, kept, part.direction, work[6, : count + 2])
         slope = sign * (work[6, index] - (before if end == 0 else after)) / PROBE
         slope_start, slope_end = (slope, 0.0) if end == 0 else (slope_start, slope)
     return _first_root(before, slope_start, after, slope_end)
 
 
-@kernel
-def _copy(source: Array, target: Array) -> None:
-    for i in range(len(source)):
-        target[i] = source[i]
+@kernel(inline="always")
+def _first_event(
+    m: Mechanics, kinds: Kinds, part: _Part, room: Workspace, before: Array, after: Array
+) -> tuple[float, int, int]:
+    """Share of a part at which its first event lies, the event's kind and, for a kink, the index of its switch.
+
+    ``room`` holds the part's end; ``after`` is filled with the switches there.
+    """
+    share, event, which = 1.0, NO_EVENT, 0
+    spare = room.work[7, : len(room.state)]
+    if part.stuck:
+        share, event = _release(m, part, room, spare)
+    elif kinds.dry:
+        share, event = _reversal(m, part, room, spare)
+    if kinds.kinks:
+        ending = part.time + part.length * m.time_unit
+        switches(m, ending, room.following, part.last, room.remembered, part.direction, after)
+        for i in range(len(after)):
+            if before[i] * after[i] < 0.0:
+                crossing = _crossing(m, i, part, room, before[i], after[i])
+                if crossing < share:
+                    share, event, which = crossing, KINK, i
+    return share, event, which
+
+
+@kernel(inline="always")
+def _advance(m: Mechanics, part: _Part, room: Workspace) -> None:
+    """Step over a part from state and memory of ``room`` to those that follow."""
+    _runge_kutta(
+        m, part.time, part.length, room.state, room.memory, part.first, part.last, part.direction, part.stuck,
+        room.following, room.remembered, room.work,
+    )  # fmt: skip
+
+
+@kernel(inline="always")
+def _accept(room: Workspace) -> None:
+    copy(room.following, room.state)
+    copy(room.remembered, room.memory)
+
+
+@kernel(inline="always")
+def _after_event(
+    m: Mechanics, event: int, time: float, signal: float, direction: float, stuck: bool, room: Workspace, spare: Array
+) -> tuple[float, bool]:
+    """Direction of slip and whether the body sticks after an event."""
+    state, memory = room.state, room.memory
+    if event == RELEASE:
+        hold = _holding_force(m, time, state, signal, memory, spare)
+        return (m.forces.along if hold > 0.0 else -m.forces.along), False
+    if event == REVERSAL:
+        # The rest of the velocity is the error of the root; it would count as a direction.
+        correction = dot(m.velocity, state) / dot(m.velocity, m.force_vector)
+        for i in range(len(state)):
+            state[i] -= m.force_vector[i] * correction
+        return settle(m, time, state, signal, memory, spare)
+    return direction, stuck
 
 
 @kernel
-def careful_step(  # noqa: C901, PLR0912, PLR0915 - its parts share more variables than a call can return
+def careful_step(
     m: Mechanics,
+    kinds: Kinds,
+    room: Workspace,
     time: float,
     step: float,
-    state: Array,
-    memory: Array,
     first: float,
     last: float,
     direction: float,
     stuck: bool,
-    dry: bool,
-    kinks: bool,
     tried: bool,
-    result: Array,
-    remembered: Array,
-    work: Array,
 ) -> tuple[float, bool]:
-    """Advance ``state`` and ``memory`` in place over a step that may hold events; direction and stuck at its end.
+    """Advance state and memory in ``room`` over a step that may hold events; direction and stuck at its end.
 
-    ``tried`` says that ``result`` and ``remembered`` hold what a step without events led to. ``work`` has ten rows.
+    ``step`` is scaled; the input goes from ``first`` to ``last``. ``tried`` says that ``room.following`` and
+    ``room.remembered`` hold what a step without events led to.
     """
-    size, count = len(state), len(memory)
-    spare = work[7, :size]
-    before, after = work[8, : count + 2], work[9, : count + 2]
-    done = 0.0
-    if kinks:
-        switches(m, time, state, first, memory, direction, before)
+    size, count = len(room.state), len(room.memory)
+    spare = room.work[7, :size]
+    before, after = room.work[8, : count + 2], room.work[9, : count + 2]
+    done, now, signal = 0.0, time, first
+    if kinds.kinks:
+        switches(m, time, room.state, first, room.memory, direction, before)
     for _ in range(MOST_EVENTS):
         left = step - done
         if left <= SHORTEST_PART * step:
             return direction, stuck
         signal = first + (last - first) * done / step
         now = time + done * m.time_unit
-        hold = 0.0
-        if dry and not stuck and direction == 0.0:
-            velocity = free_velocity(m, state, signal)
-            if velocity == 0.0:
-                direction, stuck = settle(m, now, state, signal, memory, spare)
-            else:
-                direction = 1.0 if velocity > 0.0 else -1.0
-        elif stuck:
-            # The input may have jumped since.
-            hold = _holding_force(m, now, state, signal, memory, spare)
-            if abs(hold) > friction_level(m.forces, now, dot(m.position, state), 0.0, signal) * (1.0 + 1e-12):
-                stuck, direction = False, (m.forces.along if hold > 0.0 else -m.forces.along)
+        direction, stuck = _how_it_starts(m, kinds.dry, now, signal, direction, stuck, room, spare)
+        part = _Part(now, left, signal, last, direction, stuck)
         if not tried:
-            _runge_kutta(m, now, left, state, memory, signal, last, direction, stuck, result, remembered, work)
+            _advance(m, part, room)
         tried = False
-        ending = now + left * m.time_unit
-        share, event, which = 1.0, 0, 0
-        if stuck:
-            hold_end = _holding_force(m, ending, result, last, remembered, spare)
-            level = friction_level(m.forces, ending, dot(m.position, result), 0.0, last)
-            if abs(hold_end) > level:
-                hold = _holding_force(m, now, state, signal, memory, spare)
-                sign = 1.0 if hold_end > 0.0 else -1.0
-                reserve = max(friction_level(m.forces, now, dot(m.position, state), 0.0, signal) - sign * hold, 0.0)
-                share, event = reserve / (reserve + sign * hold_end - level), 1
-        elif dry:
-            velocity_end = dot(m.velocity, result)
-            if direction * velocity_end < 0.0:
-                velocity = dot(m.velocity, state)
-                # A body that has just started to slip leaves zero in its direction; anything else is a reversal.
-                share, event = 0.0, 2
-                if direction * velocity > 0.0:
-                    _slope(m, now, state, signal, memory, direction, False, spare)
-                    slope_start = left * dot(m.velocity, spare)
-                    _slope(m, ending, result, last, remembered, direction, False, spare)
-                    share = _first_root(velocity, slope_start, velocity_end, left * dot(m.velocity, spare))
-        if kinks:
-            switches(m, ending, result, last, remembered, direction, after)
-            for i in range(count + 2):
-                if before[i] * after[i] < 0.0:
-                    crossing = _crossing(
-                        m, i, now, left, state, memory, signal, result, remembered, last, direction, stuck, before[i],
-                        after[i], work,
-                    )  # fmt: skip
-                    if crossing < share:
-                        share, event, which = crossing, 3, i
-        if event == 0:
-            _copy(result, state)
-            _copy(remembered, memory)
+        share, event, which = _first_event(m, kinds, part, room, before, after)
+        if event == NO_EVENT:
+            _accept(room)
             return direction, stuck
-        part = share * left
-        side = after[which]
         if share > SHORTEST_PART:
             middle = signal + (last - signal) * share
-            _runge_kutta(m, now, part, state, memory, signal, middle, direction, stuck, result, remembered, work)
-            _copy(result, state)
-            _copy(remembered, memory)
-        done += part
+            _advance(m, _Part(now, share * left, signal, middle, direction, stuck), room)
+            _accept(room)
+        done += share * left
         signal = first + (last - first) * done / step
         now = time + done * m.time_unit
-        if event == 1:
-            stuck = False
-            hold = _holding_force(m, now, state, signal, memory, spare)
-            direction = m.forces.along if hold > 0.0 else -m.forces.along
-        elif event == 2:
-            # The rest of the velocity is the error of the root; it would count as a direction.
-            correction = dot(m.velocity, state) / dot(m.velocity, m.force_vector)
-            for i in range(size):
-                state[i] -= m.force_vector[i] * correction
-            direction, stuck = settle(m, now, state, signal, memory, spare)
-        if kinks:
-            switches(m, now, state, signal, memory, direction, before)
-            if event == 3:
+        direction, stuck = _after_event(m, event, now, signal, direction, stuck, room, spare)
+        if kinds.kinks:
+            switches(m, now, room.state, signal, room.memory, direction, before)
+            if event == KINK:
                 # The rounding of the root must not lead to the same kink again.
-                before[which] = 1e-300 if side > 0.0 else -1e-300
+                before[which] = 1e-300 if after[which] > 0.0 else -1e-300
     # More events than that are chatter: the rest of the step as it goes.
-    left = step - done
-    signal = first + (last - first) * done / step
-    now = time + done * m.time_unit
-    _runge_kutta(m, now, left, state, memory, signal, last, direction, stuck, result, remembered, work)
-    _copy(result, state)
-    _copy(remembered, memory)
-    if dry and not stuck and direction * dot(m.velocity, state) < 0.0:
+    _advance(m, _Part(now, step - done, signal, last, direction, stuck), room)
+    _accept(room)
+    if kinds.dry and not stuck and direction * dot(m.velocity, room.state) < 0.0:
         direction = -direction
     return direction, stuck

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.controller import Loop
-from camid.chain.exact import driven
+from camid.chain.hold import driven
 from camid.effects.base import Effect
-from camid.engine.integrator import Feedback
+from camid.engine.feedback import Feedback
 
 Array = NDArray[np.float64]
 

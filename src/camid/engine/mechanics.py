@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
+from camid.chain.companion_form import companion, derivative_rows, time_scale
 from camid.chain.controller import Loop
-from camid.chain.exact import companion, derivative_rows, time_scale
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.plant import motion_sign

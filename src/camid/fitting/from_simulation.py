@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.companion_form import time_scale
 from camid.chain.controller import Loop
-from camid.chain.exact import time_scale
 from camid.effects.base import Effect
 from camid.errors import InputError
 from camid.fitting.plant_with_effects import Model

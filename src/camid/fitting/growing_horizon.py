@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import time_scale
+from camid.chain.companion_form import time_scale
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import companion, time_scale
+from camid.chain.companion_form import companion, time_scale
 from camid.engine.mechanics import companion_block
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.effects.base import Parameter
+from camid.effects.parameter import Parameter
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 

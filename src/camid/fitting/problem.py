@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
-from camid.effects.base import Effect, Situation
+from camid.effects.base import Effect
+from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import MOST_ROUGH_STEPS, ROUGH, move, run, steps_of
 from camid.fitting.plant_with_effects import Model

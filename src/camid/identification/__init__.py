@@ -9,6 +9,7 @@ runs an iteration from each (``safeguarded``, ``srivc``, ``output_error``), and 
 ``structure``               what is looked for: degrees of numerator and denominator, and which coefficients are free
 ``predictor``               simulated output of a plant for all experiments, and its sensitivities
 ``factorisation``           the same in one compiled pass, reduced to the triangle of a QR factorisation
+                            (``records``, ``companion_system``, ``least_squares``, ``variable_projection``)
 ``accuracy``                covariance, Cramér–Rao bound, and what engineers call a plant by
 ``likelihood_profile``      intervals where the covariance is no measure
 ``residual_analysis``       whether the residual is white and independent of the input (``residual_statistics``)

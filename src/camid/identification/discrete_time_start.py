@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from camid.chain.plant import polynomial_roots
 from camid.compiled import njit
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import BLOCK, fold
+from camid.identification.least_squares import BLOCK, fold
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from camid.chain.plant import TransferFunction
 from camid.identification.accuracy import covariance_from
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import Records
 from camid.identification.iteration_result import IterationResult
 from camid.identification.likelihood_profile import Interval, intervals, standard_deviations
 from camid.identification.optimum_search import Search
 from camid.identification.optimum_selection import Rival
 from camid.identification.output_error import output_error
 from camid.identification.predictor import Predictor
+from camid.identification.records import Records
 from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.srivc import least_squares_state_variable_filter, plain_srivc, reflect
 from camid.identification.starts import output_errors_of

@@ -16,9 +16,9 @@ from camid.chain.plant import polynomial_roots
 from camid.identification.accuracy import innovation_variance
 from camid.identification.discrete_time_start import alias_denominators
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import Records
 from camid.identification.optimum_selection import Optimum, Rival, conclusive, plausible_cost, rivals, select
 from camid.identification.predictor import Predictor
+from camid.identification.records import Records
 from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.starts import (
     StartCandidate,

@@ -15,9 +15,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import companion, derivative_rows, respond, time_scale
+from camid.chain.companion_form import companion, derivative_rows, time_scale
+from camid.chain.exact import respond
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import Records, factorise, solve
+from camid.identification.factorisation import factorise
+from camid.identification.least_squares import solve
+from camid.identification.records import Records
 from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from camid.chain.plant import STABILITY_TOLERANCE
 from camid.compiled import njit
-from camid.identification.factorisation import Records, factorise, solve
+from camid.identification.factorisation import factorise
 from camid.identification.iteration_result import LARGEST_CONDITION, UNDETERMINED_SHARE, IterationResult
+from camid.identification.least_squares import solve
 from camid.identification.predictor import Predictor
+from camid.identification.records import Records
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
-from camid.chain.exact import companion, derivative_rows, respond
+from camid.chain.companion_form import companion, derivative_rows
+from camid.chain.exact import respond
 from camid.identification.iteration_result import IterationResult, sum_of_squares
 from camid.identification.predictor import Predictor
 

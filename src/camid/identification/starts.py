@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import time_scale
+from camid.chain.companion_form import time_scale
 from camid.identification.discrete_time_start import HIGHEST_FREQUENCY, continuous_denominators, discrete_time_poles
 from camid.identification.experiment import Experiment
-from camid.identification.factorisation import Records, output_error_costs
 from camid.identification.predictor import Predictor
+from camid.identification.records import Records
 from camid.identification.srivc import least_squares_state_variable_filter, reflect
 from camid.identification.structure import Structure
+from camid.identification.variable_projection import output_error_costs
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
 from camid.identification.accuracy import cramer_rao_bound
 from camid.identification.estimate import Estimate, estimate
-from camid.identification.factorisation import Records
+from camid.identification.records import Records
 from camid.identification.starts import output_errors_of
 from camid.identification.structure import Structure
 from camid.paper.cases import PARAMETERS, parameter_vector

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.controller import Loop
-from camid.effects.base import Effect, Parameter, Situation
+from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
+from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import move, observed
 from camid.fitting.fit import Fitted, fit

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from camid.chain.controller import Loop
 from camid.chain.plant import TransferFunction
 from camid.effects.actuator import InputBias
-from camid.effects.base import Effect, Parameter, Situation
-from camid.effects.sensor import SensorOffset
+from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
+from camid.effects.sensor_reading import SensorOffset
+from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import run, steps_of
 from camid.fitting.fit import Fitted, evaluate, fit

@@ -8,8 +8,9 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.chain.exact import time_scale
-from camid.effects.base import Effect, Parameter
+from camid.chain.companion_form import time_scale
+from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
 from camid.effects.pendulum import SineRestoringForce
 from camid.fitting.fit import Fitted
 from camid.fitting.initial_motion import FEWEST_SMOOTHED, MOST_SMOOTHED, SMOOTHED, recorded_start

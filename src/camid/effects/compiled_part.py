@@ -1,0 +1,36 @@
+"""Functions of an effect that the integrator calls by their address."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import types
+
+from camid.compiled import callback
+
+SIGNATURE = types.float64(*[types.float64] * 5, types.CPointer(types.float64))
+
+
+class Compiled:
+    """A function (time, position, velocity, input, memory, values) → float that the integrator calls by its address.
+
+    It is compiled when it is first needed and kept on disk. ``values`` is indexed like an array. Time in seconds,
+    velocity in units of y per second.
+    """
+
+    def __init__(self, function: Callable[..., float]) -> None:
+        self.function = function
+        self._callback: Any = None
+
+    @property
+    def address(self) -> int:
+        """Where the compiled function lies in memory."""
+        if self._callback is None:
+            self._callback = callback(SIGNATURE, self.function)
+        return int(self._callback.address)
+
+
+def compiled(function: Callable[..., float]) -> Compiled:
+    """Mark a function of an effect's class body as compiled code, see :class:`Compiled`."""
+    return Compiled(function)

@@ -1,0 +1,187 @@
+"""Effects of the camera on what is read from its image: range, zero, sign and centroid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camid.effects.base import Array, Effect
+from camid.effects.parameter import Parameter
+from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
+
+if TYPE_CHECKING:
+    from camid.chain.motion import Motion
+
+
+class Clipping(Effect):
+    """The marker leaves the field of view, or the image its range of values."""
+
+    identifier = "clipping"
+    place = "sensor"
+    acts_on_reading = True
+    title = "Clipping of the measurement"
+    equation = r"w = \max(c_-,\ \min(w,\ c_+))"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
+    parameters = (
+        Parameter("low", "y", "smallest value c₋"),
+        Parameter("high", "y", "largest value c₊"),
+    )
+    separated_by = (SeparatingExperiment.SCALE_IN_THE_IMAGE,)
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Clip."""
+        return np.clip(output, self.values["low"], max(self.values["high"], self.values["low"]))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Edges inside the simulated range, at either side or both, and where the recorded values end."""
+        position, recorded = situation.position, situation.recorded
+        low, high = float(np.min(position)), float(np.max(position))
+        span = (high - low) or 1.0
+        far_low, far_high = low - span, high + span
+        edges = [
+            (float(np.quantile(recorded, 0.01)), float(np.quantile(recorded, 0.99))),
+            (float(np.quantile(recorded, 0.005)), far_high),
+            (far_low, float(np.quantile(recorded, 0.995))),
+        ]
+        for share in (0.95, 0.85, 0.7):
+            near_low, near_high = high - share * span, low + share * span
+            edges += [(near_low, near_high), (far_low, near_high), (near_low, far_high)]
+        for edge_low, edge_high in edges:
+            # An edge outside of the motion does nothing, wherever it is.
+            neutral = (min(low, edge_low), max(high, edge_high))
+            yield cls(low=edge_low, high=edge_high).measured_from(*neutral)
+
+
+class SensorOffset(Effect):
+    """The zero of the image is not the plant's position of rest."""
+
+    identifier = "sensor-offset"
+    place = "sensor"
+    acts_on_reading = True
+    title = "Offset of the measurement"
+    equation = r"w = y + b"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
+    parameters = (Parameter("offset", "y", "offset b"),)
+    separated_by = (SeparatingExperiment.REVERSED_INPUT,)
+    strength = "offset"
+    is_constant = True
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Add the offset."""
+        return output + self.values["offset"]
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to it."""
+        yield cls(offset=0.02 * situation.largest("position"))
+
+
+class SensorDrift(Effect):
+    """The zero of the image wanders."""
+
+    identifier = "sensor-drift"
+    place = "sensor"
+    title = "Drift of the measurement"
+    equation = r"w = y + r\,t"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
+    parameters = (Parameter("rate", "y/s", "rate r"),)
+    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
+    strength = "rate"
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Add what has drifted."""
+        return output + self.values["rate"] * time
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to it."""
+        yield cls(rate=0.05 * situation.largest("position") / situation.duration)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Of a clock that began long before, the drift is an offset."""
+        return situation.far_from_zero
+
+
+def smoothest_signs(distances: Array) -> Array:
+    """Signs, shape (N,), that make the sum of squared second differences of a signal smallest, the first positive.
+
+    By dynamic programming over the signs of two neighbouring samples (Viterbi 1967); the whole may be reversed.
+    """
+    signs, count = np.array([1.0, -1.0]), len(distances)
+    if count < 3:
+        return np.ones(count)
+    cost = np.zeros((2, 2))  # of the best signs so far, by those of the last two samples
+    choices = np.zeros((count, 2, 2), np.intp)
+    for k in range(2, count):
+        last = distances[k - 2 : k + 1]
+        second = signs[:, None, None] * last[0] - 2.0 * signs[None, :, None] * last[1] + signs[None, None, :] * last[2]
+        total = cost[:, :, None] + second**2
+        choices[k] = np.argmin(total, axis=0)
+        cost = np.min(total, axis=0)
+    found = np.empty(count, np.intp)
+    found[-2], found[-1] = np.unravel_index(int(np.argmin(cost)), (2, 2))
+    for k in range(count - 1, 1, -1):
+        found[k - 2] = choices[k][found[k - 1], found[k]]
+    return signs[found] * signs[found[0]]
+
+
+class AbsoluteValue(Effect):
+    """The sensor knows the distance from its zero, not the direction."""
+
+    identifier = "absolute-value"
+    place = "sensor"
+    title = "Sensor without sign"
+    equation = r"w = |y|"
+    reference = "Wigren & Schoukens (2017), Coupled electric drives data set (pulse counters without sign)"
+    parameters = ()
+    bends_coefficients = True
+    separated_by = (SeparatingExperiment.SCALE_IN_THE_IMAGE,)
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Drop the sign."""
+        return np.abs(output)
+
+    @classmethod
+    def undone(cls, recorded: Array) -> Array | None:
+        """The smoothest motion with these distances from zero, if it passes zero."""
+        if np.min(recorded) < 0.0:
+            return None
+        signs = smoothest_signs(recorded)
+        return signs * recorded if np.any(signs < 0.0) else None
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """There is one."""
+        yield cls()
+
+
+class SpeedWeightedCentroid(Effect):
+    """The centroid of a blurred marker whose contour counts for the speed at which it passes."""
+
+    identifier = "speed-weighted-centroid"
+    place = "sensor"
+    title = "Speed-weighted centroid"
+    equation = r"w_k = \int y\,|\dot y|\,\mathrm{d}t \ /\ \int |\dot y|\,\mathrm{d}t"
+    reference = "Laroche & Delavigne, equation (2)"
+    parameters = ()
+
+    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
+        """Mean over the path in the exposure instead of over its time."""
+        share = np.linspace(0.0, 1.0, 33)
+        points = motion.at(start[:, None] + (end - start)[:, None] * share)
+        lengths = np.abs(np.diff(points, axis=1))
+        total = np.sum(lengths, axis=1)
+        weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * lengths, axis=1)
+        still = total <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
+        return np.where(still, points[:, 0], weighted / np.where(still, 1.0, total))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """There is one; an instant sensor has none."""
+        if situation.acquisition.sensor == "camera":
+            yield cls()

@@ -1,0 +1,63 @@
+"""What is known of a recording when an effect is first guessed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+
+Array = NDArray[np.float64]
+
+# Start of a recording, in its durations, beyond which a drift from the zero of its clock is a constant.
+FAR_FROM_ZERO = 100.0
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What is known when an effect is first guessed: the recording and the refitted simulation without the effect.
+
+    Attributes
+    ----------
+    time, signal, recorded, position, velocity, residual : ndarray, shape (N,)
+        Time in seconds, input, output, simulated output, its derivative by time, recorded minus simulated output.
+    plant : TransferFunction
+    acquisition : Acquisition
+    used : ndarray of bool, shape (N,)
+        Rows that are fitted; on the others the residual is zero.
+    """
+
+    time: Array
+    signal: Array
+    recorded: Array
+    position: Array
+    velocity: Array
+    residual: Array
+    plant: TransferFunction
+    acquisition: Acquisition
+    used: NDArray[np.bool_]
+
+    def largest(self, name: str, share: float = 1.0) -> float:
+        """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
+
+        Without input the force that would hold the plant where it moves takes its place.
+        """
+        found = float(np.quantile(np.abs(getattr(self, name)), share))
+        if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
+            found = abs(self.plant.denominator[-1] / self.plant.numerator[-1]) * self.largest("position", share)
+        return found or 1.0
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def far_from_zero(self) -> str | None:
+        """Why drifts, which count from the zero of the time column, cannot be identified; None if they can."""
+        if abs(float(self.time[0])) <= FAR_FROM_ZERO * self.duration:
+            return None
+        return "the time column begins far from zero, where drifts count from: start the time column near zero"
