@@ -86,7 +86,7 @@ def test_re_estimated_coefficients_are_never_worse_than_the_given_ones(monkeypat
     signal = np.repeat(random.choice([-1.0, 1.0], 40), 10)
     time = 0.05 * np.arange(400)
     believed = simulation(LINEAR, initial_state="zero")
-    table = pd.DataFrame({"t": time, "u": signal, "y": np.zeros(400)})
+    table = pd.DataFrame({"t": time, "u": signal, "y": random.standard_normal(400)})
     recordings, experiments, _ = experiments_of(table, believed, None)
     problem = problem_of(believed, structure_of(believed), recordings, experiments)
     given = model_of(problem, [])
