@@ -95,7 +95,7 @@ def test_re_estimated_coefficients_are_never_worse_than_the_given_ones(monkeypat
     problem = problem_of(believed, structure_of(believed), recordings, experiments)
     start = problem.with_initial_states(given)
     least = evaluate(problem, start).cost
-    elsewhere = Model(np.array([3.0, 0.1, 90.0]), constants=start.constants, initial=start.initial)
-    for wrong in (elsewhere, Model(np.full(3, np.nan), constants=start.constants, initial=start.initial)):
+    for coefficients in ([3.0, 0.1, 90.0], [3.0, -90.0, 4.0]):  # the second motion runs away
+        wrong = Model(np.array(coefficients), constants=start.constants, initial=start.initial)
         monkeypatch.setattr(LinearPlant, "refit", lambda kind, problem, start, wrong=wrong: evaluate(problem, wrong))
         assert problem.kind.never_worse(problem, start).cost <= least
