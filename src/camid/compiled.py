@@ -110,7 +110,8 @@ def kernel(function: Function | None = None, /, **options: Any) -> Function | Ca
     """Compile a function that allocates nothing and is called by compiled code: :func:`njit` without reference counts.
 
     Each array that such a function takes out of a tuple or hands on is else counted up and down, by an atomic
-    instruction that takes as long as ten multiplications.
+    instruction that takes as long as ten multiplications. Parts of one long function are best ``inline="always"``:
+    they become part of it before it is compiled, whereas each with code of its own is compiled again in every caller.
     """
     return njit(**options, _nrt=False) if function is None else njit(_nrt=False)(function)
 

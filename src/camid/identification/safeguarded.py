@@ -151,7 +151,7 @@ def _release(triangle: Array, held: NDArray[np.bool_], small: float) -> bool:
 
 
 @njit
-def _iterate(  # noqa: C901, PLR0912 - a call between the parts would cost more than some of them
+def _iterate(  # noqa: C901, PLR0912 - its steps share more variables than a call can return
     parameters: Array,
     free: NDArray[np.bool_],
     bounded: NDArray[np.bool_],
