@@ -198,3 +198,30 @@ rule recordings:
         "Results on the real recordings beside what was published."
     script:
         "../scripts/recordings.py"
+
+
+rule recording_starts:
+    input:
+        recording=lambda wildcards: DIAGNOSED[wildcards.recording],
+        simulation="config/simulations/{recording}.yaml",
+    output:
+        "results/recordings/{recording}_starts.csv",
+    log:
+        "results/logs/recording_{recording}_starts.log",
+    params:
+        code=script_code("recording_starts.py"),
+        draws=20,
+        seed=config["seed"],
+    message:
+        "Diagnosing the recording {wildcards.recording} from 20 nominal plants that are off by up to a half."
+    script:
+        "../scripts/recording_starts.py"
+
+
+# Half an hour and more: not part of `recordings`.
+rule recordings_starts:
+    input:
+        expand("results/recordings/{recording}_starts.csv", recording=DIAGNOSED),
+    localrule: True
+    message:
+        "What each recording is said to lack, from 20 nominal plants each, is in results/recordings/*_starts.csv."
