@@ -12,8 +12,13 @@ import pytest
 from ruamel.yaml import YAML
 
 import camid
+from camid.identification.from_recordings import load_recordings
 from camid.real_recordings.download import BENCHMARK_RECORDINGS, FOLDER_VARIABLE, SILVERBOX_PERIOD, SILVERBOX_TRAINING
+from camid.real_recordings.drawing import SIGNALS, draw
+from camid.real_recordings.laws import Law
 from camid.real_recordings.page import page
+from camid.real_recordings.results import SPECIFIC, Results
+from camid.simulation.file import load_simulation
 from camid.workflow.tolerances import compare, without_targets
 from tests.support import ROOT
 
@@ -147,6 +152,59 @@ def test_improved_simulation_is_adequate(diagnosed):
     case, _, diagnosis = diagnosed
     again = camid.diagnose(case.table, diagnosis.improved)
     assert (again.verdict, again.findings) == ("adequate", [])
+
+
+def test_sensor_without_sign_is_named_on_an_excerpt():
+    """Six of ten seconds; the lag beside it is that of the actuator or a delay, which six seconds cannot tell apart."""
+    from pymatreader import read_mat
+
+    content = read_mat(str(recording("coupled_drives")))
+    table = pd.DataFrame({c: content[c][:300] for c in ("u1", "z1")})
+    diagnosis = camid.diagnose(table, simulation("coupled_drives"))
+    assert names(diagnosis)[0] == "absolute-value"
+    assert diagnosis.fit.improved < 0.33
+
+
+@pytest.mark.parametrize(
+    ("name", "counts"),
+    [("pendulum2_decay", [5554]), ("coupled_drives", [500]), ("cascaded_tanks", [1024, 1024])],
+)
+def test_files_are_read_as_the_simulations_of_the_workflow_say(name, counts):
+    believed = load_simulation(ROOT / f"config/simulations/{name}.yaml")
+    found = load_recordings(recording(name), believed, output_needed=True)
+    assert [len(one) for one in found] == counts
+
+
+def two_records() -> Results:
+    """Two recordings of six rows, the second of which is fitted in its first two rows; nothing is named."""
+    table = pd.DataFrame({"recording": np.repeat([1, 2], 6), "t": np.tile(4.0 * np.arange(6), 2)})
+    table["recorded"] = np.tile(np.arange(6.0), 2)
+    for model, error in (("nominal", 3.0), ("refitted", 1.0), ("improved", 1.0)):
+        residual = np.where(table["recording"] == 1, 10.0, error * np.where(table["t"] < 8.0, 7.0, 1.0))
+        table[model] = table["recorded"] - residual
+        table[f"residual_{model}"] = residual
+    table["fitted"] = ((table["recording"] == 1) | (table["t"] < 8.0)).astype(int)
+    anything: Any = None
+    return Results("cascaded_tanks", Path(), anything, anything, {"effects": []}, {}, table)
+
+
+def test_validation_record_is_scored_on_rows_that_were_not_fitted():
+    scores = {name: value for name, value, _, _ in SPECIFIC["cascaded_tanks"](two_records())}
+    assert scores == pytest.approx({"validation_nominal": 3.0, "validation_refitted": 1.0, "validation_improved": 1.0})
+
+
+def test_last_recording_is_drawn_and_equal_curves_once(monkeypatch):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.setitem(SIGNALS, "cascaded_tanks", ("level (V)", 1.0, (8.0, 20.0)))
+    none = np.zeros(0)
+    figure = draw(two_records(), Law(none, none, none, none, {}, "level (V)", "residual (V)", "where the rest sits"))
+    above, _, below = figure.axes
+    assert [line.get_label() for line in above.lines] == ["recorded", "refitted"]
+    assert above.get_title() == "rows that were not fitted"
+    (residual,) = below.lines
+    np.testing.assert_array_equal(residual.get_ydata(), [7.0, 7.0, 1.0, 1.0, 1.0, 1.0])
+    plt.close(figure)
 
 
 def test_what_cannot_be_checked_is_left_out_and_said():

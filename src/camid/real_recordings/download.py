@@ -62,6 +62,28 @@ BENCHMARK_RECORDINGS = {
         "9281de3f32438efd18d44567a9ec44d9458a9e2b/pendulum.mp4",
         "ebf6d5810f7e55f269e4a1464c28b981f86c35a1f8c2c31e3d1960b652fccb0c",
     ),
+    # A second, lighter pendulum on the same encoder, from near upright; columns as those of the first.
+    "pendulum2_decay": BenchmarkRecording(
+        "pendulum2_decay.csv",
+        "https://raw.githubusercontent.com/nielsSkov/masterThesisMatlab/0e2c7253fe6e740c36da872508a71c0d1f66a965/"
+        "parameterEstimation/data/pend2test/test1pend2.csv",
+        "04a8a911f4be476a88a24c46246d02e80dfbae03e578abaa2df011eeb08b98d5",
+    ),
+    # Wigren & Schoukens (2017), two motors, a belt and a pulley on a spring; three records from u1, u2, u3 (V) to the
+    # speed without its sign, z1, z2, z3.
+    "coupled_drives": BenchmarkRecording(
+        "coupled_drives.mat",
+        "https://raw.githubusercontent.com/anubhabghosh/ParamEstimation/acb959d7158eba36b0d57fb515a75201b2316f22/"
+        "data/coupled_drive/DATAPRBS.MAT",
+        "47d0825678d854d8a1bbcfb0ad1188026b853f69beb2067ea00cfd88d13dc4ca",
+    ),
+    # Schoukens & Noël (2017), a pump and two tanks; estimation record uEst, yEst (V), validation record uVal, yVal (V).
+    "cascaded_tanks": BenchmarkRecording(
+        "cascaded_tanks.csv",
+        "https://raw.githubusercontent.com/forgi86/sysid-neural-continuous/956aa7ecd73061b0321c6f6098d74c9e4a7ce67a/"
+        "examples/CTS/data/dataBenchmark.csv",
+        "ef2388ed822f3aef4aa80d6b0f2b466dd80b361786b3eafc7a2957c31ea323a7",
+    ),
 }
 
 

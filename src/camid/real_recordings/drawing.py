@@ -22,12 +22,16 @@ SIGNALS: dict[str, tuple[str, float, tuple[float, float]]] = {
     "emps": ("force of the drive (N)", 1.0, (20.0, 24.8)),
     "pendulum_decay": ("angle (rad)", 1.0, (42.5, 47.5)),
     "pendulum_clip": ("x from the middle (px)", 1.0, (1.95, 2.65)),
+    "pendulum2_decay": ("angle (rad)", 1.0, (18.8, 23.8)),
+    "coupled_drives": ("speed as counted (a.u.)", 1.0, (8.0, 9.98)),
+    "cascaded_tanks": ("level (V)", 1.0, (816.0, 4092.0)),
 }
 LOOKS: dict[str, dict[str, Any]] = {
     "recorded": {"color": "#B0B0B0", "linewidth": 3.0, "linestyle": "-"},
     "refitted": {"color": style.VERMILION, "linewidth": 1.1, "linestyle": "--"},
     "improved": {"color": style.BLUE, "linewidth": 0.9, "linestyle": "-"},
 }
+RESIDUAL_COLOURS = {"refitted": "#E8A27C", "improved": style.BLUE}
 
 
 def draw(results: Results, law: Law) -> Figure:
@@ -42,20 +46,31 @@ def draw(results: Results, law: Law) -> Figure:
     import matplotlib.pyplot as plt
 
     label, factor, (start, end) = SIGNALS[results.name]
-    table = results.residuals
-    time = table.iloc[:, 0].to_numpy()
+    table = _drawn(results)
+    time = table["t"].to_numpy()
     figure = plt.figure(figsize=(style.PAGE_WIDTH, 4.3))
     grid = figure.add_gridspec(2, 2, width_ratios=[1.55, 1.0], height_ratios=[1.25, 1.0])
     above, beside, below = (figure.add_subplot(g) for g in (grid[0, 0], grid[0, 1], grid[1, :]))
     rows = (time >= start) & (time <= end)
-    for name, look in LOOKS.items():
-        above.plot(time[rows], factor * table[name].to_numpy()[rows], label=name, **look)
+    for name in ("recorded", *_models(results)):
+        above.plot(time[rows], factor * table[name].to_numpy()[rows], label=name, **LOOKS[name])
     above.set(xlabel="time (s)", ylabel=label, title=_stretch(table, rows), xlim=(time[rows][0], time[rows][-1]))
     handles, labels = above.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3, title=RECORDINGS[results.name])
     _draw_law(beside, law)
     _draw_residuals(below, results, factor, label)
     return figure
+
+
+def _drawn(results: Results) -> pd.DataFrame:
+    """Rows that are drawn: of several recordings the last one, which validates."""
+    table = results.residuals
+    return table[table["recording"] == table["recording"].max()] if "recording" in table else table
+
+
+def _models(results: Results) -> tuple[str, ...]:
+    """Models that differ: where nothing was named, the improved one is the refitted one."""
+    return ("refitted", "improved") if results.diagnosis["effects"] else ("refitted",)
 
 
 def _stretch(table: pd.DataFrame, rows: Any) -> str:
@@ -73,12 +88,12 @@ def _draw_law(axes: Any, law: Law) -> None:
 
 
 def _draw_residuals(axes: Any, results: Results, factor: float, label: str) -> None:
-    table = results.residuals
-    time = table.iloc[:, 0].to_numpy()
-    for name, colour, width in (("refitted", "#E8A27C", 0.5), ("improved", style.BLUE, 0.5)):
+    table = _drawn(results)
+    time = table["t"].to_numpy()
+    for name in _models(results):
         residual = factor * table[f"residual_{name}"].to_numpy()
         size = float(np.sqrt(np.mean(residual**2)))
-        axes.plot(time, residual, color=colour, linewidth=width, label=f"{name}: rms {size:.3g}")
+        axes.plot(time, residual, color=RESIDUAL_COLOURS[name], linewidth=0.5, label=f"{name}: rms {size:.3g}")
     held_out = time[table["fitted"].to_numpy() == 0]
     if len(held_out):
         axes.axvspan(held_out[0], held_out[-1], color="#EEEEEE", zorder=-1, label="not fitted")

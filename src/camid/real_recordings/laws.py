@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.commands.simulate import simulate
 from camid.identification.from_recordings import load_recordings
 from camid.real_recordings.results import Results
 from camid.recording.recording import Recording
@@ -22,6 +23,8 @@ FEWEST_IN_A_BIN = 10
 SILVERBOX_BAND = 280.0  # Hz
 EMPS_FILTER = (61, 3)
 PENDULUM_FILTER = (31, 4)
+# Shortest way of two swings, in rad, in which the height that is lost shows beyond the encoder's steps.
+SHORTEST_PATH = 0.2
 EDGE = 100  # rows at each end of a recording where derivatives are bad
 
 
@@ -138,7 +141,9 @@ def _pendulum_decay(results: Results) -> Law:
     squared = np.array([np.sum(velocity[a:b] ** 2) * recorded.period for a, b in pairwise(turns)])
     # Two halves at a time: an angle at rest that is off by little makes one side higher and the other lower.
     path, squared = path[1:] + path[:-1], squared[1:] + squared[:-1]
-    speed, friction = squared / path, (heights[:-2] - heights[2:]) / path
+    lost = heights[:-2] - heights[2:]
+    path, squared, lost = (v[path > SHORTEST_PATH] for v in (path, squared, lost))
+    speed, friction = squared / path, lost / path
     curves = {}
     grid = np.array([0.0, float(speed.max())])
     for model, coulomb in (("refitted", 0.0), ("improved", results.parameter("coulomb-friction", "force"))):
@@ -173,9 +178,47 @@ def _pendulum_clip(results: Results) -> Law:
     )
 
 
+def _coupled_drives(results: Results) -> Law:
+    """What the counter says against the speed of the improved simulation without its last stage.
+
+    The drives start from rest, so that the speed needs no recorded output and keeps its sign.
+    """
+    improved = results.improved
+    before = tuple(e for e in improved.effects if e.identifier != "absolute-value")
+    signed = simulate(results.recording, replace(improved, effects=before, initial_state="zero"))
+    speed = signed["simulated"].to_numpy() - improved.known_offset
+    ends: Array = np.array([speed.min(), 0.0, speed.max()])
+    none = np.zeros(0)
+    return Law(
+        speed,
+        signed[improved.output_column].to_numpy(),
+        none,
+        none,
+        {"refitted": (ends[[0, -1]], ends[[0, -1]]), "improved": (ends, np.abs(ends) + improved.known_offset)},
+        "speed, simulated with its sign (a.u.)",
+        "speed as counted (a.u.)",
+        "the law, and what the recording says",
+    )
+
+
+def _cascaded_tanks(results: Results) -> Law:
+    """Residual of the refitted simulation against the level, in both records: where the rest sits."""
+    table = results.residuals
+    return Law(
+        *_binned(table["recorded"].to_numpy(), table["residual_refitted"].to_numpy()),
+        {},
+        "recorded level (V)",
+        "residual of the\nrefitted (V)",
+        "where the rest sits",
+    )
+
+
 LAWS: dict[str, Callable[[Results], Law]] = {
     "silverbox": _silverbox,
     "emps": _emps,
     "pendulum_decay": _pendulum_decay,
     "pendulum_clip": _pendulum_clip,
+    "pendulum2_decay": _pendulum_decay,
+    "coupled_drives": _coupled_drives,
+    "cascaded_tanks": _cascaded_tanks,
 }

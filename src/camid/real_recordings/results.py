@@ -24,6 +24,9 @@ RECORDINGS = {
     "emps": "EMPS: a drive in closed loop",
     "pendulum_decay": "A pendulum swings out",
     "pendulum_clip": "A clip of a pendulum",
+    "pendulum2_decay": "A lighter pendulum swings out",
+    "coupled_drives": "Coupled electric drives, first record",
+    "cascaded_tanks": "Cascaded tanks, validation record",
 }
 MODELS = ("nominal", "refitted", "improved")
 # Units of input and output, which a diagnosis calls u and y.
@@ -32,11 +35,14 @@ UNITS = {
     "emps": {"u": "N", "y": "m"},
     "pendulum_decay": {"u": "rad", "y": "rad"},
     "pendulum_clip": {"u": "px", "y": "px"},
+    "pendulum2_decay": {"u": "rad", "y": "rad"},
+    "coupled_drives": {"u": "V", "y": "a.u."},
+    "cascaded_tanks": {"u": "V", "y": "V"},
 }
 GRAVITY = 9.81  # m/s²
-# Seconds of the pendulum's record from the release to the rest, and a remainder beyond what any model leaves there, so
+# Seconds of the pendulums' records from the release to the rest, and a remainder beyond what any model leaves there, so
 # that plant and friction are re-estimated and nothing is looked for.
-PENDULUM_WHOLE = (4.5, 73.0)
+PENDULUM_WHOLE = {"pendulum_decay": (4.5, 73.0), "pendulum2_decay": (4.5, 46.0)}
 ANY_REMAINDER = 10.0  # rad
 
 
@@ -192,7 +198,7 @@ def _pendulum_decay(results: Results) -> Iterable[Row]:
         deviation = None if stiffness is None else stiffness / (2.0 * np.sqrt(a0))
         yield f"natural_frequency_{model}", np.sqrt(a0), deviation, "rad/s"
         yield f"viscous_damping_{model}", a1, damping, "1/s"
-    start, end = PENDULUM_WHOLE
+    start, end = PENDULUM_WHOLE[results.name]
     reading = replace(results.improved.reading, start=start, end=end)
     whole = diagnose(results.recording, replace(results.improved, reading=reading, remainder=ANY_REMAINDER))
     error = _root_mean_square(whole.signals.recorded - whole.signals.improved)
@@ -210,9 +216,31 @@ def _pendulum_clip(results: Results) -> Iterable[Row]:
         yield f"residual_{model}", _root_mean_square(results.residuals[f"residual_{model}"]), None, "px"
 
 
+def _coupled_drives(results: Results) -> Iterable[Row]:
+    """Resonance of belt and spring, and the motors' time constant, from the poles."""
+    for model in MODELS:
+        a2, a1, a0 = (results.coefficient(c, model)[0] for c in ("a2", "a1", "a0"))
+        poles = np.roots([1.0, a2, a1, a0])
+        vibrating = poles[poles.imag > 0.0]
+        if len(vibrating) == 1:
+            yield f"resonance_{model}", float(abs(vibrating[0])), None, "rad/s"
+            yield f"time_constant_{model}", float(-1.0 / poles[np.argmin(abs(poles.imag))].real), None, "s"
+
+
+def _cascaded_tanks(results: Results) -> Iterable[Row]:
+    """Errors on the rows of the validation record that no fit used."""
+    table = results.residuals
+    unseen = table[(table["recording"] == table["recording"].max()) & (table["fitted"] == 0)]
+    for model in MODELS:
+        yield f"validation_{model}", _root_mean_square(unseen["recorded"] - unseen[model]), None, "V"
+
+
 SPECIFIC: dict[str, Callable[[Results], Iterable[Row]]] = {
     "silverbox": _silverbox,
     "emps": _emps,
     "pendulum_decay": _pendulum_decay,
     "pendulum_clip": _pendulum_clip,
+    "pendulum2_decay": _pendulum_decay,
+    "coupled_drives": _coupled_drives,
+    "cascaded_tanks": _cascaded_tanks,
 }
