@@ -23,7 +23,7 @@ from camid.diagnosis.evidence import (
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
-from camid.diagnosis.residual_structure import reasons_for_structure, unlisted_weight
+from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, unlisted_weight
 from camid.diagnosis.screening import ScreenedEffect, screen
 from camid.diagnosis.simplest_effects import simplest
 from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
@@ -145,7 +145,10 @@ def investigate(
         decision = select_effects(problem, base, setting.screened, validation, watch, start)
     watch.say("testing what is left")
     if not setting.settled:
-        decision = _with_noise(problem, decision, setting.known)
+        left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
+        # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
+        if not any(test.p_value < STRUCTURE_P_VALUE for test in left):
+            decision = _with_noise(problem, decision, setting.known)
     if decision.base is not base:
         before = mismatch_location.places(problem, decision.base)
     decision, residue = _simplified(setting, decision, before, watch)
