@@ -40,6 +40,9 @@ Array = NDArray[np.float64]
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
+# Fits of the final model at most, and the fall of its sum of squares, as a share, that is none.
+MOST_FINAL_FITS = 4
+SETTLED = 1e-3
 # Chance of a place's test below which the re-estimated plant may be bent by what is missing.
 SUSPECT_P_VALUE = 1e-2
 
@@ -200,6 +203,7 @@ def _simplified(
 ) -> tuple[Decision, Residue]:
     """The decision, and what it leaves; with the fewest and simplest effects where that is more than noise."""
     problem = setting.problem
+    decision = _converged(problem, decision, watch)
     residue = _residue(setting, decision, before)
     if setting.settled:
         declared: list[tuple[Effect, Deviations]] = [(e, {}) for e in setting.nominal.effects if e.noise_like]
@@ -207,8 +211,23 @@ def _simplified(
     if residue.reasons and decision.rivals:
         share = max((t.share for t in residue.places), default=0.0)
         decision = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
+        decision = _converged(problem, decision, watch)
         residue = _residue(setting, decision, before)
     return decision, residue
+
+
+def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
+    """The decision with its model fitted until more fitting changes nothing: a search stops as soon as it can rank."""
+    fitted = decision.fitted
+    for _ in range(MOST_FINAL_FITS):
+        if not decision.rivals or fitted.weighted or watch.no_time_for("fitting to the last digit"):
+            break
+        again = problem.kind.never_worse(problem, fitted.model)
+        settled = again.cost > (1.0 - SETTLED) * fitted.cost
+        fitted = min((again, fitted), key=lambda each: each.cost)
+        if settled:
+            break
+    return replace(decision, fitted=fitted)
 
 
 def _residue(setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest]) -> Residue:
