@@ -210,8 +210,8 @@ def _simplified(
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
     if residue.reasons and decision.rivals:
         share = max((t.share for t in residue.places), default=0.0)
-        decision = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
-        decision = _converged(problem, decision, watch)
+        simpler = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
+        decision = simpler if simpler.fitted is decision.fitted else _converged(problem, simpler, watch)
         residue = _residue(setting, decision, before)
     return decision, residue
 
