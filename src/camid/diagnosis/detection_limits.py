@@ -66,7 +66,7 @@ def undetectable(
         if not visible and effect.bends_coefficients:
             return Undetectable(
                 identifier,
-                "the re-estimated motion never gets where it would show; plants around the nominal one were tried",
+                "the re-estimated motion never gets to where it would show, so that nothing is known of its size",
             )
         if not visible:
             return Undetectable(

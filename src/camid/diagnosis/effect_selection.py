@@ -133,8 +133,10 @@ def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> 
     """The nominal model with the effects found, as a start beside the refitted one where that is still far off."""
     if nominal is None:
         return None
-    near = not problem.kind.phases_add_up or current.model.effects
-    if near and current.cost < NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(current.residual):
+    out_of_phase = problem.kind.phases_add_up and not current.model.effects
+    if not out_of_phase and current.cost < NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(
+        current.residual
+    ):
         return None
     return replace(nominal, effects=current.model.effects)
 

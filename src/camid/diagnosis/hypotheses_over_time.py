@@ -25,8 +25,6 @@ STEPS = 8
 # Shapes of each effect over the first horizon, and models over the whole.
 SHAPES = 2
 FEWEST = 5
-# The field shrinks with this power of the horizon, so that a longer one costs little more.
-SHRINKING = 1.0
 
 
 def raced(problem: Problem, start: Model) -> list[Model]:
@@ -50,7 +48,8 @@ def raced(problem: Problem, start: Model) -> list[Model]:
     while models:
         results = [f for f in _fitted(problem.start_of(rows), models) if f is not None]
         results.sort(key=lambda f: f.criterion)
-        kept = max(FEWEST, round(entered * (first / rows) ** SHRINKING))
+        # The field shrinks as the horizon grows, so that a longer one costs little more.
+        kept = max(FEWEST, round(entered * first / rows))
         models = [f.model for f in results[:kept]]
         if rows >= longest:
             break

@@ -85,7 +85,9 @@ def hypotheses(
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
     """
     starts = _shortlist(problem, screened, effort)
-    elsewhere = [] if nominal is None else _starts_elsewhere(problem, nominal, screened)
+    elsewhere = []
+    if nominal is not None and not watch.no_time_for("starts from other coefficients"):
+        elsewhere = _starts_elsewhere(problem, nominal, screened)
 
     def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
         if watch.no_time_for(candidate.effect.identifier):

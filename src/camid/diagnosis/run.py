@@ -170,7 +170,7 @@ def _prepared(
     watch.say("re-estimating the plant's coefficients")
     known = tuple(e for e in nominal.effects if not e.noise_like)
     start = whole.with_initial_states(replace(nominal, effects=known))
-    base = whole.kind.never_worse(whole, start)
+    base = whole.kind.refit(whole, start)
     if not np.all(np.isfinite(base.residual)):
         raise ValueError("the simulation diverges, whatever its coefficients")
     problem, base = _without_spoiled(whole, base, start)
@@ -222,7 +222,7 @@ def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
     for _ in range(MOST_FINAL_FITS):
         if not decision.rivals or fitted.weighted or watch.no_time_for("fitting to the last digit"):
             break
-        again = problem.kind.never_worse(problem, fitted.model)
+        again = problem.kind.refit(problem, fitted.model)
         settled = again.cost > (1.0 - SETTLED) * fitted.cost
         fitted = min((again, fitted), key=lambda each: each.cost)
         if settled:
@@ -307,7 +307,7 @@ def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Prob
     if not any(s.any() for s in spoiled):
         return problem, base
     problem = problem.with_used([e.used & ~s for e, s in zip(problem.experiments, spoiled, strict=True)])
-    return problem, problem.kind.never_worse(problem, problem.with_initial_states(start))
+    return problem, problem.kind.refit(problem, problem.with_initial_states(start))
 
 
 def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:

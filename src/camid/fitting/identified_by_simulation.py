@@ -16,7 +16,7 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
     """Output error through the engine, whatever the method asked for; in a closed loop the error of the control."""
     structure, kind = problem.structure, problem.kind
     nominal = Model(structure.coefficients(), constants=kind.constants())
-    fitted = kind.never_worse(problem, problem.with_initial_states(nominal))
+    fitted = kind.refit(problem, problem.with_initial_states(nominal))
     count = int(np.count_nonzero(structure.free))
     covariance = structure.full_covariance(fitted.covariance[:count, :count])
     residuals = [e.output - s for e, s in zip(problem.experiments, problem.simulate(fitted.model), strict=True)]

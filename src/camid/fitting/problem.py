@@ -202,9 +202,19 @@ class Problem:
         longest = max(len(t) for t in self.times)
         return self if rows + ROWS_AFTER_FITTED >= longest else self.start_of(rows + ROWS_AFTER_FITTED)
 
+    def _needs_whole_input(self, model: Model) -> bool:
+        """Whether the input between two samples depends on all of them, so that no part of a recording stands alone."""
+        for experiment in self.experiments:
+            acquisition = experiment.acquisition
+            for effect in model.effects:
+                acquisition = effect.declare(acquisition)
+            if acquisition.hold == "band-limited":
+                return True
+        return False
+
     def simulate_fitted(self, model: Model) -> Array:
         """What is compared with the outputs, the fitted rows of all recordings, concatenated; shape (M,)."""
-        short = self._until_last_fitted
+        short = self if self._needs_whole_input(model) else self._until_last_fitted
         parts = [short.simulate_one(model, i)[e.used] for i, e in enumerate(short.experiments) if e.used.any()]
         return np.concatenate(parts) if parts else np.zeros(0)
 

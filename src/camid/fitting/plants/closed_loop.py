@@ -159,7 +159,7 @@ class ClosedLoop(PlantKind):
         before, after = models
         return error(before), error(after)
 
-    def refit(self, problem: Problem, start: Model) -> Fitted:
+    def _searched(self, problem: Problem, start: Model) -> Fitted:
         """Output error over the whole record: the controller keeps the simulation near the recording."""
         return fit(problem, start if start.initial else recorded_start(problem, start), steps=STEPS)
 

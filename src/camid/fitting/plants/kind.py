@@ -257,18 +257,19 @@ class PlantKind:
 
     # -- how it is fitted --------------------------------------------------------------------------------------------
 
-    def never_worse(self, problem: Problem, start: Model) -> Fitted:
-        """The same as :meth:`refit`, or least squares from the start where that has led to more than the start leaves.
+    def refit(self, problem: Problem, start: Model) -> Fitted:
+        """The nominal structure with its coefficients, its effects and the initial states re-estimated.
 
-        A search may end in another minimum than the one that the given model lies in.
+        It never leaves more than the start does: a search may end in another minimum than the one that the given model
+        lies in, and then least squares from there take its place.
         """
-        found, given = self.refit(problem, start), evaluate(problem, start)
+        found, given = self._searched(problem, start), evaluate(problem, start)
         if np.isfinite(found.cost) and not given.cost < found.cost:
             return found
         return min((fit(problem, start), given), key=lambda fitted: fitted.cost)
 
-    def refit(self, problem: Problem, start: Model) -> Fitted:
-        """The nominal structure with its coefficients, its effects and the initial states re-estimated."""
+    def _searched(self, problem: Problem, start: Model) -> Fitted:
+        """What the search for the best coefficients, effects and initial states finds; for :meth:`refit` alone."""
         return fit_growing(problem, start)
 
     def with_initial_states(self, problem: Problem, model: Model) -> Model:

@@ -50,7 +50,7 @@ class LinearPlant(PlantKind):
         acquisition = replace(problem.chain(model, index).declared(), hold=hold)
         return [sample(plant, force, acquisition) for force in forces]
 
-    def refit(self, problem: Problem, start: Model) -> Fitted:
+    def _searched(self, problem: Problem, start: Model) -> Fitted:
         """The exact path of identification; where effects are declared, output error with them."""
         if start.effects:
             return self._refit_with_effects(problem, start)
