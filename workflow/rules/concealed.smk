@@ -7,6 +7,8 @@ if "concealed_seed" in config:
 # The seed is part of every path, so that nothing of another seed is ever taken for this one's.
 CONCEALED_FOLDER = "results/concealed/{set}/{seed}"
 CONCEALED_SHARD = "{shard}_of_{shards}"
+# The longest chain of jobs begins first, or it would keep one core busy when all else is done.
+CONCEALED_PRIORITY = 1
 # Figure → the table that it shows, and its title.
 CONCEALED_FIGURES = {
     "confusion_matrix": ("scores", "What was concealed and what was named"),
@@ -51,6 +53,7 @@ rule concealed_salt:
         f"{CONCEALED_FOLDER}/salt",
     log:
         "results/logs/concealed_salt_{set}_{seed}.log",
+    priority: CONCEALED_PRIORITY
     message:
         "Drawing the salt of the seals."
     script:
@@ -67,6 +70,7 @@ rule concealed_recordings:
         seals=f"{CONCEALED_FOLDER}/seals/{CONCEALED_SHARD}.csv",
     log:
         "results/logs/concealed_recordings_{set}_{seed}_{shard}_of_{shards}.log",
+    priority: CONCEALED_PRIORITY
     params:
         code=script_code("concealed_recordings.py"),
         number=lambda wildcards: CONCEALED[wildcards.set]["recordings"],
@@ -86,6 +90,7 @@ rule concealed_diagnoses:
         run_times=f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
     log:
         "results/logs/concealed_diagnoses_{set}_{seed}_{shard}_of_{shards}.log",
+    priority: CONCEALED_PRIORITY
     params:
         code=script_code("concealed_diagnoses.py", "camid.cli.diagnose"),
     message:

@@ -36,6 +36,8 @@ NOMINAL_START_ERROR = 0.1
 # Fall of the criterion that betrays another minimum of the coefficients, and how often the search restarts from one.
 ANOTHER_MINIMUM = 10.0
 MOST_RESTARTS = 3
+# Difference of the criterion within which two fits of the same effects are the same minimum.
+SAME_MINIMUM = 1.0
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,26 @@ class Decision:
     fitted: Fitted
     rivals: list[list[Hypothesis]] = field(default_factory=list)
     without: list[Fitted] = field(default_factory=list)
+
+
+class _Searches:
+    """What was found beside each set of effects, so that nothing is searched for twice."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, ...], tuple[float, list[Hypothesis]]] = {}
+
+    def beside(self, base: Fitted) -> list[Hypothesis] | None:
+        """What an earlier search beside the same effects found, if the coefficients were in the same minimum."""
+        criterion, found = self._found.get(self._effects(base), (np.inf, []))
+        return found if abs(criterion - base.criterion) < SAME_MINIMUM else None
+
+    def keep(self, base: Fitted, found: list[Hypothesis]) -> None:
+        """Remember what a search found."""
+        self._found[self._effects(base)] = (base.criterion, found)
+
+    @staticmethod
+    def _effects(base: Fitted) -> tuple[str, ...]:
+        return tuple(sorted(e.identifier for e in base.model.effects))
 
 
 def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) -> float:
@@ -99,6 +121,7 @@ def select_effects(
     watch = watch or Watch()
     current, rivals, restarts = base, [], 0
     known = len(base.model.effects)
+    searches = _Searches()
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
@@ -109,6 +132,7 @@ def select_effects(
         effort = BESIDE_OTHERS if beside else first_effort(problem.kind)
         start = _nominal_start(problem, current, nominal)
         ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch)
+        searches.keep(current, ranked)
         screened = None
         ranked = [
             h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)
@@ -126,7 +150,7 @@ def select_effects(
         rivals.append(ranked)
     if len(current.model.effects) - known < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
-    return _swapped(problem, base, current, watch)
+    return _swapped(problem, base, current, searches, watch)
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
@@ -163,7 +187,7 @@ def _refuted(
     return refuted(expected, noise, before, after, bool(effect.breaks() or effect.impulses()))
 
 
-def _swapped(problem: Problem, base: Fitted, current: Fitted, watch: Watch) -> Decision:
+def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searches, watch: Watch) -> Decision:
     """Put every effect to the test beside the others, until none is swapped or removed."""
     first = len(base.model.effects)
     rivals: list[list[Hypothesis]] = []
@@ -188,8 +212,11 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, watch: Watch) -> D
             ):
                 current, changed = others, True
                 break
-            ranked = hypotheses(problem, others, screen(problem, others), effort=RIVALS, watch=watch)
-            ranked = sorted([own, *(h for h in ranked if h.identifier != identifier)], key=lambda h: h.criterion)
+            found = searches.beside(others)
+            if found is None:
+                found = hypotheses(problem, others, screen(problem, others), effort=RIVALS, watch=watch)
+                searches.keep(others, found)
+            ranked = sorted([own, *(h for h in found if h.identifier != identifier)], key=lambda h: h.criterion)
             if ranked[0].criterion < own.criterion - SWAP_MARGIN:
                 current, changed = ranked[0].fitted, True
                 break

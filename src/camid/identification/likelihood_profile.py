@@ -8,6 +8,7 @@ moved, all others following, before the deviance rises by the 95 % point of χ²
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,10 +138,14 @@ class _Profile:
         """Distance at which the deviance reaches the 95 % point; infinite if it never does."""
         from scipy.optimize import brentq
 
-        limit = float(self.fit.parameters[i]) if self.bounded[i] and side < 0.0 else np.inf
-
+        # The ends of the bracket are known when the root is sought in it, and each costs a fit.
+        @cache
         def excess(distance: float) -> float:
+            if distance == 0.0:
+                return -WIDTH
             return float(np.sqrt(max(self.deviance(i, side * distance), 0.0))) - WIDTH
+
+        limit = float(self.fit.parameters[i]) if self.bounded[i] and side < 0.0 else np.inf
 
         near, far = 0.0, WIDTH * float(np.sqrt(self.covariance[i, i]))
         for _ in range(DOUBLINGS):

@@ -119,9 +119,18 @@ def mode_grid(period: float, count: int, *, aliases: bool) -> Array:
     return np.stack([np.ones_like(frequency), 2.0 * damping * frequency, frequency**2], axis=-1)
 
 
-def pole_grid(period: float, count: int) -> list[Array]:
-    """Denominators of single real poles."""
-    return [np.array([1.0, p]) for p in np.geomspace(1.0 / (count * period), 2.0 * np.pi / period, 16)]
+def pole_grid(period: float, count: int) -> Array:
+    """Denominators of single real poles, shape (16, 2)."""
+    poles = np.geomspace(1.0 / (count * period), 2.0 * np.pi / period, 16)
+    return np.stack([np.ones_like(poles), poles], axis=-1)
+
+
+def _products(polynomial: Array, factors: Array) -> Array:
+    """Products of a polynomial with each of many of one degree, shape (factors, coefficients)."""
+    products = np.zeros((len(factors), len(polynomial) + factors.shape[1] - 1))
+    for i in range(factors.shape[1]):
+        products[:, i : i + len(polynomial)] += np.outer(factors[:, i], polynomial)
+    return products
 
 
 def single_modes(structure: Structure, experiments: list[Experiment], records: Records) -> list[Array]:
@@ -148,12 +157,12 @@ def from_grid(structure: Structure, experiments: list[Experiment], records: Reco
         return single_modes(structure, experiments, records)
     period = experiments[0].acquisition.period
     count = max(len(e.output) for e in experiments)
-    modes = list(_grid_for(experiments).reshape(-1, 3))
+    modes = _grid_for(experiments).reshape(-1, 3)
     grown = [np.ones(1)]
     while len(grown[0]) - 1 < structure.order:
         missing = structure.order - (len(grown[0]) - 1)
         parts = modes if missing >= 2 else pole_grid(period, count)
-        polynomials = [np.asarray(np.polymul(base, part), dtype=np.float64) for base in grown for part in parts]
+        polynomials = [product for base in grown for product in _products(base, parts)]
         size = len(polynomials[0]) - 1
         partial = structure if size == structure.order else Structure.of_order(size, size - 1)
         ranked = sorted(output_errors_of(partial, records, polynomials), key=lambda c: c.cost)
