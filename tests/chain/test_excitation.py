@@ -111,3 +111,16 @@ def test_schroeder_keeps_the_peak_low():
 def test_a_multisine_that_cannot_be_is_refused(lines, options, message):
     with pytest.raises(ValueError, match=message):
         multisine(64, lines, **options)
+
+
+@pytest.mark.parametrize("order", range(2, 21))
+def test_sequence_is_that_of_scipy(order):
+    from scipy.signal import max_len_seq
+
+    assert np.array_equal(pseudo_random_binary_sequence(order), 2.0 * max_len_seq(order)[0] - 1.0)
+
+
+@pytest.mark.parametrize("order", [0, 1, 33])
+def test_register_without_known_taps_is_refused(order):
+    with pytest.raises(ValueError, match=f"is 2 to 32, not {order}"):
+        pseudo_random_binary_sequence(order)

@@ -17,6 +17,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+# Taps of shift registers of maximal length, by the number of stages; the same as in scipy.signal.max_len_seq.
+TAPS = {
+    2: (1,), 3: (2,), 4: (3,), 5: (3,), 6: (5,), 7: (6,), 8: (7, 6, 1), 9: (5,), 10: (7,), 11: (9,), 12: (11, 10, 4),
+    13: (12, 11, 8), 14: (13, 12, 2), 15: (14,), 16: (15, 13, 4), 17: (14,), 18: (11,), 19: (18, 17, 14), 20: (17,),
+    21: (19,), 22: (21,), 23: (18,), 24: (23, 22, 17), 25: (22,), 26: (25, 24, 20), 27: (26, 25, 22), 28: (25,),
+    29: (27,), 30: (29, 28, 7), 31: (28,), 32: (31, 30, 10),
+}  # fmt: skip
+
 
 def pseudo_random_binary_sequence(order: int, periods: int = 1, amplitude: float = 1.0) -> Array:
     """Pseudo-random binary sequence of maximal length.
@@ -42,13 +50,35 @@ def pseudo_random_binary_sequence(order: int, periods: int = 1, amplitude: float
 
     Notes
     -----
-    ``scipy.signal.max_len_seq`` supplies the register's taps and its starting state (all ones).
+    The register starts with ones. The sequence is that of ``scipy.signal.max_len_seq`` (a test compares them), whose
+    package takes a second to import: a tenth of what the whole workflow computes.
     """
-    from scipy.signal import max_len_seq
-
     _check_periods(periods)
-    bits = max_len_seq(order)[0].astype(np.float64)
-    return np.tile(amplitude * (2.0 * bits - 1.0), periods)
+    if order not in TAPS:
+        raise ValueError(f"the order of a pseudo-random binary sequence is 2 to 32, not {order}")
+    return np.tile(amplitude * (2.0 * _shift_register(order, TAPS[order]) - 1.0), periods)
+
+
+def _shift_register(order: int, taps: tuple[int, ...]) -> NDArray[np.uint8]:
+    """One period of what a shift register of ones puts out, shape (2^order − 1,).
+
+    The recurrence s[i + n] = s[i] ⊕ s[i + t] ⊕ … holds with n and every t doubled, too (squares of polynomials modulo
+    two), so that ever longer parts follow from what is known.
+    """
+    length = 2**order - 1
+    bits = np.ones(length, np.uint8)
+    known, stride = min(order, length), 1
+    while known < length:
+        if 2 * stride * order <= known:
+            stride *= 2
+        first = known - stride * order
+        count = min(stride * (order - max(taps)), length - known)
+        part = bits[first : first + count].copy()
+        for tap in taps:
+            part ^= bits[first + stride * tap : first + stride * tap + count]
+        bits[known : known + count] = part
+        known += count
+    return bits
 
 
 def two_level_amplitudes(order: int, low: float, high: float, periods: int = 1) -> Array:

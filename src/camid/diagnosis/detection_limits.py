@@ -25,11 +25,11 @@ LARGEST_FACTOR = 1e4
 
 def needed(problem: Problem, effect: type[Effect]) -> float:
     """Root of the expected gain at which 95 % of the recordings detect an effect."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     count = sum(not e.noise_like for e in known_effects().values())
     freedom = max(len(effect.numeric()), 1)
-    threshold = float(chi2.isf(FALSE_ALARM / (trials(effect, problem) * count), freedom))
+    threshold = float(chdtri(freedom, FALSE_ALARM / (trials(effect, problem) * count)))
     return float(np.sqrt(threshold)) + POWER
 
 

@@ -82,11 +82,11 @@ class _Searches:
 
 def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) -> float:
     """Bound on the probability that an effect improves the likelihood as much where it is not."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     freedom = max(len(known_effects()[identifier].numeric()), 1)
     ratio = before.noise.deviance - after.noise.deviance
-    return min(float(chi2.sf(ratio, freedom)) * searched(problem, identifier), 1.0)
+    return min(float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, identifier), 1.0)
 
 
 def searched(problem: Problem, identifier: str) -> float:

@@ -224,7 +224,7 @@ def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:
     """The likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     if not screened:
         return []
@@ -232,7 +232,7 @@ def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: Sea
     count = len({c.effect.identifier for c in screened})
     shapes: dict[str, list[ScreenedEffect]] = {}
     for candidate in screened:
-        chance = float(chi2.sf(candidate.gain, 1)) * trials(type(candidate.effect), problem) * count
+        chance = float(chdtrc(1, candidate.gain)) * trials(type(candidate.effect), problem) * count
         if candidate.gain >= least and chance < MOST_CHANCE:
             known = shapes.setdefault(candidate.effect.identifier, [])
             if len(known) < effort.shapes:

@@ -312,7 +312,7 @@ def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Prob
 
 def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
     """The decision's model refitted in the metric of its noise, if that is coloured, and without what it refutes."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     for _ in range(MOST_EFFECTS + 1):
         final = decision.fitted
@@ -325,7 +325,8 @@ def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
         for i, effect in enumerate(again.model.effects[known:]):
             without = fit(problem, again.model.without(known + i), steps=15, whitening=whitening)
             ratio = len(again.residual) * float(np.log(_whitened_cost(problem, without, whitening) / cost))
-            chance = float(chi2.sf(ratio, max(len(effect.numeric()), 1))) * searched(problem, effect.identifier)
+            freedom = max(len(effect.numeric()), 1)
+            chance = float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, effect.identifier)
             if chance >= FALSE_ALARM:
                 refuted = i, without
         if refuted is None:

@@ -15,6 +15,7 @@ from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
 from camid.identification.residual_analysis import analyse_residual, in_units_of_the_data
+from camid.identification.safeguarded import safeguarded_srivc
 from camid.identification.structure import Structure
 
 Array = NDArray[np.float64]
@@ -27,10 +28,7 @@ REFINEMENTS = ((1e-3, np.inf), (1e-6, 1e-2))
 FAILED_COST = 1e300
 # Rows from the start of a recording on which they are refined.
 REFINEMENT_ROWS = 20_000
-# A step that promises less than this share of the sum of squares is not taken.
-GAUSS_NEWTON_STEPS = 20
-SHORTEST_STEP = 1e-3
-GAIN = 1e-6
+REFIT_ITERATIONS = 20
 
 
 def alternative_declarations(
@@ -229,35 +227,7 @@ def refitted(
     """
     monic = plant.monic
     predictor = Predictor.around(structure, experiments, np.array(monic.denominator))
-    with np.errstate(all="ignore"):  # a step too long overflows, and is halved
-        parameters, cost = _gauss_newton(
-            predictor, predictor.with_fitted_initial_states(np.array([*monic.numerator, *monic.denominator[1:]]))
-        )
-    coefficients = np.where(structure.free, predictor.to_physical(parameters), structure.coefficients())
-    return cost, structure.plant(coefficients)
-
-
-def _gauss_newton(predictor: Predictor, parameters: Array) -> tuple[Array, float]:
-    free = predictor.free
-    residual, table = predictor.linearise(parameters)
-    cost, length = float(residual @ residual), 1.0
-    for _ in range(GAUSS_NEWTON_STEPS):
-        sizes = np.linalg.norm(table[:, free], axis=0)
-        sizes[sizes == 0.0] = 1.0
-        orthonormal, triangle = np.linalg.qr(table[:, free] / sizes)
-        projected = orthonormal.T @ residual
-        if not projected @ projected > GAIN * cost:
-            break
-        step = np.zeros(len(free))
-        step[free] = np.linalg.lstsq(triangle, projected, rcond=None)[0] / sizes
-        length = min(2.0 * length, 1.0)
-        while length > SHORTEST_STEP:
-            trial_residual, trial_table = predictor.linearise(parameters + length * step)
-            trial = float(trial_residual @ trial_residual)
-            if trial < cost:
-                parameters, residual, table, cost = parameters + length * step, trial_residual, trial_table, trial
-                break
-            length *= 0.5
-        else:
-            break
-    return parameters, cost
+    start = predictor.with_fitted_initial_states(np.array([*monic.numerator, *monic.denominator[1:]]))
+    found = safeguarded_srivc(predictor, start, maximum_iterations=REFIT_ITERATIONS)
+    coefficients = np.where(structure.free, predictor.to_physical(found.parameters), structure.coefficients())
+    return found.cost, structure.plant(coefficients)

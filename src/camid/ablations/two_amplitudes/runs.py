@@ -163,7 +163,7 @@ def _compare_halves(
     signal: Array, output: Array, acquisition: Acquisition, nominal: TransferFunction
 ) -> dict[str, float]:
     """Standardised differences between the estimates of the two halves of a record, and their joint probability."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     middle = (len(signal) - 1) // 2
     first = whole_experiment(signal[: middle + 1], output[: middle + 1], acquisition)
@@ -177,7 +177,7 @@ def _compare_halves(
     squared = float(difference @ np.linalg.solve(covariance, difference))
     return {
         **by_parameter("standardised", difference / np.sqrt(np.diag(covariance))),
-        "probability": float(chi2.sf(squared, len(PARAMETERS))),
+        "probability": float(chdtrc(len(PARAMETERS), squared)),
     }
 
 
