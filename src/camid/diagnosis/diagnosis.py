@@ -113,6 +113,30 @@ class Finding:
 
 
 @dataclass(frozen=True)
+class Correction:
+    """An effect that the improved simulation holds without claiming it: what the laws of the findings have inexactly.
+
+    Attributes
+    ----------
+    identifier, place, title : str
+    parameters : dict of str to ParameterEstimate
+    """
+
+    identifier: str
+    place: str
+    title: str
+    parameters: dict[str, ParameterEstimate]
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        return {
+            "id": self.identifier,
+            "place": self.place,
+            "parameters": {name: p.to_mapping() for name, p in self.parameters.items()},
+        }
+
+
+@dataclass(frozen=True)
 class NormalisedErrors:
     """Normalised errors on rows that were not fitted.
 
@@ -269,6 +293,8 @@ class Diagnosis:
         Root mean square of what the simulation declares to be unexplained, where the verdict rests on it.
     further_signals : list of Signals
         Of the other recordings, in the order of ``recordings``.
+    corrections : list of Correction
+        Further effects of the improved simulation, which are not claimed.
     """
 
     verdict: str
@@ -289,6 +315,7 @@ class Diagnosis:
     residual_of: str = "output"
     known_remainder: float | None = None
     further_signals: list[Signals] = field(default_factory=list)
+    corrections: list[Correction] = field(default_factory=list)
 
     @property
     def compared(self) -> str:
@@ -309,6 +336,7 @@ class Diagnosis:
             "explanation": self.explanation,
             "location": self.location.to_mapping(),
             "effects": [f.to_mapping() for f in self.findings],
+            "corrections": [c.to_mapping() for c in self.corrections],
             "fit": self.fit.to_mapping(),
             "undetectable": [u.to_mapping() for u in self.undetectable],
             "coefficients": [vars(c) for c in self.coefficients],

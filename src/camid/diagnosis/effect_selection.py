@@ -52,12 +52,20 @@ class Decision:
         For each effect found: every hypothesis in its place, the best first, the effect itself among them.
     without : list of Fitted
         For each effect found: the model without it, fitted.
+    corrected : Fitted or None
+        With corrections of the effects' laws behind them, where those lower the error without deserving a name.
     """
 
     base: Fitted
     fitted: Fitted
     rivals: list[list[Hypothesis]] = field(default_factory=list)
     without: list[Fitted] = field(default_factory=list)
+    corrected: Fitted | None = None
+
+    @property
+    def improved(self) -> Fitted:
+        """What the improved simulation holds: the effects found come first."""
+        return self.fitted if self.corrected is None else self.corrected
 
 
 class _Searches:

@@ -23,7 +23,7 @@ def removed_shares(base: Fitted, decision: Decision) -> list[float]:
     return [min(max((w.cost - decision.fitted.cost) / total, 0.0), 1.0) for w in decision.without]
 
 
-def _simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
+def simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
     """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there."""
     simulated = problem.simulate(model)
     errors = np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
@@ -41,20 +41,20 @@ def errors(
     left: Sequence[PlaceTest],
 ) -> NormalisedErrors:
     """Errors on validation rows, and what the noise alone would leave there; ``left`` are the tests of what is left."""
-    final = decision.fitted
+    final = decision.improved
     recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
     structured = max((t.share for t in left), default=0.0)
     variance = final.cost * (1.0 - structured) / max(len(final.residual) - len(final.packing.names), 1)
     index = next(i for i, r in enumerate(validation) if r.any())
     times = problem.times[index][validation[index]]
     return NormalisedErrors(
-        _simulated_error(problem, nominal, validation),
-        _simulated_error(problem, decision.base.model, validation),
-        _simulated_error(problem, final.model, validation),
+        simulated_error(problem, nominal, validation),
+        simulated_error(problem, decision.base.model, validation),
+        simulated_error(problem, final.model, validation),
         float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
         (float(times[0]), float(times[-1])),
         chosen,
-        problem.kind.position_errors(problem, (decision.base.model, decision.fitted.model), validation),
+        problem.kind.position_errors(problem, (decision.base.model, final.model), validation),
     )
 
 
@@ -64,10 +64,10 @@ def validation_gains(
     """Share of the mean square error on validation rows that each effect removes beside the others."""
     if not decision.without:
         return []
-    final = _simulated_error(problem, decision.fitted.model, validation) ** 2
+    final = simulated_error(problem, decision.fitted.model, validation) ** 2
     gains: list[float | None] = []
     for without in decision.without:
-        other = _simulated_error(problem, without.model, validation) ** 2
+        other = simulated_error(problem, without.model, validation) ** 2
         gains.append(1.0 - final / other if other > 0.0 else None)
     return gains
 

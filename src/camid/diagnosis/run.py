@@ -17,6 +17,7 @@ from camid.diagnosis.evidence import (
     errors,
     removed_shares,
     signals_of,
+    simulated_error,
     tests_of,
     validation_gains,
 )
@@ -25,8 +26,8 @@ from camid.diagnosis.improved_simulation import Deviations, improved_simulation,
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, unlisted_weight
 from camid.diagnosis.screening import ScreenedEffect, screen
-from camid.diagnosis.simplest_effects import simplest
-from camid.diagnosis.verdict import effect_deviations, explanation, findings, verdict_of
+from camid.diagnosis.simplest_effects import corrected, simplest
+from camid.diagnosis.verdict import corrections_of, effect_deviations, explanation, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -211,9 +212,22 @@ def _simplified(
     if residue.reasons and decision.rivals:
         share = max((t.share for t in residue.places), default=0.0)
         simpler = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
-        decision = simpler if simpler.fitted is decision.fitted else _converged(problem, simpler, watch)
+        if simpler.fitted is not decision.fitted:
+            decision = _corrected(setting, _converged(problem, simpler, watch), watch)
         residue = _residue(setting, decision, before)
     return decision, residue
+
+
+def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
+    """The simpler decision with a correction in its improved model, if rows that were not fitted speak for it."""
+    if watch.no_time_for("a correction of the laws"):
+        return simpler
+    problem, validation = setting.problem, setting.validation
+    found = corrected(problem, simpler, watch)
+    if found is None:
+        return simpler
+    before, after = (simulated_error(problem, f.model, validation) for f in (simpler.fitted, found))
+    return replace(simpler, corrected=found) if after < before else simpler
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
@@ -232,7 +246,7 @@ def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
 
 def _residue(setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest]) -> Residue:
     """Tests of what a decision leaves, and what changes the noise."""
-    problem, whole, final = setting.problem, setting.whole, decision.fitted
+    problem, whole, final = setting.problem, setting.whole, decision.improved
     after = before if final is decision.base else mismatch_location.places(problem, final)
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
@@ -252,7 +266,7 @@ def _diagnosis(
 ) -> Diagnosis:
     """What is said of a decision."""
     believed, problem, validation = setting.believed, setting.problem, setting.validation
-    base, final, after, reasons = decision.base, decision.fitted, residue.places, residue.reasons
+    base, final, after, reasons = decision.base, decision.improved, residue.places, residue.reasons
     fits = errors(problem, setting.simulated, decision, validation, setting.chosen, [])
     unlisted = unlisted_weight(base, final, after, reasons, fits)
     if reasons:
@@ -263,14 +277,16 @@ def _diagnosis(
     verdict = verdict_of(bool(found), bool(reasons))
     location = _location(problem, base, found, before, reasons)
     watch.say("working out what the recording could not have shown")
-    names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
+    corrections = corrections_of(decision, setting.known)
+    names = {f.identifier for f in found} | {c.identifier for c in corrections}
+    names |= {e.identifier for e in setting.nominal.effects}
     effects = [*zip(final.model.effects, effect_deviations(final), strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, validation)
     known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, validation)
     return Diagnosis(
         verdict,
-        explanation(verdict, found, fits, location, known_remainder),
+        explanation(verdict, found, fits, location, known_remainder, corrections),
         location,
         found,
         fits,
@@ -279,6 +295,7 @@ def _diagnosis(
         tests_of(problem, base, final, before, after),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
+        corrections=corrections,
         rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,

@@ -3,7 +3,8 @@
 A likelihood takes every law as exact. With ten thousand samples of a real rig it then calls for a further effect, and a
 further parameter, whatever small part of the true law they imitate. Where structure is left, an effect beside
 others has to explain most of what the others leave, and a general law has to explain more than its special case by a
-margin that justifies a name; else the name would be that of a correction.
+margin that justifies a name; else the name would be that of a correction. A correction that holds on rows that were not
+fitted stays in the improved simulation all the same: it is modelled, and not named.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import numpy as np
 
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
+from camid.diagnosis.screening import screen
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
@@ -56,6 +58,27 @@ def simplest(
     for index in range(len(decision.rivals)):
         decision = _special(problem, decision, known, index, noise)
     return decision
+
+
+def corrected(problem: Problem, simpler: Decision, watch: Watch) -> Fitted | None:
+    """The likeliest law beside the effects of a decision that left some out; None where nothing corrects them.
+
+    What depends on the time (a drift, a blow) corrects nothing: another recording would not have it.
+
+    Parameters
+    ----------
+    problem : Problem
+    simpler : Decision
+        What :func:`simplest` made of a decision.
+    watch : Watch
+    """
+    watch.say("looking for a correction of the laws")
+    laws = [c for c in screen(problem, simpler.fitted) if not c.effect.of_one_recording]
+    ranked = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
+    if not ranked or ranked[0].criterion >= simpler.fitted.criterion:
+        return None
+    fitted = problem.kind.refit(problem, ranked[0].fitted.model)
+    return min((fitted, ranked[0].fitted), key=lambda f: f.cost)
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:

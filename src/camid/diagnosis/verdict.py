@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import UNLISTED, Finding, Location, NormalisedErrors, ParameterEstimate
+from camid.diagnosis.diagnosis import UNLISTED, Correction, Finding, Location, NormalisedErrors, ParameterEstimate
 from camid.diagnosis.effect_selection import Decision, p_value
 from camid.diagnosis.hypothesis import weights
 from camid.effects import known_effects
@@ -63,12 +63,12 @@ def findings(
     unlisted : float
         Weight of physics outside of the catalogue.
     """
-    deviations = effect_deviations(decision.fitted)
+    deviations = effect_deviations(decision.improved)
     # Effects that describe much of the same leave little for each beside the others.
     together = min(max(1.0 - decision.fitted.cost / max(decision.base.cost, 1e-300), 0.0), 1.0)
     common = {} if len(removed) < 2 else {"share_together": together}
     result = []
-    for i, effect in enumerate(decision.fitted.model.effects[known:]):
+    for i, effect in enumerate(decision.improved.model.effects[known : len(decision.fitted.model.effects)]):
         ranked = decision.rivals[i]
         names = weights(ranked, decision.without[i])
         own = next((w for name, w in names if name == effect.identifier), 1.0)
@@ -107,6 +107,23 @@ def findings(
     return sorted(result, key=lambda f: -f.evidence["share"])
 
 
+def corrections_of(decision: Decision, known: int) -> list[Correction]:
+    """What the improved model holds behind the effects that are named.
+
+    Parameters
+    ----------
+    decision : Decision
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+    """
+    first = known + len(decision.rivals)
+    deviations = effect_deviations(decision.improved)
+    return [
+        Correction(effect.identifier, effect.place, effect.title, parameters_of(effect, deviations[first + i]))
+        for i, effect in enumerate(decision.improved.model.effects[first:])
+    ]
+
+
 def recognised(recognition: Recognition) -> Finding:
     """Finding of a noise-like effect."""
     effect = recognition.effect
@@ -129,7 +146,12 @@ def verdict_of(named: bool, structured: bool) -> str:
 
 
 def explanation(
-    verdict: str, found: Sequence[Finding], fit: NormalisedErrors, location: Location, remainder: float | None = None
+    verdict: str,
+    found: Sequence[Finding],
+    fit: NormalisedErrors,
+    location: Location,
+    remainder: float | None = None,
+    corrections: Sequence[Correction] = (),
 ) -> str:
     """Two or three plain sentences with the numbers in them."""
     before, after, floor = (_share(v) for v in (fit.refitted, fit.improved, fit.noise_floor))
@@ -164,6 +186,12 @@ def explanation(
         f"(coefficients re-estimated) to {after} of the output's standard deviation; noise alone is {floor}."
         f"{where}"
     )
+    if corrections:
+        titles = " and ".join(c.title.lower() for c in corrections)
+        sentence += (
+            f" The improved simulation also holds {titles}, not as a finding but as a correction: it lowers this "
+            f"error, and may only stand for what the law above has inexactly."
+        )
     if verdict == "partly-explained":
         sentence += " What is left is still structured, so something else is missing, too, or the law is another."
     classes = [f for f in found if [n for n, w in f.alternatives if w >= 0.02 and n != UNLISTED]]

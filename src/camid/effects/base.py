@@ -95,6 +95,8 @@ class Effect:
         Of a noise-like effect, whether noise of a variance that changes (see :meth:`added_variance`) imitates it.
     colours_noise : bool
         Whether it describes a residual that is not white; see :meth:`of_autoregression`.
+    of_one_recording : bool
+        Whether it depends on the time, so that another recording of the same rig says nothing of it.
     bends_coefficients : bool
         Of an effect without parameters, whether coefficients that are re-estimated without it mean nothing.
 
@@ -126,6 +128,7 @@ class Effect:
     makes_variance_uneven: ClassVar[bool] = False
     judged_by_even_spread: ClassVar[bool] = False
     colours_noise: ClassVar[bool] = False
+    of_one_recording: ClassVar[bool] = False
     bends_coefficients: ClassVar[bool] = False
     # Compiled parts; see :class:`Compiled` for their arguments.
     force: ClassVar[Compiled | None] = None

@@ -36,6 +36,7 @@ class PeriodicDisturbance(Effect):
         Parameter("phase", "rad", "phase φ at time zero", scale="one"),
     )
     separated_by = (SeparatingExperiment.REPEATED_INPUT,)
+    of_one_recording = True
     strength = "amplitude"
     trials = "frequencies"
 
@@ -111,6 +112,7 @@ class StepDisturbance(Effect):
         SeparatingExperiment.REPEATED_INPUT,
         SeparatingExperiment.NO_INPUT,
     )
+    of_one_recording = True
     strength = "size"
     trials = "frames"
 
@@ -145,6 +147,7 @@ class ImpulseDisturbance(Effect):
         Parameter("time", "s", "time t_0", scale="period"),
     )
     separated_by = (SeparatingExperiment.NO_INPUT,)
+    of_one_recording = True
     strength = "size"
     trials = "frames"
 

@@ -369,6 +369,7 @@ class ParameterDrift(Effect):
         Parameter("rate", "1/s", "relative change r per second"),
     )
     separated_by = (SeparatingExperiment.REPEATED_INPUT,)
+    of_one_recording = True
     strength = "rate"
 
     def __init__(self, **values: Any) -> None:

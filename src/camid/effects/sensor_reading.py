@@ -90,6 +90,7 @@ class SensorDrift(Effect):
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
     parameters = (Parameter("rate", "y/s", "rate r"),)
     separated_by = (SeparatingExperiment.REPEATED_INPUT,)
+    of_one_recording = True
     strength = "rate"
 
     def observe(self, output: Array, time: Array) -> Array:

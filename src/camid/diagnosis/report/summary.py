@@ -155,6 +155,11 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
             head = (finding.title, finding.place) if i == 0 else ("", "")
             value = estimate_text(parameter, *names)
             table.add_row(*head, name.replace("_", " "), value, removed if i == 0 else "")
+    for correction in diagnosis.corrections:
+        for i, (name, parameter) in enumerate(correction.parameters.items()):
+            head = (f"{correction.title} (correction)", correction.place) if i == 0 else ("", "")
+            claim = "– (not claimed)" if i == 0 else ""
+            table.add_row(*head, name.replace("_", " "), estimate_text(parameter, *names), claim)
     return table
 
 
