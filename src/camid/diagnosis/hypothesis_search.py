@@ -171,7 +171,8 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     for hypothesis in fitted:
         model = hypothesis.fitted.model
         effect = model.effects[-1].simplified()
-        if effect is not None and effect.identifier not in present:
+        # What explains less than nothing has wandered off, and its special case would only follow.
+        if effect is not None and effect.identifier not in present and hypothesis.criterion < base.criterion:
             start = replace(model, effects=(*model.effects[:-1], effect))
             found.append(_fitted(problem, effect.identifier, start, FIRST_STEPS))
     return [h for h in found if h is not None]

@@ -204,18 +204,23 @@ def _simplified(
 ) -> tuple[Decision, Residue]:
     """The decision, and what it leaves; with the fewest and simplest effects where that is more than noise."""
     problem = setting.problem
-    decision = _converged(problem, decision, watch)
+    if decision.rivals and not decision.fitted.weighted:
+        again = fit(problem, decision.fitted.model, steps=ALL_STEPS)
+        decision = replace(decision, fitted=min((again, decision.fitted), key=lambda each: each.cost))
     residue = _residue(setting, decision, before)
     if setting.settled:
         declared: list[tuple[Effect, Deviations]] = [(e, {}) for e in setting.nominal.effects if e.noise_like]
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
-    if residue.reasons and decision.rivals:
-        share = max((t.share for t in residue.places), default=0.0)
+    if not decision.rivals:
+        return decision, residue
+    share = max((t.share for t in residue.places), default=0.0)
+    if residue.reasons:
         simpler = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
         if simpler.fitted is not decision.fitted:
             decision = _corrected(setting, _converged(problem, simpler, watch), watch)
-        residue = _residue(setting, decision, before)
-    return decision, residue
+            return decision, _residue(setting, decision, before)
+    decision = _converged(problem, decision, watch)
+    return decision, _residue(setting, decision, before)
 
 
 def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
@@ -226,22 +231,28 @@ def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
     found = corrected(problem, simpler, watch)
     if found is None:
         return simpler
+    found = _fitted_to_the_end(problem, found, watch)
     before, after = (simulated_error(problem, f.model, validation) for f in (simpler.fitted, found))
     return replace(simpler, corrected=found) if after < before else simpler
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
     """The decision with its model fitted until more fitting changes nothing: a search stops as soon as it can rank."""
-    fitted = decision.fitted
+    if not decision.rivals or decision.fitted.weighted:
+        return decision
+    return replace(decision, fitted=_fitted_to_the_end(problem, decision.fitted, watch))
+
+
+def _fitted_to_the_end(problem: Problem, fitted: Fitted, watch: Watch) -> Fitted:
     for _ in range(MOST_FINAL_FITS):
-        if not decision.rivals or fitted.weighted or watch.no_time_for("fitting to the last digit"):
+        if watch.no_time_for("fitting to the last digit"):
             break
         again = problem.kind.refit(problem, fitted.model)
         settled = again.cost > (1.0 - SETTLED) * fitted.cost
         fitted = min((again, fitted), key=lambda each: each.cost)
         if settled:
             break
-    return replace(decision, fitted=fitted)
+    return fitted
 
 
 def _residue(setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest]) -> Residue:

@@ -74,11 +74,10 @@ def corrected(problem: Problem, simpler: Decision, watch: Watch) -> Fitted | Non
     """
     watch.say("looking for a correction of the laws")
     laws = [c for c in screen(problem, simpler.fitted) if not c.effect.of_one_recording]
-    ranked = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
-    if not ranked or ranked[0].criterion >= simpler.fitted.criterion:
-        return None
-    fitted = problem.kind.refit(problem, ranked[0].fitted.model)
-    return min((fitted, ranked[0].fitted), key=lambda f: f.cost)
+    found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
+    # What is left is structure: a criterion that takes it for coloured noise would not count what explains it.
+    best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler.fitted)
+    return best if best.cost < simpler.fitted.cost else None
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
