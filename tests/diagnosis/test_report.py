@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from camid.diagnosis.diagnosis import Location, ParameterEstimate
+from camid.diagnosis.diagnosis import Correction, Location, ParameterEstimate
 from camid.diagnosis.report import page as report
 from camid.diagnosis.report import panel, pictures, summary
 from camid.effects import known_effects
@@ -303,6 +303,16 @@ def test_shares_of_several_effects_cannot_be_added_up_wrongly(capsys):
     assert "Together these effects remove 78.0 %" in page
     assert "error that it removes beside the others, fitted rows 9.50 %" in page
     assert "error that all effects remove together, fitted rows 78.0 %" in page
+
+
+def test_a_correction_is_shown_and_not_claimed(capsys):
+    correction = Correction(
+        "quadratic-drag", "plant", "Quadratic drag", {"coefficient": ParameterEstimate(0.5, 0.1, "u")}
+    )
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), corrections=[correction])
+    for text in texts(diagnosis, capsys):
+        assert "0.50 ± 0.10" in text
+        assert "correction" in text.lower()
 
 
 MEASURE = """<script>

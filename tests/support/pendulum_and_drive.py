@@ -17,16 +17,30 @@ def friction_step(velocity, acceleration, level, step):
 
 
 def pendulum(
-    *, natural_frequency, damping, rest, angle, friction=0.0, period=0.01, count=3000, noise=0.0, seed=0, velocity=0.0
+    *,
+    natural_frequency,
+    damping,
+    rest,
+    angle,
+    friction=0.0,
+    load=0.0,
+    period=0.01,
+    count=3000,
+    noise=0.0,
+    seed=0,
+    velocity=0.0,
 ):
-    """Free decay of a pendulum, dry friction in rad of static deflection; columns t, angle."""
-    angles = _angles(natural_frequency, damping, rest, angle, friction, period, count, velocity)
+    """Free decay of a pendulum, dry friction in rad of static deflection; columns t, angle.
+
+    ``load`` is the share by which the friction of the bearing grows with the square of the velocity that pulls at it.
+    """
+    angles = _angles(natural_frequency, damping, rest, angle, friction, load, period, count, velocity)
     random = np.random.default_rng(np.random.SeedSequence(seed))
     return pd.DataFrame({"t": period * np.arange(count), "angle": angles + noise * random.standard_normal(count)})
 
 
 @cache
-def _angles(natural_frequency, damping, rest, angle, friction, period, count, velocity):
+def _angles(natural_frequency, damping, rest, angle, friction, load, period, count, velocity):
     """Angles without noise, shape (count,)."""
     y, v = angle, velocity
     step = period / SUBSTEPS
@@ -37,10 +51,10 @@ def _angles(natural_frequency, damping, rest, angle, friction, period, count, ve
         for _ in range(SUBSTEPS):
             # Kick, drift, kick: the friction acts on both kicks.
             pull = -square * sin(y - rest) - 2.0 * damping * natural_frequency * v
-            v = friction_step(v, pull, square * friction, 0.5 * step)
+            v = friction_step(v, pull, square * friction * (1.0 + load * v * v), 0.5 * step)
             y += step * v
             pull = -square * sin(y - rest) - 2.0 * damping * natural_frequency * v
-            v = friction_step(v, pull, square * friction, 0.5 * step)
+            v = friction_step(v, pull, square * friction * (1.0 + load * v * v), 0.5 * step)
     return rows
 
 

@@ -26,7 +26,7 @@ from camid.diagnosis.improved_simulation import Deviations, improved_simulation,
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, unlisted_weight
 from camid.diagnosis.screening import ScreenedEffect, screen
-from camid.diagnosis.simplest_effects import corrected, simplest
+from camid.diagnosis.simplest_effects import LEAST_EXPLAINED, corrected, simplest
 from camid.diagnosis.verdict import corrections_of, effect_deviations, explanation, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
@@ -224,7 +224,7 @@ def _simplified(
 
 
 def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
-    """The simpler decision with a correction in its improved model, if rows that were not fitted speak for it."""
+    """The simpler decision with a correction, if that explains most of what is left on rows that were not fitted."""
     if watch.no_time_for("a correction of the laws"):
         return simpler
     problem, validation = setting.problem, setting.validation
@@ -233,7 +233,8 @@ def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
         return simpler
     found = _fitted_to_the_end(problem, found, watch)
     before, after = (simulated_error(problem, f.model, validation) for f in (simpler.fitted, found))
-    return replace(simpler, corrected=found) if after < before else simpler
+    # A correction that explains little would bend coefficients and findings for nothing.
+    return replace(simpler, corrected=found) if after**2 < (1.0 - LEAST_EXPLAINED) * before**2 else simpler
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
