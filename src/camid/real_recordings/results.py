@@ -40,10 +40,10 @@ UNITS = {
     "cascaded_tanks": {"u": "V", "y": "V"},
 }
 GRAVITY = 9.81  # m/s²
-# Seconds of the pendulums' records from the release to the rest, and a remainder beyond what any model leaves there, so
-# that plant and friction are re-estimated and nothing is looked for.
+# Seconds of the pendulums' records from the release to the rest, and a remainder above what the improved models leave
+# there, so that plant and friction are re-estimated and nothing is looked for.
 PENDULUM_WHOLE = {"pendulum_decay": (4.5, 73.0), "pendulum2_decay": (4.5, 46.0)}
-ANY_REMAINDER = 10.0  # rad
+ANY_REMAINDER = 0.2  # rad
 
 
 @dataclass(frozen=True)
@@ -131,6 +131,8 @@ def _common(results: Results) -> Iterable[Row]:
         error = _root_mean_square(residuals[f"residual_{model}"][fitted])
         yield f"fitted_error_{model}", 100.0 * error / spread, None, "%"
     yield "effects", float(len(diagnosis["effects"])), None, ""
+    for correction in diagnosis["corrections"]:
+        yield f"correction_{correction['id']}", 1.0, None, ""
     for effect in diagnosis["effects"]:
         yield f"named_{effect['id']}", 1.0, None, ""
         for name, parameter in effect["parameters"].items():
@@ -201,6 +203,8 @@ def _pendulum_decay(results: Results) -> Iterable[Row]:
     start, end = PENDULUM_WHOLE[results.name]
     reading = replace(results.improved.reading, start=start, end=end)
     whole = diagnose(results.recording, replace(results.improved, reading=reading, remainder=ANY_REMAINDER))
+    if whole.known_remainder is None:
+        raise ValueError(f"{results.name}: the improved simulation leaves more than {ANY_REMAINDER} rad of the record")
     error = _root_mean_square(whole.signals.recorded - whole.signals.improved)
     yield "whole_record_error_improved", 100.0 * error / float(np.std(whole.signals.recorded)), None, "%"
 
