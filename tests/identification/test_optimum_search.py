@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ from camid.chain.plant import TransferFunction, polynomial_roots, second_order
 from camid.identification.discrete_time_start import alias_angles, alias_denominators
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
+from camid.identification.optimum_search import Search
+from camid.identification.records import Records
 from camid.identification.structure import Structure
 
 STRUCTURE = Structure.of_order(2, 0)
@@ -79,3 +83,14 @@ def test_roots_in_closed_form_are_those_of_the_companion_matrix(coefficients):
     for root in roots:  # a small root keeps its digits beside a large one
         scale = sum(abs(c) * abs(root) ** (len(coefficients) - 1 - i) for i, c in enumerate(coefficients))
         assert abs(np.polyval(coefficients, root)) <= 1e-14 * scale
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_recording_that_only_judges_has_no_part_in_what_cannot_be_predicted(excitation):
+    fitted = replace(noisy(second_order(1.0, 10.0, 0.1), 1.0, excitation), estimate_offset=True)
+    judging = replace(fitted, output=fitted.output + 7.0, used=np.zeros(len(excitation), bool))
+    alone, both = (
+        Search(STRUCTURE, experiments, Records.of(experiments), None, print).unpredictable
+        for experiments in ([fitted], [fitted, judging])
+    )
+    assert alone == both > 0.0

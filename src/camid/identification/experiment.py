@@ -49,7 +49,7 @@ class Experiment:
 
     def for_regression(self) -> tuple[Array, Array]:
         """Input and position, shapes (N,), about their means where the offset is unknown, as if beside a constant."""
-        if not self.estimate_offset:
+        if not self.estimate_offset or not self.used.any():
             return self.signal, self.position
         rows = self.used
         driven = bool(np.any(self.signal))

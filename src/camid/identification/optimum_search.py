@@ -74,7 +74,8 @@ class Search:
     @cached_property
     def unpredictable(self) -> float:
         """Mean variance of what past outputs and inputs do not predict."""
-        return float(np.mean([innovation_variance(w) for w in self.windows]))
+        variances = [innovation_variance(w) for w in self.windows if w.used.any()]
+        return float(np.mean(variances)) if variances else 0.0
 
     def best(self) -> Optimum | None:
         """The chosen one among the optima met so far."""
