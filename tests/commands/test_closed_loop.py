@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import camid
+from camid.effects import known_effects
+from camid.effects.base import Effect
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
 from tests.support import pendulum_and_drive as rigs
@@ -26,6 +28,55 @@ def test_loop_is_simulated(limit):
     for simulated, recorded in (("simulated_input", "u"), ("simulated", "y")):
         error = found[simulated] - recording[recorded]
         assert np.sqrt(np.mean(error**2)) < 2e-3 * np.std(recording[recorded])
+
+
+def _dead_zone(command, last, seconds):
+    return np.sign(command) * max(abs(command) - 3.0, 0.0)
+
+
+def _saturation(command, last, seconds):
+    return min(max(command, -15.0), 15.0)
+
+
+def _backlash(command, last, seconds):
+    return min(max(last, command - 2.0), command + 2.0)
+
+
+def _rate_limit(command, last, seconds):
+    return last + min(max(command - last, -300.0 * seconds), 300.0 * seconds)
+
+
+def _asymmetry(command, last, seconds):
+    return command if command > 0.0 else 0.7 * command
+
+
+@pytest.mark.parametrize(
+    ("actuator", "identifier", "parameters"),
+    [
+        (_dead_zone, "dead-zone", {"half_width": 3.0}),
+        (_saturation, "saturation", {"limit": 15.0}),
+        (_backlash, "backlash", {"half_width": 2.0}),
+        (_rate_limit, "rate-limit", {"rate": 300.0}),
+        (_asymmetry, "gain-asymmetry", {"ratio": 0.7}),
+    ],
+)
+def test_the_actuator_acts_within_the_loop(actuator, identifier, parameters):
+    """What it makes of the controller's own output, not of the recorded one, which would give the answer away."""
+    recording = rigs.drive(mass=12.0, viscous=30.0, actuator=actuator)
+    content = rigs.drive_simulation(12.0, 30.0)
+    plain = camid.simulate(recording, content)["simulated_input"] - recording["u"]
+    content["effects"] = [{"id": identifier, "parameters": parameters}]
+    found = camid.simulate(recording, content)
+    error = found["simulated_input"] - recording["u"]
+    assert np.sqrt(np.mean(error**2)) < 0.03 * np.sqrt(np.mean(plain**2))
+    content["initial_state"] = "zero"
+    known, silent = (camid.simulate(r, content) for r in (recording, recording.assign(u=0.0)))
+    np.testing.assert_array_equal(silent["simulated_input"], known["simulated_input"])
+
+
+def test_every_actuator_acts_within_a_loop():
+    for effect in known_effects().values():
+        assert (effect.transform is Effect.transform) == (effect.actuated is None), effect.identifier
 
 
 def test_what_the_loop_hides_is_found():

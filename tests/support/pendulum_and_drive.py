@@ -68,35 +68,41 @@ def drive(
     position_gain=8.0,
     velocity_gain=150.0,
     limit=inf,
+    actuator=None,
     period=0.01,
     count=3000,
     noise=0.0,
     seed=0,
 ):
-    """A mass on a drive that follows a reference; columns t, r, u, y; noise on the control."""
+    """A mass on a drive that follows a reference; columns t, r, u, y; noise on the control.
+
+    ``actuator`` (command, what it made of the last one, seconds since then) gives the force that reaches the mass.
+    """
     random = np.random.default_rng(np.random.SeedSequence(seed))
-    rig = (mass, viscous, friction, bias, ripple, position_gain, velocity_gain, limit)
+    rig = (mass, viscous, friction, bias, ripple, position_gain, velocity_gain, limit, actuator)
     reference, positions, controls = _loop(*rig, period, count)
     controls = controls + noise * random.standard_normal(count)
     return pd.DataFrame({"t": period * np.arange(count), "r": reference, "u": controls, "y": positions})
 
 
 @cache
-def _loop(mass, viscous, friction, bias, ripple, position_gain, velocity_gain, limit, period, count):
+def _loop(mass, viscous, friction, bias, ripple, position_gain, velocity_gain, limit, actuator, period, count):
     """Reference, position and control without noise, each of shape (count,)."""
     time = period * np.arange(count)
     reference = 0.3 * np.sin(0.9 * time) + 0.1 * np.sin(2.3 * time + 1.0) + 0.05 * np.sin(5.1 * time)
     y, v, step = float(reference[0]), 0.0, period / SUBSTEPS
     positions, controls = np.empty(count), np.empty(count)
+    passed = 0.0
     for k in range(count):
         control = min(max(velocity_gain * (position_gain * (float(reference[k]) - y) - v), -limit), limit)
         positions[k], controls[k] = y, control
         for _ in range(SUBSTEPS):
+            passed = control if actuator is None else actuator(control, passed, step)
             # A screw that is not straight: the friction changes along its turns.
             level = friction * (1.0 + ripple * sin(2.0 * pi * y / 0.04))
-            v = friction_step(v, (control + bias - viscous * v) / mass, level / mass, 0.5 * step)
+            v = friction_step(v, (passed + bias - viscous * v) / mass, level / mass, 0.5 * step)
             y += step * v
-            v = friction_step(v, (control + bias - viscous * v) / mass, level / mass, 0.5 * step)
+            v = friction_step(v, (passed + bias - viscous * v) / mass, level / mass, 0.5 * step)
     return reference, positions, controls
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.hypothesis import Hypothesis, refuted
-from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses
+from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty, refuted
+from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses, special_case
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
@@ -72,16 +72,16 @@ class _Searches:
     """What was found beside each set of effects, so that nothing is searched for twice."""
 
     def __init__(self) -> None:
-        self._found: dict[tuple[str, ...], tuple[float, list[Hypothesis]]] = {}
+        self._found: dict[tuple[str, ...], tuple[Fitted, list[Hypothesis]]] = {}
 
     def beside(self, base: Fitted) -> list[Hypothesis] | None:
         """What an earlier search beside the same effects found, if the coefficients were in the same minimum."""
-        criterion, found = self._found.get(self._effects(base), (np.inf, []))
-        return found if abs(criterion - base.criterion) < SAME_MINIMUM else None
+        earlier, found = self._found.get(self._effects(base), (None, []))
+        return found if earlier is not None and abs(earlier.criterion_beyond(base)) < SAME_MINIMUM else None
 
     def keep(self, base: Fitted, found: list[Hypothesis]) -> None:
         """Remember what a search found."""
-        self._found[self._effects(base)] = (base.criterion, found)
+        self._found[self._effects(base)] = (base, found)
 
     @staticmethod
     def _effects(base: Fitted) -> tuple[str, ...]:
@@ -93,7 +93,8 @@ def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) ->
     from scipy.special import chdtrc
 
     freedom = max(len(known_effects()[identifier].numeric()), 1)
-    ratio = before.noise.deviance - after.noise.deviance
+    added = len(after.penalised_names) - len(before.penalised_names)
+    ratio = before.criterion_beyond(after) + added * float(np.log(len(after.residual)))
     return min(float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, identifier), 1.0)
 
 
@@ -143,13 +144,15 @@ def select_effects(
         searches.keep(current, ranked)
         screened = None
         ranked = [
-            h for h in ranked if h.criterion < current.criterion and not _refuted(problem, current, h, validation)
+            h
+            for h in ranked
+            if h.beyond(Hypothesis("", current)) < 0.0 and not _refuted(problem, current, h, validation)
         ]
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
         if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
             break
         without_effect = _without_its_effect(problem, ranked[0])
-        if without_effect.criterion < current.criterion - ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
+        if current.criterion_beyond(without_effect) > ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
             # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
             current, restarts = without_effect, restarts + 1
             base = base if beside else without_effect
@@ -209,14 +212,10 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searche
                 break
             watch.say(f"testing what could replace {identifier}")
             others = fit(problem, current.model.without(index), steps=ALL_STEPS)
-            own = Hypothesis(
-                identifier,
-                current,
-                current.criterion + 2.0 * float(np.log(trials(known_effects()[identifier], problem))),
-            )
+            own = Hypothesis(identifier, current, prior_penalty(problem, current.model.effects[index]))
             if (
                 p_value(problem, others, current, identifier) >= FALSE_ALARM_BESIDE_OTHERS
-                or own.criterion >= others.criterion
+                or own.beyond(Hypothesis("", others)) >= 0.0
             ):
                 current, changed = others, True
                 break
@@ -224,8 +223,10 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searche
             if found is None:
                 found = hypotheses(problem, others, screen(problem, others), effort=RIVALS, watch=watch)
                 searches.keep(others, found)
-            ranked = sorted([own, *(h for h in found if h.identifier != identifier)], key=lambda h: h.criterion)
-            if ranked[0].criterion < own.criterion - SWAP_MARGIN:
+            special = special_case(problem, current, index, {h.identifier for h in found})
+            found = found if special is None else [*found, special]
+            ranked = in_order([own, *(h for h in found if h.identifier != identifier)])
+            if own.beyond(ranked[0]) > SWAP_MARGIN:
                 current, changed = ranked[0].fitted, True
                 break
             rivals.append(ranked)
@@ -235,5 +236,5 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searche
     for index in range(first + len(rivals), len(current.model.effects)):  # the last swap was not tested itself
         without.append(fit(problem, current.model.without(index), steps=ALL_STEPS))
         identifier = current.model.effects[index].identifier
-        rivals.append([Hypothesis(identifier, current, current.criterion)])
+        rivals.append([Hypothesis(identifier, current)])
     return Decision(base, current, rivals, without)

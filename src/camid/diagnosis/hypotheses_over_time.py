@@ -47,7 +47,9 @@ def raced(problem: Problem, start: Model) -> list[Model]:
     entered, rows = len(models), first
     while models:
         results = [f for f in _fitted(problem.start_of(rows), models) if f is not None]
-        results.sort(key=lambda f: f.criterion)
+        closest = min(results, key=lambda f: f.cost, default=None)
+        if closest is not None:
+            results.sort(key=lambda f: f.criterion_beyond(closest))
         # The field shrinks as the horizon grows, so that a longer one costs little more.
         kept = max(FEWEST, round(entered * first / rows))
         models = [f.model for f in results[:kept]]

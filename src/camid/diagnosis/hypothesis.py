@@ -8,7 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.screening import trials
+from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -39,13 +42,35 @@ class Hypothesis:
     identifier : str
     fitted : Fitted
         Its effect is the last of the model.
-    criterion : float
-        Bayes's criterion, with a penalty for a search over times or frequencies.
+    penalty : float
+        See :func:`prior_penalty`.
     """
 
     identifier: str
     fitted: Fitted
-    criterion: float
+    penalty: float = 0.0
+
+    def beyond(self, other: Hypothesis) -> float:
+        """By how much its criterion exceeds that of another hypothesis."""
+        return self.fitted.criterion_beyond(other.fitted) + self.penalty - other.penalty
+
+
+def prior_penalty(problem: Problem, effect: Effect) -> float:
+    """Twice the logarithm of how many different effects a search for one amounts to, and of a general law's prior odds.
+
+    Rigs have dry friction more often than they have one of the laws of which it is the special case.
+    """
+    general = effect.simplified() is not None
+    odds = (1.0 - OTHER_LAW) / OTHER_LAW if general else 1.0
+    return 2.0 * float(np.log(trials(type(effect), problem) * odds))
+
+
+def in_order(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The likeliest first."""
+    if not hypotheses:
+        return []
+    closest = min(hypotheses, key=lambda h: h.fitted.cost)
+    return sorted(hypotheses, key=lambda h: h.beyond(closest))
 
 
 def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, float]]:
@@ -76,9 +101,9 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
         error = SPECIAL_CASE_ERROR if is_special_case else LAW_ERROR
         prior, best = 1.0, lead
         if _generalises(hypothesis, lead):  # it ranks after its special case because it says no more
-            prior, best = OTHER_LAW, min(general, key=lambda h: h.criterion)
+            prior, best = OTHER_LAW, in_order(general)[0]
         left = max(hypothesis.fitted.cost - best.fitted.cost, 0.0) / mismatch
-        exact = float(np.exp(-0.5 * max(hypothesis.criterion - best.criterion, 0.0)))
+        exact = float(np.exp(-0.5 * max(hypothesis.beyond(best), 0.0)))
         weight = (1.0 - OTHER_LAW) * exact + OTHER_LAW * float(np.exp(-left / error))
         raw.append((hypothesis.identifier, prior * weight))
     total = sum(w for _, w in raw)
@@ -90,7 +115,7 @@ def weights(ranked: Sequence[Hypothesis], without: Fitted) -> list[tuple[str, fl
 
 def _generalises(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
     """Whether a hypothesis that fits better has the lead for its special case."""
-    if hypothesis is lead or hypothesis.criterion >= lead.criterion or not hypothesis.fitted.model.effects:
+    if hypothesis is lead or hypothesis.beyond(lead) >= 0.0 or not hypothesis.fitted.model.effects:
         return False
     special = [e.simplified() for e in hypothesis.fitted.model.effects if e.identifier == hypothesis.identifier]
     return any(s is not None and s.identifier == lead.identifier for s in special)

@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camid.diagnosis.hypotheses_over_time import raced
-from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.models_around import models_around
 from camid.diagnosis.screening import ScreenedEffect, screen, trials
 from camid.diagnosis.watch import Watch
-from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
@@ -114,10 +113,9 @@ def hypotheses(
         near = _near_the_best(ranked, base, effort)
         again = pool.map(lambda h: fitted_again(h, near[0]), near)
         thorough = [
-            new if new is not None and new.criterion < old.criterion else old
-            for old, new in zip(near, again, strict=True)
+            new if new is not None and new.beyond(old) < 0.0 else old for old, new in zip(near, again, strict=True)
         ]
-    return sorted([*thorough, *ranked[len(near) :]], key=lambda h: h.criterion)
+    return in_order([*thorough, *ranked[len(near) :]])
 
 
 def _starts_elsewhere(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Model]:
@@ -136,18 +134,18 @@ def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     best: dict[str, Hypothesis] = {}
     for hypothesis in fitted:
         known = best.get(hypothesis.identifier)
-        if known is None or hypothesis.criterion < known.criterion:
+        if known is None or hypothesis.beyond(known) < 0.0:
             best[hypothesis.identifier] = hypothesis
-    return sorted(best.values(), key=lambda h: h.criterion)
+    return in_order(list(best.values()))
 
 
 def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort) -> list[Hypothesis]:
     """Those that deserve a thorough fit."""
     if not ranked:
         return []
-    best = ranked[0].criterion
-    largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * (base.criterion - best))
-    return [h for h in ranked[:MOST_THOROUGH] if h.criterion <= best + largest_gap]
+    best = ranked[0]
+    largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * base.criterion_beyond(best.fitted))
+    return [h for h in ranked[:MOST_THOROUGH] if h.beyond(best) <= largest_gap]
 
 
 def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Effect]:
@@ -166,16 +164,20 @@ def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedE
 
 def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Special cases of what was fitted, from where that fit ended."""
-    present = {e.identifier for e in base.model.effects}
-    found = []
-    for hypothesis in fitted:
-        model = hypothesis.fitted.model
-        effect = model.effects[-1].simplified()
-        # What explains less than nothing has wandered off, and its special case would only follow.
-        if effect is not None and effect.identifier not in present and hypothesis.criterion < base.criterion:
-            start = replace(model, effects=(*model.effects[:-1], effect))
-            found.append(_fitted(problem, effect.identifier, start, FIRST_STEPS))
+    # What explains less than nothing has wandered off, and its special case would only follow.
+    gaining = (h.fitted for h in fitted if h.beyond(Hypothesis("", base)) < 0.0)
+    found = (special_case(problem, general, len(base.model.effects), set()) for general in gaining)
     return [h for h in found if h is not None]
+
+
+def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
+    """The special case of one of a model's effects in its place, fitted from there; None if there is none, or known."""
+    model = general.model
+    effect = model.effects[index].simplified()
+    if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
+        return None
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    return _fitted(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
 
 
 def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
@@ -213,8 +215,7 @@ def _fitted(
         return None
     if not np.isfinite(result.noise.deviance) or not _is_plausible(problem, result):
         return None
-    penalty = 2.0 * float(np.log(trials(known_effects()[identifier], problem)))
-    return Hypothesis(identifier, result, result.criterion + penalty)
+    return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
 
 
 def _is_plausible(problem: Problem, fitted: Fitted) -> bool:

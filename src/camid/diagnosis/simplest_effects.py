@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
 from camid.diagnosis.screening import screen
 from camid.diagnosis.watch import Watch
@@ -23,8 +23,6 @@ from camid.fitting.problem import Problem
 
 # Share of what the other effects leave, noise subtracted, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
-# Share of the whole mismatch below which it may be what an inexact law of the others leaves.
-CORRECTION_SHARE = 0.01
 # Share of what a general law explains from which its special case takes its place.
 SPECIAL_CASE_SHARE = 0.9
 
@@ -52,7 +50,7 @@ def simplest(
         weakest = int(np.argmin(gains))
         mismatch = max(decision.base.cost - noise, 1e-300)
         explained = _explained(decision.without[weakest], decision.fitted, noise)
-        if explained >= LEAST_EXPLAINED and gains[weakest] >= CORRECTION_SHARE * mismatch:
+        if explained >= LEAST_EXPLAINED and gains[weakest] >= LAW_ERROR * mismatch:
             break
         decision = _without(problem, decision, known, weakest)
     for index in range(len(decision.rivals)):
@@ -110,7 +108,7 @@ def _special(problem: Problem, decision: Decision, known: int, index: int, noise
     if without.cost - fitted.cost < SPECIAL_CASE_SHARE * min(without.cost - decision.fitted.cost, mismatch):
         return decision
     others = [h for h in decision.rivals[index] if h.identifier not in {special.identifier}]
-    ranked = [Hypothesis(special.identifier, fitted, fitted.criterion), *others]
+    ranked = [Hypothesis(special.identifier, fitted), *others]
     rivals = [*decision.rivals[:index], ranked, *decision.rivals[index + 1 :]]
     return replace(decision, fitted=fitted, rivals=rivals, without=_leaving_out(problem, decision.base, fitted, known))
 

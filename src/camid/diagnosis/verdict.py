@@ -83,9 +83,9 @@ def findings(
             **common,
             "validation_gain": validation[i],
             "false_alarm_probability": p_value(problem, decision.without[i], decision.fitted, effect.identifier),
-            "delta_bic": float(decision.without[i].criterion - ranked[0].criterion),
+            "delta_bic": float(decision.without[i].criterion_beyond(ranked[0].fitted) - ranked[0].penalty),
             "next_best": None if runner is None else runner.identifier,
-            "delta_bic_to_next_best": None if runner is None else float(runner.criterion - ranked[0].criterion),
+            "delta_bic_to_next_best": None if runner is None else float(runner.beyond(ranked[0])),
         }
         result.append(
             Finding(

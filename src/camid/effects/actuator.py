@@ -1,5 +1,8 @@
 """Effects between the commanded input and the force that reaches the plant."""
 
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
+# ruff: noqa: D102, N805
+
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -11,6 +14,7 @@ from camid.chain.acquisition import HOLDS, Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
 from camid.effects.base import Array, Effect
+from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -48,6 +52,10 @@ class DeadZone(Effect):
     strength = "half_width"
     keeps_hold = True
 
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return signal - min(max(signal, -values[0]), values[0])
+
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Subtract the half width."""
         width = self.values["half_width"]
@@ -76,6 +84,10 @@ class Saturation(Effect):
     parameters = (Parameter("limit", "u", "largest force s in units of the command", 0.0),)
     separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     keeps_hold = True
+
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return min(max(signal, -values[0]), values[0])
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Clip at the limit."""
@@ -119,6 +131,10 @@ class Backlash(Effect):
     separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.FREE_DECAY)
     strength = "half_width"
     keeps_hold = True
+
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return min(max(memory, signal - values[0]), signal + values[0])
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Play operator, from the middle of the gap."""
@@ -180,6 +196,10 @@ class RateLimit(Effect):
     transforms_by_compiled_code = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return memory + min(max(signal - memory, -values[0] * time), values[0] * time)
+
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Follow at a limited rate, from zero."""
         return _follow(np.ascontiguousarray(start), np.ascontiguousarray(end), step, self.values["rate"])
@@ -231,6 +251,10 @@ class GainAsymmetry(Effect):
     parameters = (Parameter("ratio", "", "negative over positive gain ρ", 0.0),)
     separated_by = (SeparatingExperiment.REVERSED_INPUT,)
     keeps_hold = True
+
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return signal if signal >= 0.0 else values[0] * signal
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Scale negative commands."""
@@ -300,6 +324,10 @@ class InputBias(Effect):
     strength = "bias"
     keeps_hold = True
     is_constant = True
+
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return signal + values[0]
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Add the bias."""

@@ -140,6 +140,9 @@ class Effect:
     replaces ``position``."""
     switch: ClassVar[Compiled | None] = None
     """Function whose change of sign marks a kink of the force."""
+    actuated: ClassVar[Compiled | None] = None
+    """What the actuator makes of a command that a controller puts out, which no :meth:`transform` can know: ``time`` is
+    the length of the step and ``memory`` what it made of the last one."""
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.compiled import kernel
+from camid.engine.forces import Forces, call
 
 Array = NDArray[np.float64]
 
@@ -41,3 +42,16 @@ def controlled(feedback: Feedback, node: int, position: float, speed: float) -> 
     held = min(max(wanted, -feedback.limit), feedback.limit)
     feedback.control[sample] = held
     return held
+
+
+@kernel(error_model="numpy", inline="always")
+def actuated(forces: Forces, step: float, command: float, memory: Array) -> tuple[float, float]:
+    """What the actuators make of a command over a step, in seconds: at its start and at its end."""
+    functions = forces.functions
+    before = after = command
+    for i in range(functions.shape[1]):
+        if functions[4, i] != 0:
+            before = memory[i]
+            after = call(functions[4, i], step, 0.0, 0.0, after, before, forces.data + i * forces.stride)
+            memory[i] = after
+    return (before if forces.ramps else after), after

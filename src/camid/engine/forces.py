@@ -28,8 +28,9 @@ class Forces(NamedTuple):
 
     Attributes
     ----------
-    functions : ndarray of int, shape (4, f)
-        Addresses of the compiled force, friction level, inner state and switch of each effect; 0 where it has none.
+    functions : ndarray of int, shape (5, f)
+        Addresses of the compiled force, friction level, inner state, switch and actuator of each effect; 0 where it has
+        none.
     values : ndarray, shape (f, v)
     data, stride : int
         Where the values begin in memory, and bytes from one effect's to the next one's.
@@ -42,6 +43,8 @@ class Forces(NamedTuple):
     slip : float
         Speed in y/s below which dry friction grows in proportion, for plants in which it acts with a lag and would
         chatter; zero elsewhere.
+    ramps : bool
+        Whether an actuator takes time to follow its command.
     """
 
     functions: NDArray[np.int64]
@@ -52,6 +55,7 @@ class Forces(NamedTuple):
     implicit: bool
     along: float
     slip: float
+    ramps: bool
 
 
 class Mechanics(NamedTuple):
@@ -109,7 +113,7 @@ def _call_by_address(
     return signature, generate
 
 
-_call: Any = intrinsic(_call_by_address)
+call: Any = intrinsic(_call_by_address)
 
 
 @kernel(inline="always")
@@ -136,7 +140,7 @@ def _smooth_force(f: Forces, time: float, position: float, velocity: float, sign
     total = 0.0
     for i in range(functions.shape[1]):
         if functions[0, i] != 0:
-            total -= _call(functions[0, i], time, position, velocity, signal, memory[i], data + i * stride)
+            total -= call(functions[0, i], time, position, velocity, signal, memory[i], data + i * stride)
     return total
 
 
@@ -149,7 +153,7 @@ def friction_level(f: Forces, time: float, position: float, speed: float, signal
     total = 0.0
     for i in range(functions.shape[1]):
         if functions[1, i] != 0:
-            total += _call(functions[1, i], time, position, speed, signal, 0.0, data + i * stride)
+            total += call(functions[1, i], time, position, speed, signal, 0.0, data + i * stride)
     return max(total, 0.0)
 
 
@@ -223,7 +227,7 @@ def remember(f: Forces, time: float, displacement: float, memory: Array, result:
     for i in range(f.functions.shape[1]):
         result[i] = memory[i]
         if f.functions[2, i] != 0:
-            result[i] = _call(f.functions[2, i], time, displacement, displacement, 0.0, memory[i], data + i * stride)
+            result[i] = call(f.functions[2, i], time, displacement, displacement, 0.0, memory[i], data + i * stride)
 
 
 @kernel(forceinline=True)
@@ -249,7 +253,7 @@ def switches_at(
     for i in range(f.functions.shape[1]):
         result[i] = 1.0
         if f.functions[3, i] != 0:
-            result[i] = _call(f.functions[3, i], time, position, velocity, signal, memory[i], data + i * stride)
+            result[i] = call(f.functions[3, i], time, position, velocity, signal, memory[i], data + i * stride)
     count = f.functions.shape[1]
     result[count], result[count + 1] = 1.0, 1.0
     if f.implicit:

@@ -28,7 +28,7 @@ def grid_input(
     loop: Loop | None = None,
     known_force: tuple[Array, str] | None = None,
 ) -> tuple[Array, Array]:
-    """Input at the start and end of each step of the grid, without what a controller adds to it.
+    """Input at the start and end of each step of the grid; zero where a controller makes it.
 
     Parameters
     ----------
@@ -49,14 +49,10 @@ def grid_input(
     start, end : ndarray, shape (M,)
     """
     step = acquisition.period / steps
-    first, last = _between(signal, acquisition.hold, delay, steps)
-    start, end = first, last
-    for effect in effects:
+    start, end = _between(signal if loop is None else np.zeros(len(signal)), acquisition.hold, delay, steps)
+    # What an actuator makes of a controller's output, the integrator has to find out as it goes.
+    for effect in effects if loop is None else ():
         start, end = effect.transform(start, end, step)
-    if loop is not None:
-        # The controller's own output takes the place of the recorded one; what the actuator makes of it is taken from
-        # the recorded one, which the right model reproduces.
-        start, end = start - first, end - last
     if known_force is not None:
         extra_start, extra_end = _between(known_force[0], known_force[1], delay, steps)
         start, end = start + extra_start, end + extra_end

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
 from camid.engine.events import careful_step
-from camid.engine.feedback import Feedback, controlled, samples_at
+from camid.engine.feedback import Feedback, actuated, controlled, samples_at
 from camid.engine.forces import Mechanics, dot, force_in, switches, switches_at
 from camid.engine.smooth_step import SmoothStep, linear_step, smooth_step, smooth_step_of
 from camid.engine.workspace import Kinds, Workspace, copy, kinds_of, workspace_of
@@ -239,7 +239,7 @@ def _integrate(
     known, stuck = False, False  # whether ``room.before`` holds the switches at the start of the step
     next_break = _passed(shocks.breaks, grid.start_time, True)
     next_impulse = _passed(shocks.impulse_times, grid.start_time, False)
-    largest, doubt, held = 0.0, 0.0, 0.0
+    largest, doubt, held, passed_first, passed_last = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(steps + 1):
         time = grid.start_time + k * step
         measured = dot(row, state)
@@ -250,19 +250,21 @@ def _integrate(
             return np.inf
         rate = dot(room.derivative, state) / m.time_unit
         record.rate[k] = rate
-        before = (grid.end[k - 1] if k > 0 else grid.start[0]) + held
+        before = (grid.end[k - 1] if k > 0 else grid.start[0]) + passed_last
         if samples_at(feedback, k):
             if at_once:
                 rate += _direct_rate(m, time, state, before, memory, direction, direct)
             held = controlled(feedback, k, measured, rate)
-        first = (grid.start[k] if k < steps else grid.end[k - 1]) + held
+        if feedback.steps > 0:
+            passed_first, passed_last = actuated(m.forces, step, held, memory)
+        first = (grid.start[k] if k < steps else grid.end[k - 1]) + passed_first
         if at_once:
             _record_rates(m, k, time, first, before, direction, direct, room, record)
         elif k > 0:
             record.rate_end[k - 1] = record.rate[k]
         if k == steps:
             break
-        last = grid.end[k] + held
+        last = grid.end[k] + passed_last
         largest = max(largest, abs(first))
         breaking = next_break < len(shocks.breaks) and shocks.breaks[next_break] <= time + step
         striking = next_impulse < len(shocks.impulse_times) and shocks.impulse_times[next_impulse] < time + step

@@ -54,7 +54,7 @@ class Chain:
         Steps of the integrator per period; where it is not given they follow the plant, and become finer until the
         motion no longer changes; where it is 0 they only follow the plant.
     loop : Loop, optional
-        A controller that makes the input. The recorded input then only tells what actuator effects do to it.
+        A controller that makes the input; the recorded one then says nothing.
     known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional
         A force at the plant's input that is a function of time, and how it goes on between the samples.
 
@@ -213,14 +213,17 @@ def mechanics_of(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int
 def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) -> Forces:
     """Addresses of the compiled parts of all effects, and their values."""
     count = len(chain.effects)
-    addresses, values = np.zeros((4, count), np.int64), np.zeros((count, 8))
+    addresses, values = np.zeros((5, count), np.int64), np.zeros((count, 8))
     for i, effect in enumerate(chain.effects):
-        for kind, part in enumerate((effect.force, effect.friction_level, effect.memory_after, effect.switch)):
+        parts = (effect.force, effect.friction_level, effect.memory_after, effect.switch, effect.actuated)
+        for kind, part in enumerate(parts):
             addresses[kind, i] = 0 if part is None else part.address
         numbers = effect.force_values(chain.plant)
         values[i, : len(numbers)] = numbers
     along = motion_sign(chain.plant)
-    return Forces(addresses, values, values.ctypes.data, values.shape[1] * 8, velocity_force, implicit, along, slip)
+    data, stride = values.ctypes.data, values.shape[1] * 8
+    ramps = any(e.actuated is not None and not e.keeps_hold for e in chain.effects)
+    return Forces(addresses, values, data, stride, velocity_force, implicit, along, slip, ramps)
 
 
 def _slip(chain: Chain, signal: Array) -> float:
