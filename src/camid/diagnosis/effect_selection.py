@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty, refuted
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses, special_case
-from camid.diagnosis.screening import ScreenedEffect, screen, trials
+from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
-from camid.fitting.fit import Fitted, fit
+from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
@@ -68,11 +68,12 @@ class Decision:
         return self.fitted if self.corrected is None else self.corrected
 
 
-class _Searches:
+class Searches:
     """What was found beside each set of effects, so that nothing is searched for twice."""
 
     def __init__(self) -> None:
         self._found: dict[tuple[str, ...], tuple[Fitted, list[Hypothesis]]] = {}
+        self.signatures = Signatures()
 
     def beside(self, base: Fitted) -> list[Hypothesis] | None:
         """What an earlier search beside the same effects found, if the coefficients were in the same minimum."""
@@ -111,6 +112,7 @@ def select_effects(
     validation: Sequence[NDArray[np.bool_]] | None = None,
     watch: Watch | None = None,
     nominal: Model | None = None,
+    searches: Searches | None = None,
 ) -> Decision:
     """Add effects as long as each is called for, then test each against what could replace it.
 
@@ -126,17 +128,19 @@ def select_effects(
     watch : Watch, optional
     nominal : Model, optional
         As the simulation says, without effects.
+    searches : Searches, optional
+        What was found already, and where what is found is kept.
     """
     watch = watch or Watch()
-    current, rivals, restarts = base, [], 0
+    current, rivals, restarts, merged = base, [], 0, False
     known = len(base.model.effects)
-    searches = _Searches()
+    searches = searches or Searches()
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
             break
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
-        found = screen(problem, current) if screened is None else screened
+        found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
         beside = len(current.model.effects) > known
         effort = BESIDE_OTHERS if beside else first_effort(problem.kind)
         start = _nominal_start(problem, current, nominal)
@@ -159,9 +163,26 @@ def select_effects(
             continue
         current = ranked[0].fitted
         rivals.append(ranked)
-    if len(current.model.effects) - known < 2:
+        whole = _merged(problem, current, known)
+        if whole is not None and current.criterion_beyond(whole) > 0.0:
+            current, merged = whole, True
+    if len(current.model.effects) - known < 2 and not merged:
         return Decision(base, current, rivals, [base] * len(rivals))
     return _swapped(problem, base, current, searches, watch)
+
+
+def _merged(problem: Problem, fitted: Fitted, known: int) -> Fitted | None:
+    """The model whose last effect takes the place of its special case, if that was found before, fitted."""
+    model = fitted.model
+    general = model.effects[-1]
+    special = general.simplified()
+    if special is None:
+        return None
+    for i, effect in enumerate(model.effects[known:-1], start=known):
+        if effect.identifier == special.identifier:
+            effects = (*model.effects[:i], *model.effects[i + 1 : -1], general.absorbing(effect))
+            return fit(problem, replace(model, effects=effects), steps=ALL_STEPS)
+    return None
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
@@ -198,7 +219,7 @@ def _refuted(
     return refuted(expected, noise, before, after, bool(effect.breaks() or effect.impulses()))
 
 
-def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searches, watch: Watch) -> Decision:
+def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches, watch: Watch) -> Decision:
     """Put every effect to the test beside the others, until none is swapped or removed."""
     first = len(base.model.effects)
     rivals: list[list[Hypothesis]] = []
@@ -221,8 +242,10 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searche
                 break
             found = searches.beside(others)
             if found is None:
-                found = hypotheses(problem, others, screen(problem, others), effort=RIVALS, watch=watch)
-                searches.keep(others, found)
+                laws = screen(problem, others, signatures=searches.signatures)
+                laws = [c for c in laws if c.effect.identifier != identifier]
+                found = hypotheses(problem, others, laws, effort=RIVALS, watch=watch, incumbent=own)
+                searches.keep(others, [*found, _last(problem, own, index)])
             special = special_case(problem, current, index, {h.identifier for h in found})
             found = found if special is None else [*found, special]
             ranked = in_order([own, *(h for h in found if h.identifier != identifier)])
@@ -238,3 +261,11 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: _Searche
         identifier = current.model.effects[index].identifier
         rivals.append([Hypothesis(identifier, current)])
     return Decision(base, current, rivals, without)
+
+
+def _last(problem: Problem, hypothesis: Hypothesis, index: int) -> Hypothesis:
+    """The same hypothesis with one of its effects as the last, as one beside the others."""
+    effects = list(hypothesis.fitted.model.effects)
+    effects.append(effects.pop(index))
+    fitted = evaluate(problem, replace(hypothesis.fitted.model, effects=tuple(effects)))
+    return replace(hypothesis, fitted=fitted)

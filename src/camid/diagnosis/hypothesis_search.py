@@ -11,7 +11,7 @@ import numpy as np
 from camid.diagnosis.hypotheses_over_time import raced
 from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.models_around import models_around
-from camid.diagnosis.screening import ScreenedEffect, screen, trials
+from camid.diagnosis.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
@@ -62,7 +62,7 @@ FIRST_EFFECT = SearchEffort(12, shapes=2)
 # Where phases add up the screening is a poor guide; beside a first effect the motion is followed, and it is one again.
 FIRST_EFFECT_OVER_TIME = SearchEffort(12, least_share=0.0, gap_share=0.6)
 BESIDE_OTHERS = SearchEffort(7)
-RIVALS = SearchEffort(5)
+RIVALS = SearchEffort(5, gap_share=0.3)
 
 
 def first_effort(kind: PlantKind) -> SearchEffort:
@@ -78,10 +78,12 @@ def hypotheses(
     *,
     effort: SearchEffort,
     watch: Watch,
+    incumbent: Hypothesis | None = None,
 ) -> list[Hypothesis]:
     """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first.
 
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
+    What is far behind an ``incumbent`` after a first fit is not fitted thoroughly.
     """
     starts = _shortlist(problem, screened, effort)
     elsewhere = []
@@ -91,7 +93,7 @@ def hypotheses(
     def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
         if watch.no_time_for(candidate.effect.identifier):
             return None
-        effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
+        effect = _start_of(candidate)
         return _fitted(problem, effect.identifier, base.model.plus(effect), effort.steps, base)
 
     def fitted_from(model: Model) -> Hypothesis | None:
@@ -110,8 +112,8 @@ def hypotheses(
         first += [h for h in pool.map(fitted_from, elsewhere) if h is not None]
         first += _simpler(problem, base, first)
         ranked = _best_of_each(first)
-        near = _near_the_best(ranked, base, effort)
-        again = pool.map(lambda h: fitted_again(h, near[0]), near)
+        near = _near_the_best(ranked, base, effort, incumbent)
+        again = pool.map(lambda h: fitted_again(h, ranked[0]), near)
         thorough = [
             new if new is not None and new.beyond(old) < 0.0 else old for old, new in zip(near, again, strict=True)
         ]
@@ -139,11 +141,13 @@ def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     return in_order(list(best.values()))
 
 
-def _near_the_best(ranked: list[Hypothesis], base: Fitted, effort: SearchEffort) -> list[Hypothesis]:
+def _near_the_best(
+    ranked: list[Hypothesis], base: Fitted, effort: SearchEffort, incumbent: Hypothesis | None
+) -> list[Hypothesis]:
     """Those that deserve a thorough fit."""
     if not ranked:
         return []
-    best = ranked[0]
+    best = ranked[0] if incumbent is None else in_order([ranked[0], incumbent])[0]
     largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * base.criterion_beyond(best.fitted))
     return [h for h in ranked[:MOST_THOROUGH] if h.beyond(best) <= largest_gap]
 
@@ -158,16 +162,20 @@ def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedE
     for candidate in screen(problem, evaluate(problem, nominal)):
         if candidate.effect.identifier not in present and len(effects) < MOST_FROM_NOMINAL:
             present.add(candidate.effect.identifier)
-            effects.append(candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect)
+            effects.append(_start_of(candidate))
     return effects
 
 
 def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Special cases of what was fitted, from where that fit ended."""
-    # What explains less than nothing has wandered off, and its special case would only follow.
-    gaining = (h.fitted for h in fitted if h.beyond(Hypothesis("", base)) < 0.0)
-    found = (special_case(problem, general, len(base.model.effects), set()) for general in gaining)
-    return [h for h in found if h is not None]
+    found: dict[str, Hypothesis] = {}
+    for hypothesis in sorted(fitted, key=lambda h: h.fitted.cost):
+        # What explains less than nothing has wandered off, and its special case would only follow.
+        if hypothesis.beyond(Hypothesis("", base)) < 0.0:
+            special = special_case(problem, hypothesis.fitted, len(base.model.effects), set(found))
+            if special is not None:
+                found[special.identifier] = special
+    return list(found.values())
 
 
 def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
@@ -224,6 +232,11 @@ def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
     return fitted.model.effects[-1].is_plausible(span)
 
 
+def _start_of(candidate: ScreenedEffect) -> Effect:
+    """The effect in the size that the screening suggests."""
+    return candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
+
+
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:
     """The likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
     from scipy.special import chdtrc
@@ -237,6 +250,6 @@ def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: Sea
         chance = float(chdtrc(1, candidate.gain)) * trials(type(candidate.effect), problem) * count
         if candidate.gain >= least and chance < MOST_CHANCE:
             known = shapes.setdefault(candidate.effect.identifier, [])
-            if len(known) < effort.shapes:
+            if len(known) < effort.shapes and not any(alike(_start_of(candidate), _start_of(k)) for k in known):
                 known.append(candidate)
     return [c for known in list(shapes.values())[: effort.effects] for c in known]

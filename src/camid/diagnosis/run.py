@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from camid.diagnosis import mismatch_location
 from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis, Finding
-from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, searched, select_effects
+from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, Searches, searched, select_effects
 from camid.diagnosis.evidence import (
     coefficients_of,
     errors,
@@ -89,6 +89,8 @@ class Setting:
         Rows of each recording that judge.
     chosen : bool
         Whether the tool chose those rows.
+    searches : Searches
+        What is found beside each set of effects.
     settled : bool
         Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
     """
@@ -103,6 +105,7 @@ class Setting:
     screened: list[ScreenedEffect]
     validation: Sequence[NDArray[np.bool_]]
     chosen: bool
+    searches: Searches
     settled: bool
 
     @property
@@ -146,7 +149,7 @@ def investigate(
     if not setting.settled:
         # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
         start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-        decision = select_effects(problem, base, setting.screened, validation, watch, start)
+        decision = select_effects(problem, base, setting.screened, validation, watch, start, setting.searches)
     watch.say("testing what is left")
     if not setting.settled:
         left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
@@ -176,10 +179,13 @@ def _prepared(
         raise ValueError("the simulation diverges, whatever its coefficients")
     problem, base = _without_spoiled(whole, base, start)
     watch.say("screening the catalogue")
-    screened = screen(problem, base)
+    searches = Searches()
+    screened = screen(problem, base, signatures=searches.signatures)
     settled = _settled(problem, base)
     simulated = _as_simulated(whole, nominal, start)
-    return Setting(believed, whole, problem, nominal, simulated, start, base, screened, validation, chosen, settled)
+    return Setting(
+        believed, whole, problem, nominal, simulated, start, base, screened, validation, chosen, searches, settled
+    )
 
 
 def _as_simulated(whole: Problem, nominal: Model, start: Model) -> Model:
@@ -228,7 +234,7 @@ def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
     if watch.no_time_for("a correction of the laws"):
         return simpler
     problem, validation = setting.problem, setting.validation
-    found = corrected(problem, simpler, watch)
+    found = corrected(problem, simpler, setting.searches, watch)
     if found is None:
         return simpler
     found = _fitted_to_the_end(problem, found, watch)

@@ -7,9 +7,10 @@ best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948)
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,16 @@ IMITATED = 1e-4
 IMITATED_OVER_TIME = 5e-3
 # Change of the output, as a share of its standard deviation, that is rounding.
 ROUNDING = 1e-7
+# Difference of two models' outputs, as a share of its standard deviation, within which effects do much the same beside
+# both; and by how much two guesses of an effect may differ, as a share.
+NEAR = 0.25
+ALIKE = 0.1
+# Candidates that are simulated again where what they do is known roughly, and numbers that are kept for that.
+SIMULATED_AGAIN = 20
+MOST_KEPT = 20_000_000
+
+# An effect and the number of its guess.
+_Key = tuple[str, int]
 
 
 @dataclass(frozen=True)
@@ -137,37 +148,97 @@ def metrics(problem: Problem, base: Fitted) -> list[Metric]:
     return found
 
 
-def screen(problem: Problem, base: Fitted, only: set[str] | None = None) -> list[ScreenedEffect]:
-    """Every first guess with its gain, the highest first."""
+class Signatures:
+    """What a screening found that each candidate does to the output, for screenings around similar models.
+
+    Beside an effect that was found a candidate does to first order what it did without: only those that may matter
+    there have to be simulated again.
+    """
+
+    def __init__(self) -> None:
+        self._simulated: Array | None = None
+        self._changes: dict[_Key, tuple[Effect, Array]] = {}
+
+    def near(self, problem: Problem, base: Fitted, listed: Mapping[_Key, Effect]) -> dict[_Key, Array]:
+        """Changes of the output, shapes (M,), by those candidates of which they are known around such a model."""
+        if self._simulated is None or problem.kind.phases_add_up:
+            return {}
+        difference = problem.output - base.residual - self._simulated
+        if float(np.std(difference)) > NEAR * float(np.std(problem.output)):
+            return {}
+        known = {key: self._changes[key] for key in listed if key in self._changes}
+        return {key: change for key, (effect, change) in known.items() if alike(effect, listed[key])}
+
+    def keep(self, problem: Problem, base: Fitted, found: Mapping[_Key, tuple[Effect, Array]]) -> None:
+        """Remember the changes of the output around a model."""
+        if len(found) * len(problem.output) <= MOST_KEPT:
+            self._simulated, self._changes = problem.output - base.residual, dict(found)
+
+
+def alike(one: Effect, other: Effect) -> bool:
+    """Whether two guesses of the same effect are about the same."""
+    words = [{k: v for k, v in e.values.items() if isinstance(v, str)} for e in (one, other)]
+    return words[0] == words[1] and bool(np.allclose(one.vector, other.vector, rtol=ALIKE, atol=0.0))
+
+
+def screen(
+    problem: Problem, base: Fitted, only: set[str] | None = None, signatures: Signatures | None = None
+) -> list[ScreenedEffect]:
+    """Every first guess with its gain, the highest first.
+
+    Parameters
+    ----------
+    problem : Problem
+    base : Fitted
+    only : set of str, optional
+        Effects to screen.
+    signatures : Signatures, optional
+        Of earlier screenings of the same rows; what is simulated is added.
+    """
     views = metrics(problem, base)
-    spread = float(np.std(problem.output)) or 1.0
-    imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
-
-    def judge(effect: Effect) -> ScreenedEffect | None:
-        change = signature(problem, base, effect)
-        if change is None:
-            return None
-        if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * spread:
-            return ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
-        best = ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
-        for view in views:
-            rest, whole = view.left(problem, change)
-            size = float(np.linalg.norm(rest))
-            if size <= imitated * whole or view.variance <= 0.0:
-                continue
-            product = float(rest @ view.residual)
-            factor = product / size**2
-            gain = product**2 / size**2
-            remaining = max(float(view.residual @ view.residual) - gain, 1e-300) / max(len(rest) - 1, 1)
-            if effect.one_sided and factor <= 0.0:
-                gain = 0.0
-            noise = max(view.variance - gain / len(rest), 1e-300)
-            if gain / remaining >= best.gain:
-                best = ScreenedEffect(
-                    effect, gain / remaining, factor, size / float(np.sqrt(noise)), 1.0 - (size / whole) ** 2
-                )
-        return best
-
+    listed = dict(_listed(candidates(problem, base, only)))
+    known = signatures.near(problem, base, listed) if signatures else {}
+    judge = partial(_judged, problem, views)
     with ThreadPoolExecutor(WORKERS) as pool:
-        judged = [c for c in pool.map(judge, candidates(problem, base, only)) if c is not None]
+        roughly = dict(zip(known, pool.map(judge, (listed[k] for k in known), known.values()), strict=True))
+        likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
+        fresh = [key for key in listed if key not in known or key in likely]
+        changes = list(pool.map(lambda key: signature(problem, base, listed[key]), fresh))
+        simulated = {k: (listed[k], c) for k, c in zip(fresh, changes, strict=True) if c is not None}
+        judged = list(pool.map(lambda pair: judge(*pair), simulated.values()))
+    if signatures and not known:
+        signatures.keep(problem, base, simulated)
+    judged += [rough for key, rough in roughly.items() if key not in likely]
     return sorted(judged, key=lambda c: -c.gain)
+
+
+def _listed(effects: Iterator[Effect]) -> Iterator[tuple[_Key, Effect]]:
+    """Candidates by name and number."""
+    counts: dict[str, int] = {}
+    for effect in effects:
+        number = counts[effect.identifier] = counts.get(effect.identifier, 0) + 1
+        yield (effect.identifier, number), effect
+
+
+def _judged(problem: Problem, views: Sequence[Metric], effect: Effect, change: Array) -> ScreenedEffect:
+    """What the residual says about an effect that changes the output so, shape (M,)."""
+    best = ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
+    if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * (float(np.std(problem.output)) or 1.0):
+        return best
+    imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
+    for view in views:
+        rest, whole = view.left(problem, change)
+        size = float(np.linalg.norm(rest))
+        if size <= imitated * whole or view.variance <= 0.0:
+            continue
+        product = float(rest @ view.residual)
+        factor = product / size**2
+        gain = product**2 / size**2
+        remaining = max(float(view.residual @ view.residual) - gain, 1e-300) / max(len(rest) - 1, 1)
+        if effect.one_sided and factor <= 0.0:
+            gain = 0.0
+        noise = max(view.variance - gain / len(rest), 1e-300)
+        if gain / remaining >= best.gain:
+            visible, kept = size / float(np.sqrt(noise)), (size / whole) ** 2
+            best = ScreenedEffect(effect, gain / remaining, factor, visible, 1.0 - kept)
+    return best

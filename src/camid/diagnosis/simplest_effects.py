@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.effect_selection import Decision, Searches
 from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
 from camid.diagnosis.screening import screen
@@ -58,7 +58,7 @@ def simplest(
     return decision
 
 
-def corrected(problem: Problem, simpler: Decision, watch: Watch) -> Fitted | None:
+def corrected(problem: Problem, simpler: Decision, searches: Searches, watch: Watch) -> Fitted | None:
     """The likeliest law beside the effects of a decision that left some out; None where nothing corrects them.
 
     What depends on the time (a drift, a blow) corrects nothing: another recording would not have it.
@@ -68,13 +68,19 @@ def corrected(problem: Problem, simpler: Decision, watch: Watch) -> Fitted | Non
     problem : Problem
     simpler : Decision
         What :func:`simplest` made of a decision.
+    searches : Searches
+        What was found already.
     watch : Watch
     """
     watch.say("looking for a correction of the laws")
-    laws = [c for c in screen(problem, simpler.fitted) if not c.effect.of_one_recording]
-    found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
+    found = searches.beside(simpler.fitted)
+    if found is None:
+        laws = screen(problem, simpler.fitted, signatures=searches.signatures)
+        laws = [c for c in laws if not c.effect.of_one_recording]
+        found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
     # What is left is structure: a criterion that takes it for coloured noise would not count what explains it.
-    best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler.fitted)
+    lasting = (h.fitted for h in found if not h.fitted.model.effects[-1].of_one_recording)
+    best = min(lasting, key=lambda f: f.cost, default=simpler.fitted)
     return best if best.cost < simpler.fitted.cost else None
 
 

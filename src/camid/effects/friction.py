@@ -47,6 +47,7 @@ class AsymmetricFriction(_UnevenFriction):
         Parameter("forward", "u", "friction f₊ in the motion to larger y", 0.0),
         Parameter("backward", "u", "friction f₋ in the motion to smaller y", 0.0),
     )
+    levels = ("forward", "backward")
     separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.FREE_DECAY)
 
     @compiled
@@ -92,6 +93,7 @@ class PositionDependentFriction(_UnevenFriction):
         Parameter("force", "u", "friction f_c at y = 0", 0.0),
         Parameter("gradient", "u/y", "change g of the friction with the position"),
     )
+    levels = ("force",)
     separated_by = (SeparatingExperiment.FREE_DECAY, SeparatingExperiment.HELD_POSITIONS)
 
     @compiled
@@ -124,6 +126,7 @@ class LoadDependentFriction(_UnevenFriction):
         Parameter("force", "u", "friction f_c without load", 0.0),
         Parameter("coefficient", "", "friction μ for a unit of the transmitted force", 0.0, 1.0),
     )
+    levels = ("force",)
     separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.FREE_DECAY)
 
     @compiled

@@ -96,6 +96,7 @@ class StribeckFriction(Effect):
         Parameter("breakaway", "u", "friction f_s at rest", 0.0),
         Parameter("velocity", "y/s", "Stribeck velocity v_s", 1e-300),
     )
+    levels = ("coulomb", "breakaway")
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     uses_velocity = True
 
@@ -283,6 +284,7 @@ class Hysteresis(AgainstMotion):
         Parameter("strength", "u", "largest hysteretic force h", 0.0),
         Parameter("shape", "1/y", "inverse κ of the displacement that saturates it", 1e-300),
     )
+    levels = ("strength",)
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "strength"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from camid.engine.mechanics import NotApplicable
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import Noise, Problem
+from camid.fitting.problem import WORKERS, Noise, Problem
 
 Array = NDArray[np.float64]
 
@@ -20,6 +21,8 @@ DIFFERENCE_STEP = 1e-5
 # Residual of a simulation that diverged, in standard deviations of the output.
 RUNAWAY_RESIDUAL = 1e3
 TOLERANCE = 1e-7
+# Rows of a simulation that takes longer than handing it to a thread.
+ROWS_WORTH_A_THREAD = 3000
 # A rank-one update that misses this share of the change it should explain is not an update.
 LARGEST_MISSED_SHARE = 0.4
 
@@ -137,15 +140,22 @@ def _sensitivities(
 ) -> Array:
     """Derivatives by (some of) the packed vector, shape (M, p), by one-sided differences into the allowed range."""
     columns = range(len(vector)) if columns is None else columns
-    table = np.empty((len(simulated), len(columns)))
-    for position, i in enumerate(columns):
+
+    def derivative(i: int) -> Array:
         step = DIFFERENCE_STEP if vector[i] + DIFFERENCE_STEP <= packing.upper[i] else -DIFFERENCE_STEP
         moved = vector.copy()
         moved[i] += step
         try:
-            table[:, position] = (problem.simulate_fitted(packing.unpack(moved)) - simulated) / step
+            return (problem.simulate_fitted(packing.unpack(moved)) - simulated) / step
         except (ValueError, ArithmeticError):
-            table[:, position] = 0.0
+            return np.zeros(len(simulated))
+
+    if len(simulated) < ROWS_WORTH_A_THREAD or len(columns) < 2:
+        found = [derivative(i) for i in columns]
+    else:
+        with ThreadPoolExecutor(WORKERS) as pool:
+            found = list(pool.map(derivative, columns))
+    table = np.column_stack(found) if found else np.empty((len(simulated), 0))
     table[~np.isfinite(table)] = 0.0
     return table
 

@@ -287,7 +287,12 @@ class Problem:
             rows = np.flatnonzero(experiment.used)
             part = slice(position, position + len(rows))
             position += len(rows)
+            whole = len(rows) == 0 or rows[-1] - rows[0] + 1 == len(rows)
             for lag in range(1, len(whitening)):
+                if whole:
+                    result[part][lag:] += whitening[lag] * values[part][:-lag]
+                    known[part][:lag] = False
+                    continue
                 near = rows[lag:] - rows[:-lag] == lag
                 earlier = np.flatnonzero(near)
                 result[part][earlier + lag] += whitening[lag] * values[part][earlier]
