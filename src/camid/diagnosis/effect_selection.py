@@ -132,9 +132,11 @@ def select_effects(
         What was found already, and where what is found is kept.
     """
     watch = watch or Watch()
-    current, rivals, restarts, merged = base, [], 0, False
+    current, restarts, merged = base, 0, False
+    rivals: list[list[Hypothesis]] = []
     known = len(base.model.effects)
     searches = searches or Searches()
+    agreed: tuple[Fitted, Fitted, list[list[Hypothesis]]] | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
@@ -147,14 +149,15 @@ def select_effects(
         ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch)
         searches.keep(current, ranked)
         screened = None
-        ranked = [
-            h
-            for h in ranked
-            if h.beyond(Hypothesis("", current)) < 0.0 and not _refuted(problem, current, h, validation)
-        ]
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
+        gaining = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
+        ranked = [h for h in gaining if not _refuted(problem, current, h, validation)]
         if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
-            break
+            # Rows that were not fitted may need a further effect before they agree: they judge all of them together.
+            ranked = gaining
+            if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
+                break
+            agreed = agreed or (base, current, list(rivals))
         without_effect = _without_its_effect(problem, ranked[0])
         if current.criterion_beyond(without_effect) > ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
             # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
@@ -166,6 +169,8 @@ def select_effects(
         whole = _merged(problem, current, known)
         if whole is not None and current.criterion_beyond(whole) > 0.0:
             current, merged = whole, True
+    if agreed is not None and _refuted(problem, agreed[1], Hypothesis("", current), validation):
+        base, current, rivals = agreed
     if len(current.model.effects) - known < 2 and not merged:
         return Decision(base, current, rivals, [base] * len(rivals))
     return _swapped(problem, base, current, searches, watch)
