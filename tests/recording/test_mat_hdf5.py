@@ -224,3 +224,16 @@ def test_packed_text(tmp_path):
     assert "what is packed is not a text file" in refusal(tmp_path / "a.mat.gz")
     os.truncate(tmp_path / "a.csv.gz", 30)
     assert "cannot be unpacked" in refusal(tmp_path / "a.csv.gz")
+
+
+@pytest.mark.parametrize("key", ["unit", "units"])
+def test_units_in_the_attributes_of_a_dataset(tmp_path, key):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, values, unit in (("t", 1e3 * T, "ms"), ("u", U, "no unit"), ("y", Y, np.bytes_(b"mm"))):
+            file[name] = values
+            file[name].attrs[key] = unit
+    (found,) = read_recordings(tmp_path / "a.h5", "t", ["u", "y"], holds={"u": "zoh"})
+    assert found.period == pytest.approx(0.1)
+    np.testing.assert_allclose(found.columns["y"], 1e-3 * Y)
+    np.testing.assert_array_equal(found.columns["u"], U)
+    assert "column 'y [mm]' is read in mm, as its header says" in " ".join(found.warnings)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from camid.errors import InputError
 from camid.recording.options import Reading
 from camid.recording.recording import read_recordings
-from camid.recording.units import Conversion, unit_in_header
+from camid.recording.units import Conversion, unit_in_header, with_bracketed_unit
 from tests.support.recordings import COUNT, T, U, Y, read, refusal, text_file
 
 
@@ -34,7 +34,10 @@ def test_a_comment_of_as_many_words_does_not_replace_the_header(tmp_path):
     assert len(read(text_file(tmp_path, f"# made by hand\nt,u,y\n{rows}\n"))[0]) == COUNT
 
 
-@pytest.mark.parametrize("head", ["t [ms],u (V),angle [deg]", "t,u,angle\nms,V,deg", "t,u,angle\n[ms],-,[deg]"])
+@pytest.mark.parametrize(
+    "head",
+    ["t [ms],u (V),angle [deg]", "t,u,angle\nms,V,deg", "t,u,angle\n[ms],-,[deg]", "t/ms,u / V,angle/deg"],
+)
 def test_units_in_the_header(tmp_path, head):
     rows = "\n".join(f"{1e3 * t:.0f},{u},{y}" for t, u, y in zip(T, U, Y, strict=True))
     path = text_file(tmp_path, f"{head}\n{rows}\n")
@@ -52,6 +55,30 @@ def test_units_in_the_header(tmp_path, head):
     rows = rows.replace("\n", "\nx", 1)
     lines = 2 + head.count("\n") + 1
     assert f"line {lines}, column 't'" in refusal(text_file(tmp_path, f"{head}\n{rows}\n"), columns=("u", "angle"))
+
+
+@pytest.mark.parametrize(
+    ("header", "expected"),
+    [
+        ("t/ms", "t [ms]"),
+        ("v/(m/s)", "v [m/s]"),
+        ("v / m/s", "v [m/s]"),
+        ("m/s", "m/s"),
+        ("run/other", "run/other"),
+        ("a/b/V", "a/b/V"),
+        ("/ms", "/ms"),
+        ("t [ms]", "t [ms]"),
+    ],
+)
+def test_a_quantity_over_its_unit(header, expected):
+    assert with_bracketed_unit(header) == expected
+
+
+def test_a_column_is_found_by_the_header_as_it_stands(tmp_path):
+    rows = "\n".join(f"{1e3 * t:.0f},{u},{y}" for t, u, y in zip(T, U, Y, strict=True))
+    path = text_file(tmp_path, f"t/ms,u,angle/deg\n{rows}\n")
+    (found,) = read(path, columns=("u", "angle/deg"))
+    np.testing.assert_allclose(found.columns["angle/deg"], np.deg2rad(Y), atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import numpy as np
 from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
 from camid.recording.table import Table
+from camid.recording.units import is_unit
 
 # Columns of one variable; more are a picture or a cube of data.
 MOST_COLUMNS = 1000
@@ -40,9 +41,17 @@ def read_hdf5(path: Path) -> dict[str, Any]:
     need("reading an HDF5 file", "formats", "h5py")
     import h5py  # type: ignore[import-untyped]
 
+    def unit(node: Any) -> str:
+        """The unit that a dataset's attributes give, in brackets as in a header."""
+        if not isinstance(node, h5py.Dataset):
+            return ""
+        given = next((node.attrs[k] for k in ("unit", "units", "Unit", "Units") if k in node.attrs), "")
+        text = given.decode("utf-8", "replace") if isinstance(given, bytes) else str(given)
+        return f" [{text.strip()}]" if is_unit(text.strip()) else ""
+
     def content(node: Any) -> Any:
         if isinstance(node, h5py.Group):
-            return {str(name): content(node[name]) for name in node}
+            return {f"{name}{unit(node[name])}": content(node[name]) for name in node}
         if not isinstance(node, h5py.Dataset) or node.shape is None:
             return None
         values = node[()]

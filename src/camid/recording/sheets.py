@@ -11,7 +11,7 @@ from typing import Any
 from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
 from camid.recording.table import Table
-from camid.recording.units import is_unit
+from camid.recording.units import is_unit, with_bracketed_unit
 
 Rows = list[list[Any]]
 
@@ -134,6 +134,7 @@ def _table(rows: Rows, name: str, reading: Reading) -> Table:
         units = rows[first - 1] if first - 1 > names_row and _are_units(rows[first - 1]) else []
         given = [str(u).strip("[]() ") for u in units]
         names = [f"{n} [{u}]" if n and is_unit(u) else n for n, u in zip_longest(names, given, fillvalue="")]
+        names = [with_bracketed_unit(n) for n in names]
     names += [""] * (width - len(names))
     repeated = sorted({n for n in names if n and names.count(n) > 1})
     if repeated:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from camid.errors import InputError, nearest_match
-from camid.recording.units import unit_in_header
+from camid.recording.units import unit_in_header, with_bracketed_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,12 +58,13 @@ class Table:
         return replace(self, aliases=dict(aliases))
 
     def find(self, name: str) -> str | None:
-        """Name in the file of a column: as it is asked for, without its unit, or with points for strokes."""
+        """Name in the file of a column: as it is asked for, without its unit, over it, or with points for strokes."""
         name = self.aliases.get(name, name)
         if name in self.columns:
             return name
-        if (nested := name.replace(".", "/")) in self.columns:
-            return nested
+        for other in (name.replace(".", "/"), with_bracketed_unit(name)):
+            if other in self.columns:
+                return other
         bare = [str(c) for c in self.columns if unit_in_header(str(c))[0] == name]
         return bare[0] if len(bare) == 1 else None
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.units import is_unit, unit_in_header
+from camid.recording.units import is_unit, unit_in_header, with_bracketed_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -113,7 +113,7 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
                 hint=f"name all under {reading.where}.columns, in order",
             )
         names += [""] * (len(first) - len(cells))
-    return _parsed(text, name, names), text
+    return _parsed(text, name, names).rename(columns=with_bracketed_unit), text
 
 
 def names_needed(data: bytes, name: str) -> int:
@@ -126,7 +126,7 @@ def names_needed(data: bytes, name: str) -> int:
 
 def _names_some(names: Sequence[str], wanted: Sequence[str]) -> bool:
     """Whether names are those of columns: one of those asked for, if any are, is among them."""
-    plain = {*names, *(unit_in_header(n)[0] for n in names)}
+    plain = {*names, *(unit_in_header(with_bracketed_unit(n))[0] for n in names)}
     return bool(names) and (not wanted or not plain.isdisjoint(wanted))
 
 

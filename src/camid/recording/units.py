@@ -86,6 +86,19 @@ def unit_in_header(header: str) -> tuple[str, str | None]:
     return (match[1], match[2].strip()) if match and is_unit(match[2].strip()) else (header, None)
 
 
+def with_bracketed_unit(header: str) -> str:
+    """A header such as ``t/ms`` (a quantity over its unit, ISO 80000-1) as ``t [ms]``; any other as it is.
+
+    Only common units are taken for one, and ``m/s`` for a name.
+    """
+    quantity, _, unit = header.partition("/")
+    quantity, unit = quantity.strip(), unit.strip()
+    common = {*COMMON_UNITS.split(), "px", "%", "°"}
+    if not quantity or quantity in common or unit.strip("()") not in common:
+        return header
+    return f"{quantity} [{unit.strip('()')}]"
+
+
 @cache
 def is_unit(text: str, dimension: str | None = None) -> bool:
     """Whether pint knows a unit of this name, and of this dimension, such as ``[time]``."""
