@@ -3,8 +3,9 @@
 PYTHON ?= python3
 ENVIRONMENT := .venv
 BIN := $(ENVIRONMENT)/bin
-# Python compiles a module when it is first imported; compiling all modules of all packages would take half a minute.
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes
+# Python compiles a module when it is first imported; compiling all modules of all packages would take half a minute. The
+# locks are complete, so that nothing has to be resolved.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps --require-hashes
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake -c$(CORES)
 # Datasets go into and come out of a shared cache only where the reader names one. The option comes last, because it would

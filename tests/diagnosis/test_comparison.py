@@ -20,6 +20,7 @@ from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.proof.concealed.cases import plan
 from camid.proof.concealed.generator import make
+from tests.support import pendulum_and_drive as rigs
 
 PERIOD = 0.02
 PLANT = second_order(1.0, 10.0, 0.1)
@@ -128,6 +129,19 @@ def test_a_general_law_takes_the_place_of_its_special_case():
     true = concealed.truth["effects"][0]["parameters"]
     for name, value in diagnosis.findings[0].parameters.items():
         assert abs(value.value - true[name]) < 4.0 * value.standard_deviation
+
+
+def test_as_many_effects_as_the_recording_shows():
+    """Four in one pass; the delay may be any of those that the field cannot tell from it."""
+    true = {"friction": 0.05, "delay": 0.012, "bias": 0.08}
+    diagnosis = camid.diagnose(rigs.disc(**true, count=1500), rigs.disc_simulation(), time_limit=None)
+    found = {f.identifier: f.parameters for f in diagnosis.findings}
+    assert set(found) == {"pendulum-gravity", "coulomb-friction", "delay", "input-bias"}
+    assert diagnosis.verdict == "explained"
+    estimates = (("coulomb-friction", "force", "friction"), ("delay", "delay", "delay"), ("input-bias", "bias", "bias"))
+    for name, parameter, key in estimates:
+        value = found[name][parameter]
+        assert abs(value.value - true[key]) < 4.0 * value.standard_deviation
 
 
 @pytest.fixture

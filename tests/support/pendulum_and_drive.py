@@ -1,4 +1,4 @@
-"""Rigs that the tests simulate with an integrator of their own: a pendulum, and a drive in a closed loop."""
+"""Rigs that the tests simulate with an integrator of their own: a pendulum, a disc, and a drive in a closed loop."""
 
 from functools import cache
 from math import copysign, inf, pi, sin
@@ -56,6 +56,27 @@ def _angles(natural_frequency, damping, rest, angle, friction, load, period, cou
             pull = -square * sin(y - rest) - 2.0 * damping * natural_frequency * v
             v = friction_step(v, pull, square * friction * (1.0 + load * v * v), 0.5 * step)
     return rows
+
+
+def disc(*, friction, delay, bias, count, period=0.02, noise=0.003, seed=0):
+    """An unbalanced disc on a motor, its heavy side down at rest; columns t, u, y.
+
+    A torque of one turns it as far as gravity does at a right angle. ``delay`` is that of the input, in seconds.
+    """
+    random = np.random.default_rng(np.random.SeedSequence(seed))
+    signal = np.repeat(random.choice([-0.7, -0.45, -0.1, 0.2, 0.5, 0.7], count // 10 + 1), 10)[:count]
+    y, v, step = 0.0, 0.0, period / SUBSTEPS
+    angles = np.empty(count)
+    for k in range(count):
+        angles[k] = y
+        for part in range(SUBSTEPS):
+            row = int(np.floor(k + (part + 0.5) / SUBSTEPS - delay / period))
+            torque = (float(signal[row]) if row >= 0 else 0.0) + bias
+            v = friction_step(v, 100.0 * (torque - sin(y)) - 5.0 * v, 100.0 * friction, 0.5 * step)
+            y += step * v
+            v = friction_step(v, 100.0 * (torque - sin(y)) - 5.0 * v, 100.0 * friction, 0.5 * step)
+    angles += noise * random.standard_normal(count)
+    return pd.DataFrame({"t": period * np.arange(count), "u": signal, "y": angles})
 
 
 def drive(
@@ -127,6 +148,18 @@ def drive_simulation(mass, viscous, *, position_gain=8.0, velocity_gain=150.0, l
         "input": {"column": "u", "hold": "zoh"},
         "plant": {"transfer_function": {"numerator": [1.0], "denominator": [mass, viscous, 0.0]}},
         "controller": controller | ({} if limit is None else {"limit": limit}),
+        "sensor": {"column": "y", "kind": "instant"},
+        "initial_state": "estimate",
+    }
+
+
+def disc_simulation():
+    """What one would write first of it: a spring in the place of gravity."""
+    return {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": [90.0], "denominator": [1.0, 6.0, 90.0]}},
         "sensor": {"column": "y", "kind": "instant"},
         "initial_state": "estimate",
     }

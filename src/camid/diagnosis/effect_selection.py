@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty, refuted
+from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis, in_order, prior_penalty, refuted
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses, special_case
 from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import Watch
@@ -27,7 +27,9 @@ Array = NDArray[np.float64]
 FALSE_ALARM = 0.002
 # The same for an effect beside others, whose law may not be exact.
 FALSE_ALARM_BESIDE_OTHERS = 1e-4
-MOST_EFFECTS = 3
+# Effects that are looked for in any case, and at most: beyond the first ones, each that is found has to have explained
+# more than an inexact law of the others may leave.
+FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
 MOST_SWAPS = 4
 SWAP_MARGIN = 2.0
 # Error, as a share of the output's spread, from which the coefficients may be so wrong that fits start from the nominal
@@ -164,11 +166,14 @@ def select_effects(
             current, restarts = without_effect, restarts + 1
             base = base if beside else without_effect
             continue
-        current = ranked[0].fitted
+        left, current = current, ranked[0].fitted
         rivals.append(ranked)
         whole = _merged(problem, current, known)
         if whole is not None and current.criterion_beyond(whole) > 0.0:
             current, merged = whole, True
+        enough = len(current.model.effects) - known >= FEWEST_EFFECTS
+        if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
+            break
     if agreed is not None and _refuted(problem, agreed[1], Hypothesis("", current), validation):
         base, current, rivals = agreed
     if len(current.model.effects) - known < 2 and not merged:
