@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis, in_order, prior_penalty, refuted
-from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, RIVALS, first_effort, hypotheses, special_case
+from camid.diagnosis.hypothesis_search import (
+    ALL_STEPS,
+    BESIDE_OTHERS,
+    RIVALS,
+    first_effort,
+    hypotheses,
+    other_choices,
+    special_case,
+)
 from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
@@ -258,10 +266,11 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
                 searches.keep(others, [*found, _last(problem, own, index)])
             special = special_case(problem, current, index, {h.identifier for h in found})
             found = found if special is None else [*found, special]
-            ranked = in_order([own, *(h for h in found if h.identifier != identifier)])
-            if own.beyond(ranked[0]) > SWAP_MARGIN:
-                current, changed = ranked[0].fitted, True
+            best = in_order([own, *found, *other_choices(problem, current, index)])[0]
+            if own.beyond(best) > SWAP_MARGIN:
+                current, changed = best.fitted, True
                 break
+            ranked = in_order([own, *(h for h in found if h.identifier != identifier)])
             rivals.append(ranked)
             without.append(others)
         if not changed:

@@ -23,6 +23,9 @@ MOST_FROM_NOMINAL = 7
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
 ALL_STEPS = 30
+# Thorough fits one after another from the values of another law, and the fall of the cost, as a share, that ends them.
+MOST_FITS = 4
+SETTLED = 1e-3
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
@@ -178,6 +181,31 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     return list(found.values())
 
 
+def other_choices(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
+    """One of a model's effects with each other choice that it has, fitted from where the model is."""
+    model = fitted.model
+    effect = model.effects[index]
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    found = []
+    for parameter in effect.parameters:
+        for choice in (c for c in parameter.choices if c != effect.values[parameter.name]):
+            other = type(effect)(**(effect.values | {parameter.name: choice}))
+            start = replace(model, effects=(*others, other))
+            found.append(_settled(problem, effect.identifier, start))
+    return [h for h in found if h is not None]
+
+
+def _settled(problem: Problem, identifier: str, start: Model) -> Hypothesis | None:
+    """A thorough fit, taken up again, with numbers measured by what they have become, until that changes little."""
+    found = _fitted(problem, identifier, start, ALL_STEPS)
+    for _ in range(MOST_FITS - 1):
+        again = None if found is None else _fitted(problem, identifier, found.fitted.model, ALL_STEPS)
+        if found is None or again is None or again.fitted.cost > (1.0 - SETTLED) * found.fitted.cost:
+            break
+        found = again
+    return found
+
+
 def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
     """The special case of one of a model's effects in its place, fitted from there; None if there is none, or known."""
     model = general.model
@@ -250,6 +278,10 @@ def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: Sea
         chance = float(chdtrc(1, candidate.gain)) * trials(type(candidate.effect), problem) * count
         if candidate.gain >= least and chance < MOST_CHANCE:
             known = shapes.setdefault(candidate.effect.identifier, [])
-            if len(known) < effort.shapes and not any(alike(_start_of(candidate), _start_of(k)) for k in known):
+            # No fit leads from one branch to another, so that each has its start.
+            new = candidate.effect.branch not in {k.effect.branch for k in known}
+            if (new or len(known) < effort.shapes) and not any(
+                alike(_start_of(candidate), _start_of(k)) for k in known
+            ):
                 known.append(candidate)
     return [c for known in list(shapes.values())[: effort.effects] for c in known]

@@ -213,6 +213,12 @@ class Effect:
         return self
 
     @property
+    def branch(self) -> tuple[Any, ...]:
+        """What no fit changes in a guess: choices, and parameters whose value leaves the recording as it is."""
+        words = tuple(v for v in self.values.values() if isinstance(v, str))
+        return words if self._neutral is None else (*words, *(self.vector == np.asarray(self._neutral)).tolist())
+
+    @property
     def one_sided(self) -> bool:
         """Whether the effect exists in one direction only: its strength cannot be negative, or it has none."""
         if self.strength is None:
