@@ -16,7 +16,7 @@ from camid.identification.from_recordings import load_recordings
 from camid.real_recordings.download import BENCHMARK_RECORDINGS, FOLDER_VARIABLE, SILVERBOX_PERIOD, SILVERBOX_TRAINING
 from camid.real_recordings.drawing import SIGNALS, draw
 from camid.real_recordings.laws import Law
-from camid.real_recordings.page import page
+from camid.real_recordings.page import _parameter, page
 from camid.real_recordings.results import SPECIFIC, Results
 from camid.simulation.file import load_simulation
 from camid.workflow.tolerances import compare, without_targets
@@ -223,6 +223,17 @@ def committed() -> dict[str, pd.DataFrame]:
 def test_committed_page_says_what_the_committed_results_say():
     written = (ROOT / "docs/real_recordings.md").read_text(encoding="utf-8")
     assert page(ROOT / "workflow/report/real_recordings.md.jinja", committed()) == written
+
+
+def test_a_parameter_is_written_with_its_unit_and_a_choice_alone():
+    rows = {
+        "overflow_height": (22.3118, 0.6266, "V"),
+        "overflow_share": (0.6075, 0.0488, np.nan),
+        "overflow_slow": (1.0, np.nan, np.nan),
+    }
+    known = pd.DataFrame.from_dict(rows, orient="index", columns=["value", "standard_deviation", "unit"])
+    written = [_parameter(known, key, key.removeprefix("overflow_")) for key in rows]
+    assert written == ["height 22.31 ± 0.63 V", "share 0.607 ± 0.049", "slow"]
 
 
 def test_committed_results_keep_their_tolerances_and_hold_no_samples():

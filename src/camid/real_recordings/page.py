@@ -146,6 +146,14 @@ def _number(known: pd.DataFrame, key: str) -> str:
     return with_deviation(value, deviation) if deviation > 0.0 else plain(value, 3)
 
 
+def _parameter(known: pd.DataFrame, key: str, words: str) -> str:
+    """A parameter with its number and unit; a choice, which a table of numbers holds as 1 without both, alone."""
+    unit, deviation = known["unit"].loc[key], known["standard_deviation"].loc[key]
+    unit = unit if isinstance(unit, str) else ""
+    chosen = not unit and not deviation > 0.0
+    return words if chosen else f"{words} {_number(known, key)} {unit}".rstrip()
+
+
 def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
     """The page, its numbers and tables from the results.
 
@@ -169,10 +177,7 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
         words = []
         for effect in found:
             parameters = [q for q in known.index if q.startswith(f"{effect}_")]
-            numbers = [
-                f"{q.removeprefix(f'{effect}_').replace('_', ' ')} {_number(known, q)} {known['unit'].loc[q]}"
-                for q in parameters
-            ]
+            numbers = [_parameter(known, q, q.removeprefix(f"{effect}_").replace("_", " ")) for q in parameters]
             words.append(f"`{effect}` ({', '.join(numbers)})" if numbers else f"`{effect}`")
         return ", ".join(words) or "nothing"
 
