@@ -233,7 +233,7 @@ def test_a_parameter_is_written_with_its_unit_and_a_choice_alone():
     }
     known = pd.DataFrame.from_dict(rows, orient="index", columns=["value", "standard_deviation", "unit"])
     written = [_parameter(known, key, key.removeprefix("overflow_")) for key in rows]
-    assert written == ["height 22.31 ± 0.63 V", "share 0.607 ± 0.049", "slow"]
+    assert written == ["height 22.31 ± 0.63 V", "share 0.608 ± 0.049", "slow"]
 
 
 def test_committed_results_keep_their_tolerances_and_hold_no_samples():
