@@ -73,14 +73,12 @@ def corrected(problem: Problem, simpler: Decision, searches: Searches, watch: Wa
     watch : Watch
     """
     watch.say("looking for a correction of the laws")
-    found = searches.beside(simpler.fitted)
-    if found is None:
-        laws = screen(problem, simpler.fitted, signatures=searches.signatures)
-        laws = [c for c in laws if not c.effect.of_one_recording]
-        found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
+    # What an earlier search found beside the same effects may be crowded by what depends on the time.
+    laws = screen(problem, simpler.fitted, signatures=searches.signatures)
+    laws = [c for c in laws if not c.effect.of_one_recording]
+    found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
     # What is left is structure: a criterion that takes it for coloured noise would not count what explains it.
-    lasting = (h.fitted for h in found if not h.fitted.model.effects[-1].of_one_recording)
-    best = min(lasting, key=lambda f: f.cost, default=simpler.fitted)
+    best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler.fitted)
     return best if best.cost < simpler.fitted.cost else None
 
 
