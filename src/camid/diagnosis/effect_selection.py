@@ -1,7 +1,7 @@
 """Which effects a recording supports: forward selection with swaps and backward removal, and what it cannot tell.
 
-Hypotheses are compared by Bayes's criterion of the whole likelihood, the colour of the noise included,
-so that coloured noise alone is one of them. An effect is added where the likelihood ratio would be exceeded by
+Hypotheses are compared by Bayes's criterion, tempered where the residual is not white; see
+:meth:`camid.fitting.fit.Fitted.criterion_beyond`. An effect is added where the likelihood ratio would be exceeded by
 chance, anywhere in the catalogue, in less than one recording of several hundred.
 """
 
@@ -142,7 +142,7 @@ def select_effects(
         What was found already, and where what is found is kept.
     """
     watch = watch or Watch()
-    current, restarts, merged = base, 0, False
+    current, restarts = base, 0
     rivals: list[list[Hypothesis]] = []
     known = len(base.model.effects)
     searches = searches or Searches()
@@ -162,29 +162,32 @@ def select_effects(
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
         gaining = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
         ranked = [h for h in gaining if not _refuted(problem, current, h, validation)]
-        if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
+        provisional = not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level
+        if provisional:
             # Rows that were not fitted may need a further effect before they agree: they judge all of them together.
             ranked = gaining
             if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
                 break
-            agreed = agreed or (base, current, list(rivals))
         without_effect = _without_its_effect(problem, ranked[0])
         if current.criterion_beyond(without_effect) > ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
             # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
             current, restarts = without_effect, restarts + 1
             base = base if beside else without_effect
             continue
+        if provisional and agreed is None:
+            agreed = base, current, list(rivals)
         left, current = current, ranked[0].fitted
         rivals.append(ranked)
         whole = _merged(problem, current, known)
         if whole is not None and current.criterion_beyond(whole) > 0.0:
-            current, merged = whole, True
+            current = whole
         enough = len(current.model.effects) - known >= FEWEST_EFFECTS
         if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
             break
     if agreed is not None and _refuted(problem, agreed[1], Hypothesis("", current), validation):
         base, current, rivals = agreed
-    if len(current.model.effects) - known < 2 and not merged:
+    # A general law that took in its special case has the rivals of two effects.
+    if len(rivals) < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
     return _swapped(problem, base, current, searches, watch)
 

@@ -234,7 +234,7 @@ def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
     if watch.no_time_for("a correction of the laws"):
         return simpler
     problem, validation = setting.problem, setting.validation
-    found = corrected(problem, simpler, setting.searches, watch)
+    found = corrected(problem, simpler, setting.searches.signatures, watch)
     if found is None:
         return simpler
     found = _fitted_to_the_end(problem, found, watch)

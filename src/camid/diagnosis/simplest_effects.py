@@ -13,10 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.effect_selection import Decision, Searches
+from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
-from camid.diagnosis.screening import screen
+from camid.diagnosis.screening import Signatures, screen
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
@@ -58,7 +58,7 @@ def simplest(
     return decision
 
 
-def corrected(problem: Problem, simpler: Decision, searches: Searches, watch: Watch) -> Fitted | None:
+def corrected(problem: Problem, simpler: Decision, signatures: Signatures, watch: Watch) -> Fitted | None:
     """The likeliest law beside the effects of a decision that left some out; None where nothing corrects them.
 
     What depends on the time (a drift, a blow) corrects nothing: another recording would not have it.
@@ -68,16 +68,16 @@ def corrected(problem: Problem, simpler: Decision, searches: Searches, watch: Wa
     problem : Problem
     simpler : Decision
         What :func:`simplest` made of a decision.
-    searches : Searches
-        What was found already.
+    signatures : Signatures
+        Of earlier screenings.
     watch : Watch
     """
     watch.say("looking for a correction of the laws")
     # What an earlier search found beside the same effects may be crowded by what depends on the time.
-    laws = screen(problem, simpler.fitted, signatures=searches.signatures)
+    laws = screen(problem, simpler.fitted, signatures=signatures)
     laws = [c for c in laws if not c.effect.of_one_recording]
     found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
-    # What is left is structure: a criterion that takes it for coloured noise would not count what explains it.
+    # What is left is structure, of which a correction has to take the most, whatever it costs in parameters.
     best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler.fitted)
     return best if best.cost < simpler.fitted.cost else None
 
