@@ -16,6 +16,10 @@ BENCHMARK_ENVIRONMENT := .venv-benchmark
 BENCHMARK_BIN := $(BENCHMARK_ENVIRONMENT)/bin
 FORMATTED_RULES := Snakefile $(wildcard workflow/rules/*.smk)
 
+# Python keeps what it compiles, whatever the caller's shell forbids: without that, every process of the workflow and of the
+# tests would compile numpy, scipy and matplotlib anew.
+export PYTHONDONTWRITEBYTECODE :=
+
 # When make was called, so that `all` can say how long its parts took.
 export STARTED := $(shell date +%s)
 
