@@ -6,6 +6,11 @@ BIN := $(ENVIRONMENT)/bin
 # Python compiles a module when it is first imported; compiling all modules of all packages would take half a minute. The
 # locks are complete, so that nothing has to be resolved.
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --no-deps --require-hashes
+# Two halves of a lock are unpacked at once: pip itself uses one processor.
+define install_lock
+	awk '/^[a-z0-9]/ { n++ } { print > "$(ENVIRONMENT)/half-" n % 2 ".lock" }' $(1)
+	printf '%s\n' 0 1 | xargs -P 2 -I '{}' $(INSTALL) --requirement '$(ENVIRONMENT)/half-{}.lock'
+endef
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake -c$(CORES)
 # Datasets go into and come out of a shared cache only where the reader names one. The option comes last, because it would
@@ -39,7 +44,7 @@ env: $(ENVIRONMENT)/.installed ## only set up .venv from the hashed lock
 $(ENVIRONMENT)/.installed: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("camid needs Python 3.11 or newer; call make PYTHON=python3.x") if sys.version_info < (3, 11) else None'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(ENVIRONMENT)
-	$(INSTALL) --requirement requirements.lock
+	$(call install_lock,requirements.lock)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	$(BIN)/python -m camid.compile_all
 	touch $@
@@ -48,7 +53,7 @@ $(ENVIRONMENT)/.installed: requirements.lock pyproject.toml
 development: $(ENVIRONMENT)/.development
 
 $(ENVIRONMENT)/.development: requirements-development.lock $(ENVIRONMENT)/.installed
-	$(INSTALL) --requirement requirements-development.lock
+	$(call install_lock,requirements-development.lock)
 	touch $@
 
 # Whole files go to a worker, so that what a file computes for all its tests is computed once.

@@ -55,15 +55,26 @@ print(result, sum(difference.stats.cache_misses.values()))
 """
 
 
-@pytest.fixture
-def package(tmp_path):
+def written(folder):
     """Folder with two modules of compiled code."""
-    folder = tmp_path / "one"
     folder.mkdir()
     (folder / "callee.py").write_text(CALLEE, encoding="utf-8")
     (folder / "caller.py").write_text(CALLER, encoding="utf-8")
     (folder / "main.py").write_text(MAIN, encoding="utf-8")
     return folder
+
+
+@pytest.fixture
+def package(tmp_path):
+    return written(tmp_path / "one")
+
+
+@pytest.fixture(scope="module")
+def compiled_before(tmp_path_factory):
+    """Such a folder, and that of its compiled code."""
+    base = tmp_path_factory.mktemp("compiled")
+    run(written(base / "one"), base / "cache")
+    return base / "one", base / "cache"
 
 
 def start(folder, cache):
@@ -124,9 +135,10 @@ def test_neither_another_folder_nor_docstrings_and_comments_compile_again(packag
         ("caller.py", "    first: float\n    second: float", "    second: float\n    first: float", 9.0),
     ],
 )
-def test_a_change_of_what_a_function_uses_compiles_it_again(package, tmp_path, name, old, new, expected):
-    cache = tmp_path / "cache"
-    run(package, cache)
+def test_a_change_of_what_a_function_uses_compiles_it_again(compiled_before, tmp_path, name, old, new, expected):
+    for folder in compiled_before:
+        shutil.copytree(folder, tmp_path / folder.name)
+    package, cache = (tmp_path / folder.name for folder in compiled_before)
     edit(package, name, (old, new))
     result, misses, _ = run(package, cache)
     assert (result, misses) == (expected, 1)

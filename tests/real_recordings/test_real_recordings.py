@@ -143,6 +143,7 @@ def test_excerpt_is_named_rightly(diagnosed):
     assert expected <= set(names(diagnosis))
 
 
+@pytest.mark.slow
 def test_names_do_not_depend_on_units_signs_columns_and_the_clock(diagnosed):
     case, _, diagnosis = diagnosed
     assert names(camid.diagnose(case.other_table, case.other_believed)) == names(diagnosis)
