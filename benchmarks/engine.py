@@ -12,7 +12,7 @@ from benchmarks.report import Goal, Report, number
 from benchmarks.timing import alternate
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
-from camid.effects import plant as physics
+from camid.effects import damping, friction, hysteresis, stiffness
 from camid.engine.mechanics import Chain
 from camid.engine.run import run as simulate
 
@@ -21,17 +21,17 @@ PEER_FRAMES = 100  # scipy takes seconds for all
 PLANT = second_order(1.0, 10.0, 0.1)
 LIMIT = 3e-3
 EFFECTS = {
-    "cubic stiffness": (physics.CubicStiffness(coefficient=0.1), lambda y, v, z: 0.1 * y**3, None),
-    "quadratic drag": (physics.QuadraticDrag(coefficient=0.005), lambda y, v, z: 0.005 * abs(v) * v, None),
-    "end stop": (physics.EndStop(position=1.0, stiffness=5.0), lambda y, v, z: 5.0 * max(y - 1.0, 0.0), None),
-    "Coulomb friction": (physics.CoulombFriction(force=0.1), lambda y, v, z: 0.1 * np.tanh(v / 1e-3), None),
+    "cubic stiffness": (stiffness.CubicStiffness(coefficient=0.1), lambda y, v, z: 0.1 * y**3, None),
+    "quadratic drag": (damping.QuadraticDrag(coefficient=0.005), lambda y, v, z: 0.005 * abs(v) * v, None),
+    "end stop": (stiffness.EndStop(position=1.0, stiffness=5.0), lambda y, v, z: 5.0 * max(y - 1.0, 0.0), None),
+    "Coulomb friction": (friction.CoulombFriction(force=0.1), lambda y, v, z: 0.1 * np.tanh(v / 1e-3), None),
     "Stribeck friction": (
-        physics.StribeckFriction(coulomb=0.1, breakaway=0.16, velocity=2.0),
+        friction.StribeckFriction(coulomb=0.1, breakaway=0.16, velocity=2.0),
         lambda y, v, z: (0.1 + 0.06 * exp(-((v / 2.0) ** 2))) * np.tanh(v / 1e-3),
         None,
     ),
     "hysteresis": (
-        physics.Hysteresis(strength=0.1, shape=2.0),
+        hysteresis.Hysteresis(strength=0.1, shape=2.0),
         lambda y, v, z: 0.1 * z,
         lambda v, z: 2.0 * (v - 0.5 * abs(v) * z - 0.5 * v * abs(z)),
     ),

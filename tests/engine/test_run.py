@@ -11,8 +11,18 @@ import pytest
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
-from camid.effects import actuator, disturbance, sensor
-from camid.effects import plant as physics
+from camid.effects import (
+    actuator,
+    damping,
+    disturbance,
+    drift,
+    friction,
+    hysteresis,
+    modes,
+    plant_force,
+    sensor,
+    stiffness,
+)
 from camid.engine.mechanics import Chain, NotApplicable
 from camid.engine.run import move, run
 from camid.fitting.initial_motion import companion_state
@@ -42,26 +52,26 @@ def stop(p, k):
     return {"force": lambda t, y, v, u, m: k * depth(y), "kinks": (lambda t, y, v: y - p,)}
 
 
-def drift(rate, stiffness=0.0, damping=0.0, gain=0.0):
+def drifting(rate, stiffness=0.0, damping=0.0, gain=0.0):
     return {"force": lambda t, y, v, u, m: rate * t * (stiffness * y + damping * v - gain * u)}
 
 
 FRICTION = [
-    (physics.CoulombFriction(force=f), {"level": lambda t, y, speed, f=f: f}) for f in (0.02, 0.1, 0.35, 0.6)
+    (friction.CoulombFriction(force=f), {"level": lambda t, y, speed, f=f: f}) for f in (0.02, 0.1, 0.35, 0.6)
 ] + [
     (
-        physics.StribeckFriction(coulomb=c, breakaway=b, velocity=s),
+        friction.StribeckFriction(coulomb=c, breakaway=b, velocity=s),
         {"level": lambda t, y, speed, c=c, b=b, s=s: c + (b - c) * exp(-((speed / s) ** 2))},
     )
     for c, b, s in ((0.1, 0.16, 2.0), (0.05, 0.3, 0.3), (0.2, 0.4, 1.0))
 ]
 SMOOTH = [
-    (physics.CubicStiffness(coefficient=0.1), {"force": lambda t, y, v, u, m: 0.1 * y**3}),
-    (physics.CubicStiffness(coefficient=1.0), {"force": lambda t, y, v, u, m: y**3}),
-    (physics.QuadraticStiffness(coefficient=0.05), {"force": lambda t, y, v, u, m: 0.05 * y * y}),
-    (physics.PendulumGravity(amplitude=3.0), {"force": lambda t, y, v, u, m: 3.0 * sin(y / 3.0) - y}),
-    (physics.ParameterDrift(coefficient="stiffness", rate=0.1), drift(0.1, stiffness=1.0)),
-    (physics.ParameterDrift(coefficient="gain", rate=0.1), drift(0.1, gain=1.0)),
+    (stiffness.CubicStiffness(coefficient=0.1), {"force": lambda t, y, v, u, m: 0.1 * y**3}),
+    (stiffness.CubicStiffness(coefficient=1.0), {"force": lambda t, y, v, u, m: y**3}),
+    (stiffness.QuadraticStiffness(coefficient=0.05), {"force": lambda t, y, v, u, m: 0.05 * y * y}),
+    (stiffness.PendulumGravity(amplitude=3.0), {"force": lambda t, y, v, u, m: 3.0 * sin(y / 3.0) - y}),
+    (drift.ParameterDrift(coefficient="stiffness", rate=0.1), drifting(0.1, stiffness=1.0)),
+    (drift.ParameterDrift(coefficient="gain", rate=0.1), drifting(0.1, gain=1.0)),
     (
         disturbance.PeriodicDisturbance(amplitude=0.3, frequency=23.0, phase=1.0),
         {"force": lambda t, y, v, u, m: -0.3 * sin(23.0 * t + 1.0)},
@@ -71,22 +81,22 @@ SMOOTH = [
         {"force": lambda t, y, v, u, m: -0.3 * (t >= 7.4163), "times": (7.4163,)},
     ),
     (disturbance.ImpulseDisturbance(size=0.1, time=7.3163), {"impulses": ((7.3163, 0.1),)}),
-    (physics.ExtraMode(natural_frequency=60.0, damping=0.05), {"mode": (60.0, 0.05)}),
+    (modes.ExtraMode(natural_frequency=60.0, damping=0.05), {"mode": (60.0, 0.05)}),
     (actuator.ActuatorLag(time_constant=0.013), {"lag": 0.013}),
 ]
 VELOCITY = [
-    (physics.ParameterDrift(coefficient="damping", rate=0.1), None),
+    (drift.ParameterDrift(coefficient="damping", rate=0.1), None),
     *(
         (
-            physics.QuadraticDrag(coefficient=c),
+            damping.QuadraticDrag(coefficient=c),
             {"force": lambda t, y, v, u, m, c=c: c * abs(v) * v, "kinks": (lambda t, y, v: v,)},
         )
         for c in (0.01, 0.2)
     ),
 ]
 EVENTS = [
-    *((physics.EndStop(position=p, stiffness=k), stop(p, k)) for p, k in ((0.6, 1.0), (0.6, 100.0), (-0.5, 10.0))),
-    *((physics.Hysteresis(strength=h, shape=k), bouc_wen(h, k)) for h, k in ((0.1, 1.0), (0.3, 20.0), (0.2, 200.0))),
+    *((stiffness.EndStop(position=p, stiffness=k), stop(p, k)) for p, k in ((0.6, 1.0), (0.6, 100.0), (-0.5, 10.0))),
+    *((hysteresis.Hysteresis(strength=h, shape=k), bouc_wen(h, k)) for h, k in ((0.1, 1.0), (0.3, 20.0), (0.2, 200.0))),
 ]
 FORCES = [*FRICTION, *SMOOTH, *VELOCITY, *EVENTS]
 
@@ -115,7 +125,7 @@ def largest_error(plant, effects, terms, period, hold, count=48, pieces=None, st
 
 
 def terms_of(case, plant):
-    return drift(0.1, damping=physics.static_damping(plant)) if case[1] is None else case[1]
+    return drifting(0.1, damping=plant_force.static_damping(plant)) if case[1] is None else case[1]
 
 
 @pytest.mark.parametrize(("speed", "hold"), [(0.2, "zoh"), (0.2, "foh"), (1.5, "zoh"), (1.5, "foh")])
@@ -177,9 +187,9 @@ def test_actuators_equal_adaptive_integration(effect, pieces, speed, hold):
 
 def test_several_effects_at_once():
     effects = (
-        physics.ExtraMode(natural_frequency=60.0, damping=0.05),
-        physics.CoulombFriction(force=0.1),
-        physics.CubicStiffness(coefficient=0.3),
+        modes.ExtraMode(natural_frequency=60.0, damping=0.05),
+        friction.CoulombFriction(force=0.1),
+        stiffness.CubicStiffness(coefficient=0.3),
         actuator.ActuatorLag(time_constant=0.01),
         actuator.Saturation(limit=0.8),
         disturbance.StepDisturbance(size=0.3, time=START + 0.4163),
@@ -205,7 +215,7 @@ def test_linear_chains_are_exact(hold):
     assert np.array_equal(run(Chain(PLANT, acquisition), signal, time), sample(PLANT, signal, acquisition))
     delayed = run(Chain(PLANT, acquisition, (sensor.Delay(delay=0.007),)), signal, time)
     assert np.array_equal(delayed, sample(PLANT, signal, Acquisition(0.02, hold, "camera", 0.013, 0.038)))
-    lag, mode = actuator.ActuatorLag(time_constant=0.01), physics.ExtraMode(natural_frequency=70.0, damping=0.1)
+    lag, mode = actuator.ActuatorLag(time_constant=0.01), modes.ExtraMode(natural_frequency=70.0, damping=0.1)
     whole = PLANT * TransferFunction((1.0,), (0.01, 1.0)) * second_order(1.0, 70.0, 0.1)
     assert np.allclose(
         run(Chain(PLANT, acquisition, (lag, mode)), signal, time), sample(whole, signal, acquisition), atol=1e-12
@@ -239,7 +249,7 @@ def test_initial_state_is_that_of_the_predictor(plant, before_record):
 
 def test_a_force_that_needs_a_motion_which_jumps_with_the_input_is_refused():
     jumping = TransferFunction((1.0, 2.0), (1.0, 1.0))
-    for effect in (physics.CoulombFriction(force=0.1), physics.CubicStiffness(coefficient=0.1)):
+    for effect in (friction.CoulombFriction(force=0.1), stiffness.CubicStiffness(coefficient=0.1)):
         with pytest.raises(NotApplicable, match="jumps"):
             run(Chain(jumping, Acquisition(0.1), (effect,)), np.ones(5), 0.1 * np.arange(5))
 
@@ -250,7 +260,7 @@ def test_friction_that_acts_with_a_lag_does_not_chatter(hold):
     signal, time = signal_of(1500), 0.02 * np.arange(1500)
     signal[900:] = 0.0
     acquisition = Acquisition(0.02, hold)
-    chain = Chain(LAGGED, acquisition, (physics.CoulombFriction(force=0.1),))
+    chain = Chain(LAGGED, acquisition, (friction.CoulombFriction(force=0.1),))
     found = run(chain, signal, time)
     begin = clock.perf_counter()
     run(chain, signal, time)
@@ -261,15 +271,15 @@ def test_friction_that_acts_with_a_lag_does_not_chatter(hold):
 
 
 EXTREME = [
-    physics.CoulombFriction(force=1e9),
-    physics.StribeckFriction(coulomb=0.0, breakaway=1e6, velocity=1e-9),
-    physics.QuadraticDrag(coefficient=10.0),
-    physics.CubicStiffness(coefficient=1e4),
-    physics.PendulumGravity(amplitude=1e-9),
-    physics.EndStop(position=1e-9, stiffness=1e9),
-    physics.EndStop(position=-0.5, stiffness=1e6),
-    physics.Hysteresis(strength=1e3, shape=1e6),
-    physics.Hysteresis(strength=1.0, shape=1e-12),
+    friction.CoulombFriction(force=1e9),
+    friction.StribeckFriction(coulomb=0.0, breakaway=1e6, velocity=1e-9),
+    damping.QuadraticDrag(coefficient=10.0),
+    stiffness.CubicStiffness(coefficient=1e4),
+    stiffness.PendulumGravity(amplitude=1e-9),
+    stiffness.EndStop(position=1e-9, stiffness=1e9),
+    stiffness.EndStop(position=-0.5, stiffness=1e6),
+    hysteresis.Hysteresis(strength=1e3, shape=1e6),
+    hysteresis.Hysteresis(strength=1.0, shape=1e-12),
     disturbance.PeriodicDisturbance(amplitude=1.0, frequency=1e5, phase=0.0),
     disturbance.ImpulseDisturbance(size=1e6, time=-5.0),
     disturbance.StepDisturbance(size=1.0, time=1e9),
@@ -292,7 +302,7 @@ def test_extreme_parameters_give_finite_outputs_in_bounded_time(effect):
 
 def test_a_body_under_friction_that_nothing_overcomes_stays_where_it_is():
     found = run(
-        Chain(PLANT, Acquisition(0.02), (physics.CoulombFriction(force=1.1),)), signal_of(90), 0.02 * np.arange(90)
+        Chain(PLANT, Acquisition(0.02), (friction.CoulombFriction(force=1.1),)), signal_of(90), 0.02 * np.arange(90)
     )
     assert np.array_equal(found, np.zeros(90))
 
@@ -303,7 +313,7 @@ def test_free_decay_under_friction_falls_by_the_same_amount_each_half_period():
     state = np.array([0.0, 1.0])  # z' and z of z = u / A in scaled time
     time = 0.01 * np.arange(400)
     motion = move(
-        Chain(undamped, Acquisition(0.01, sensor="instant"), (physics.CoulombFriction(force=0.04),), state),
+        Chain(undamped, Acquisition(0.01, sensor="instant"), (friction.CoulombFriction(force=0.04),), state),
         0.0 * time,
         time,
     )
@@ -317,7 +327,7 @@ from camid.chain.acquisition import Acquisition
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from camid.engine.integrator import integrate
-from camid.effects.plant import Hysteresis
+from camid.effects.hysteresis import Hysteresis
 from camid.chain.plant import second_order
 chain = Chain(second_order(1.0, 10.0, 0.1), Acquisition(0.02), (Hysteresis(strength=0.1, shape=2.0),))
 run(chain, np.ones(20), 0.02 * np.arange(20))

@@ -218,10 +218,36 @@ rule recording_starts:
         "../scripts/recording_starts.py"
 
 
+rule recording_windows:
+    input:
+        recording=DIAGNOSED["pendulum2_decay"],
+        simulation="config/simulations/pendulum2_decay.yaml",
+    output:
+        "results/recordings/pendulum2_decay_windows.csv",
+    log:
+        "results/logs/recording_pendulum2_decay_windows.log",
+    params:
+        code=script_code("recording_windows.py"),
+        # From swings nearly upright to small ones.
+        starts=[3.1, 4.5, 6.0, 7.5, 9.0, 12.0, 15.0],
+    message:
+        "Diagnosing the second pendulum from several rows on."
+    script:
+        "../scripts/recording_windows.py"
+
+
 # Half an hour and more: not part of `recordings`.
 rule recordings_starts:
     input:
-        expand("results/recordings/{recording}_starts.csv", recording=DIAGNOSED),
-    localrule: True
+        draws=expand("results/recordings/{recording}_starts.csv", recording=DIAGNOSED),
+        windows=rules.recording_windows.output[0],
+    output:
+        page="docs/real_recordings_starts.md",
+    log:
+        "results/logs/recordings_starts.log",
+    params:
+        code=script_code("recordings_starts.py"),
     message:
-        "What each recording is said to lack, from 20 nominal plants each, is in results/recordings/*_starts.csv."
+        "What the real recordings are said to lack, from other starts."
+    script:
+        "../scripts/recordings_starts.py"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from camid.diagnosis import mismatch_location
 from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis, Finding
-from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, Searches, searched, select_effects
+from camid.diagnosis.effect_selection import Decision, Searches, select_effects
 from camid.diagnosis.evidence import (
     coefficients_of,
     errors,
@@ -23,6 +23,7 @@ from camid.diagnosis.evidence import (
 )
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
+from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, unlisted_weight
 from camid.diagnosis.screening import ScreenedEffect, screen
@@ -155,7 +156,7 @@ def investigate(
         left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
         # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
         if not any(test.p_value < STRUCTURE_P_VALUE for test in left):
-            decision = _with_noise(problem, decision, setting.known)
+            decision = in_noise_metric(problem, decision, setting.known)
     if decision.base is not base:
         before = mismatch_location.places(problem, decision.base)
     decision, residue = _simplified(setting, decision, before, watch)
@@ -221,7 +222,7 @@ def _simplified(
         return decision, residue
     share = max((t.share for t in residue.places), default=0.0)
     if residue.reasons:
-        simpler = simplest(problem, _unweighted(problem, decision), setting.known, share, watch)
+        simpler = simplest(problem, in_least_squares(problem, decision), setting.known, share, watch)
         if simpler.fitted is not decision.fitted:
             decision = _corrected(setting, _converged(problem, simpler, watch), watch)
             return decision, _residue(setting, decision, before)
@@ -345,42 +346,6 @@ def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Prob
     return problem, problem.kind.refit(problem, problem.with_initial_states(start))
 
 
-def _with_noise(problem: Problem, decision: Decision, known: int) -> Decision:
-    """The decision's model refitted in the metric of its noise, if that is coloured, and without what it refutes."""
-    from scipy.special import chdtrc
-
-    for _ in range(MOST_EFFECTS + 1):
-        final = decision.fitted
-        whitening = final.noise.whitening
-        if len(whitening) == 1:
-            return decision
-        again = fit(problem, final.model, steps=15, whitening=whitening)
-        cost = _whitened_cost(problem, again, whitening)
-        refuted = None
-        for i, effect in enumerate(again.model.effects[known:]):
-            without = fit(problem, again.model.without(known + i), steps=15, whitening=whitening)
-            ratio = len(again.residual) * float(np.log(_whitened_cost(problem, without, whitening) / cost))
-            freedom = max(len(effect.numeric()), 1)
-            chance = float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, effect.identifier)
-            if chance >= FALSE_ALARM:
-                refuted = i, without
-        if refuted is None:
-            return replace(decision, fitted=again)
-        index, fitted = refuted
-        decision = replace(
-            decision,
-            fitted=fitted,
-            rivals=decision.rivals[:index] + decision.rivals[index + 1 :],
-            without=[
-                fit(problem, fitted.model.without(known + i), steps=15, whitening=whitening)
-                for i in range(len(decision.without) - 1)
-            ],
-        )
-        if not decision.rivals:
-            return replace(decision, fitted=decision.base)
-    return decision
-
-
 def _settled(problem: Problem, base: Fitted) -> bool:
     """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
 
@@ -389,19 +354,3 @@ def _settled(problem: Problem, base: Fitted) -> bool:
     if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * float(np.std(problem.output)):
         return False
     return bool(np.sqrt(base.cost / len(base.residual)) <= KNOWN_REMAINDER * problem.remainder)
-
-
-def _unweighted(problem: Problem, decision: Decision) -> Decision:
-    """The decision with the estimate of least squares.
-
-    What the laws leave is not noise, and its spectrum no reason to trust some frequencies more than others: a filter
-    that whitens it would give the weight to those at which the model is wrong by little because little happens there.
-    """
-    if not decision.fitted.weighted:
-        return decision
-    return replace(decision, fitted=fit(problem, decision.fitted.model, steps=ALL_STEPS))
-
-
-def _whitened_cost(problem: Problem, fitted: Fitted, whitening: Array) -> float:
-    innovations = problem.whitened(fitted.residual, whitening)
-    return max(float(innovations @ innovations), 1e-300)

@@ -1,4 +1,4 @@
-"""Damping that depends on the amplitude of the motion."""
+"""Damping that is not in proportion to the speed."""
 
 # Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
 # ruff: noqa: D102, N805
@@ -10,9 +10,33 @@ from collections.abc import Iterator
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
-from camid.effects.plant import GUESS, AgainstMotion
+from camid.effects.plant_force import GUESS, AgainstMotion
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
+
+
+class QuadraticDrag(AgainstMotion):
+    """Resistance that grows with the square of the speed."""
+
+    identifier = "quadratic-drag"
+    place = "plant"
+    title = "Quadratic drag"
+    equation = r"f = c\,|\dot y|\,\dot y"
+    reference = "Worden & Tomlinson (2001), Nonlinearity in Structural Dynamics, chapter 1"
+    parameters = (Parameter("coefficient", "u s^2/y^2", "drag c"),)
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
+    strength = "coefficient"
+    uses_velocity = True
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] * abs(velocity) * velocity
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to it."""
+        for share in (GUESS, 0.3):
+            yield cls(coefficient=share * situation.largest("signal") / situation.largest("velocity") ** 2)
 
 
 class AmplitudeDependentDamping(AgainstMotion):

@@ -1,4 +1,4 @@
-"""Dry friction whose level is not one constant: it depends on the direction, on the position or on the load."""
+"""Dry friction: of one level, or of a level that depends on the speed, the direction, the position or the load."""
 
 # Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
 # ruff: noqa: D102, N805
@@ -6,18 +6,90 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import exp
 from typing import Self
+
+import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
-from camid.effects.plant import GUESS, CoulombFriction, motion_sign
+from camid.effects.plant_force import GUESS, mobility, motion_sign
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
+
+
+class CoulombFriction(Effect):
+    """Dry friction of constant size, which also holds the body at rest."""
+
+    identifier = "coulomb-friction"
+    place = "plant"
+    title = "Coulomb friction"
+    equation = r"f = f_c\,\mathrm{sgn}(\dot y),\quad |f| \leq f_c\ \mathrm{at\ rest}"
+    reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
+    parameters = (Parameter("force", "u", "friction f_c", 0.0),)
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
+    strength = "force"
+    uses_velocity = True
+
+    @compiled
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0]
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small, and large enough that the body sticks at times."""
+        for share in (GUESS, 0.1, 0.3):
+            yield cls(force=share * situation.largest("signal"))
+
+
+class StribeckFriction(Effect):
+    """Dry friction that falls from a break-away level as the speed grows."""
+
+    identifier = "stribeck-friction"
+    place = "plant"
+    title = "Stribeck friction"
+    equation = r"f = \left(f_c + (f_s - f_c)\,e^{-(\dot y/v_s)^2}\right)\mathrm{sgn}(\dot y)"
+    reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
+    parameters = (
+        Parameter("coulomb", "u", "friction f_c at high speed", 0.0),
+        Parameter("breakaway", "u", "friction f_s at rest", 0.0),
+        Parameter("velocity", "y/s", "Stribeck velocity v_s", 1e-300),
+    )
+    levels = ("coulomb", "breakaway")
+    separated_by = (SeparatingExperiment.FREE_DECAY,)
+    uses_velocity = True
+
+    @compiled
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        share = velocity / values[2]
+        return values[0] + (values[1] - values[0]) * exp(-share * share)
+
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the larger of both levels."""
+        return CoulombFriction(force=max(self.values["coulomb"], self.values["breakaway"]))
+
+    def scaled(self, factor: float) -> StribeckFriction:
+        """Both levels, scaled."""
+        return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
+
+    def frequency(self, plant: TransferFunction) -> float:
+        """Of the fall of friction with speed, which pushes the body."""
+        slope = abs(self.values["breakaway"] - self.values["coulomb"]) / self.values["velocity"]
+        return min(3.0 * mobility(plant) * slope, 1e3 * float(np.max(np.abs(plant.poles()), initial=1.0)))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Break-away at one and a half times and at four times the level, at small and middle speeds."""
+        force = GUESS * situation.largest("signal")
+        for speed in (0.1, 0.3, 0.8):
+            velocity = speed * float(np.std(situation.velocity)) or 1.0
+            for level in (1.0, 5.0):
+                yield cls(coulomb=level * force, breakaway=level * 1.6 * force, velocity=velocity)
 
 
 class _UnevenFriction(Effect):

@@ -1,15 +1,16 @@
-"""Flexible modes beside the plant."""
+"""Flexible modes that the plant lacks, in series with it or beside it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 
 from camid.chain.plant import TransferFunction, second_order
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
+from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -19,6 +20,39 @@ FREQUENCIES = 10
 DAMPING_RATIOS = (0.03, 0.3)
 # Static displacement of a first guess as a share of the largest displacement over the largest input.
 GUESS = 0.02
+
+
+class ExtraMode(Effect):
+    """A flexible mode in series with the plant, the paper's neglected mode."""
+
+    identifier = "extra-mode"
+    place = "plant"
+    title = "Neglected flexible mode"
+    equation = r"y = \frac{\omega_1^2}{s^2 + 2\xi_1\omega_1 s + \omega_1^2}\;G(s)\,u"
+    reference = "Laroche & Delavigne, equations (25) and (26)"
+    parameters = (
+        Parameter("natural_frequency", "rad/s", "natural frequency ω₁", 1e-300),
+        Parameter("damping", "", "damping ratio ξ₁", 0.0, 5.0),
+    )
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
+
+    def after_plant(self) -> TransferFunction | None:
+        """The mode, with a static gain of one."""
+        return second_order(1.0, self.values["natural_frequency"], self.values["damping"])
+
+    def scaled(self, factor: float) -> ExtraMode:
+        """Both terms of the mode's denominator, s²/ω₁² and 2 ξ₁ s/ω₁, scaled."""
+        root = sqrt(max(factor, LEAST_FACTOR))
+        return self.with_vector(self.vector * np.array([1.0 / root, root]))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Frequencies from a third of the plant's to three times the Shannon limit."""
+        limit = np.pi / situation.acquisition.period
+        slowest = 0.3 * min(float(np.max(np.abs(situation.plant.poles()), initial=0.0)) or limit, limit)
+        for frequency in np.geomspace(slowest, 3.0 * limit, 14):
+            yield cls(natural_frequency=float(frequency), damping=0.05)
+            yield cls(natural_frequency=float(frequency), damping=0.4)
 
 
 class ParallelMode(Effect):

@@ -17,7 +17,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
-from camid.effects.plant import mobility
+from camid.effects.plant_force import mobility
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 

@@ -26,7 +26,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
-from camid.effects.plant import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
+from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 

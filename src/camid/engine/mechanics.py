@@ -18,7 +18,7 @@ from camid.chain.companion_form import companion, derivative_rows, time_scale
 from camid.chain.controller import Loop
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
-from camid.effects.plant import motion_sign
+from camid.effects.plant_force import motion_sign
 from camid.engine.forces import Forces, Mechanics
 
 Array = NDArray[np.float64]

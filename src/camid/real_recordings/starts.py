@@ -1,9 +1,9 @@
-"""Whether a diagnosis depends on its start: one recording, and nominal plants that are off by up to a half."""
+"""Whether a diagnosis depends on its start: other nominal plants, and other rows of the recording."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
 from camid.commands.diagnose import diagnose
+from camid.diagnosis.diagnosis import Diagnosis
 
 Array = NDArray[np.float64]
 
@@ -33,24 +34,53 @@ def first_names(recording: str | Path, simulation: str | Path, draws: int, seed:
     Returns
     -------
     DataFrame
-        One row per draw: ``draw``, ``verdict``, ``first`` (the first effect named, or nothing), ``error`` (on rows that
-        were not fitted, over the standard deviation of the output), ``seconds``.
+        One row per draw: ``draw``, ``verdict``, ``first`` (the first effect named, or nothing), ``value`` and
+        ``deviation`` (its first parameter, with its standard deviation), ``error`` (on rows that were not fitted, over
+        the standard deviation of the output), ``seconds``.
     """
     content = YAML(typ="safe").load(Path(simulation))
+    return _diagnosed(recording, "draw", enumerate(nominal_draws(content, draws, seed)))
+
+
+def names_by_first_row(recording: str | Path, simulation: str | Path, starts: Sequence[float]) -> pd.DataFrame:
+    """Diagnose a recording from several of its rows on.
+
+    Parameters
+    ----------
+    recording, simulation : path
+    starts : sequence of float
+        Times in s from which it is read.
+
+    Returns
+    -------
+    DataFrame
+        One row per start, as of :func:`first_names`, with ``start`` in the place of ``draw``.
+    """
+    content = YAML(typ="safe").load(Path(simulation))
+    later = [{**content, "recording": {**content.get("recording", {}), "start": start}} for start in starts]
+    return _diagnosed(recording, "start", zip(starts, later, strict=True))
+
+
+def _diagnosed(recording: str | Path, key: str, cases: Iterable[tuple[float, dict[str, Any]]]) -> pd.DataFrame:
     rows = []
-    for draw, believed in enumerate(nominal_draws(content, draws, seed)):
+    for value, believed in cases:
         started = time.perf_counter()
         diagnosis = diagnose(recording, believed, time_limit=None)
-        rows.append(
-            {
-                "draw": draw,
-                "verdict": diagnosis.verdict,
-                "first": diagnosis.findings[0].identifier if diagnosis.findings else "",
-                "error": diagnosis.fit.improved,
-                "seconds": time.perf_counter() - started,
-            }
-        )
-    return pd.DataFrame(rows, columns=["draw", "verdict", "first", "error", "seconds"])
+        rows.append({key: value, **_said(diagnosis), "seconds": time.perf_counter() - started})
+    return pd.DataFrame(rows, columns=[key, "verdict", "first", "value", "deviation", "error", "seconds"])
+
+
+def _said(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Verdict, first name with its first number, and the error."""
+    said: dict[str, Any] = {"verdict": diagnosis.verdict, "first": "", "error": diagnosis.fit.improved}
+    if diagnosis.findings:
+        first = diagnosis.findings[0]
+        numbers = (p for p in first.parameters.values() if not isinstance(p.value, str))
+        number = next(numbers, None)
+        said["first"] = first.identifier
+        if number is not None:
+            said |= {"value": number.value, "deviation": number.standard_deviation}
+    return said
 
 
 def nominal_draws(content: dict[str, Any], draws: int, seed: int) -> Iterator[dict[str, Any]]:

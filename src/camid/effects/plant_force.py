@@ -1,0 +1,48 @@
+"""What forces at the input of the plant have in common: their unit, that of u, and their sign."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
+
+# Force of a first guess as a share of the largest input: small, but above the rounding of the integrator.
+GUESS = 0.02
+# Smallest factor of a change of size; the effect is then below any noise.
+LEAST_FACTOR = 1e-9
+
+
+def static_stiffness(plant: TransferFunction) -> float:
+    """Force in units of u that holds a unit of y at rest, A(0)/B(0); 0 for an integrating plant."""
+    return plant.denominator[-1] / plant.numerator[-1] if plant.numerator[-1] != 0.0 else 0.0
+
+
+def static_damping(plant: TransferFunction) -> float:
+    """Force in units of u for a unit of y per second: the second coefficient of A/B about s = 0."""
+    numerator, denominator = plant.numerator, plant.denominator
+    if numerator[-1] == 0.0 or len(denominator) < 2:
+        return 0.0
+    slope = numerator[-2] / numerator[-1] if len(numerator) > 1 else 0.0
+    return (denominator[-2] - denominator[-1] * slope) / numerator[-1]
+
+
+def mobility(plant: TransferFunction) -> float:
+    """Acceleration in units of y/s² for a unit of force, for a plant with two poles more than zeros; else 0."""
+    monic = plant.monic
+    return abs(monic.numerator[0]) if len(monic.denominator) - len(monic.numerator) == 2 else 0.0
+
+
+def motion_sign(plant: TransferFunction) -> float:
+    """1 where a positive force moves the plant to positive y at first, -1 where the sign of y or u is the other way."""
+    return 1.0 if plant.monic.numerator[0] > 0.0 else -1.0
+
+
+class AgainstMotion(Effect):
+    """A force that acts against the motion whatever the signs of input and output: its first value is signed."""
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """The parameters, the size of the force with the sign of the plant's gain."""
+        return [motion_sign(plant) * p if i == self.signed else p for i, p in enumerate(self.vector)]
+
+    signed: ClassVar[int] = 0
