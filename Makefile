@@ -29,7 +29,7 @@ export PYTHONDONTWRITEBYTECODE :=
 export STARTED := $(shell date +%s)
 
 .DEFAULT_GOAL := all
-.PHONY: all env development docs test test-slow test-workflow lint format check bench slurm lock clean help
+.PHONY: all env development docs test test-slow test-workflow lint style types format check bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	@installed=$$(date +%s); \
@@ -68,12 +68,17 @@ test-slow: development ## run the tests with large samples, many seeds and the w
 test-workflow: development ## run the whole workflow in fresh copies, and what it promises
 	$(BIN)/python -m pytest -m workflow
 
-lint: development docs ## ruff, snakefmt, mypy, import-linter, and the documentation built strictly
+# Two at a time where make is called with -j2.
+lint: style types docs ## ruff, snakefmt, mypy, import-linter, and the documentation built strictly
+
+style: development
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check $(FORMATTED_RULES)
-	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+types: development
+	$(BIN)/mypy
 
 format: development ## let the formatters rewrite the sources
 	$(BIN)/ruff check --fix .
