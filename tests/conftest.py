@@ -13,7 +13,7 @@ from hypothesis import settings
 from camid.chain.excitation import pseudo_random_binary_sequence
 
 # The same examples in every run; `pytest --hypothesis-profile=default` looks for new ones.
-settings.register_profile("camid", derandomize=True, database=None, deadline=None, max_examples=60)
+settings.register_profile("camid", derandomize=True, database=None, deadline=None, max_examples=40)
 settings.load_profile("camid")
 
 # Folders whose files take longest go first, so that no worker is left with a long one at the end.

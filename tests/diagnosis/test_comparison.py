@@ -131,6 +131,7 @@ def test_a_general_law_takes_the_place_of_its_special_case():
         assert abs(value.value - true[name]) < 4.0 * value.standard_deviation
 
 
+@pytest.mark.slow
 def test_as_many_effects_as_the_recording_shows():
     """Four in one pass; the delay may be any of those that the field cannot tell from it."""
     true = {"friction": 0.05, "delay": 0.012, "bias": 0.08}

@@ -34,7 +34,10 @@ def believed(frequency, time_constant, **sensor):
     }
 
 
-@pytest.mark.parametrize(("frequency", "time_constant"), [(10.0, 0.4), (30.0, 0.1), (40.0, 1.0)])
+@pytest.mark.parametrize(
+    ("frequency", "time_constant"),
+    [(40.0, 1.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((10.0, 0.4), (30.0, 0.1)))],
+)
 def test_nominal_coefficients_do_not_matter(frequency, time_constant):
     diagnosis = camid.diagnose(recording(), believed(frequency, time_constant))
     assert diagnosis.findings[0].identifier == "absolute-value"

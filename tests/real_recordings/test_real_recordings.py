@@ -120,11 +120,7 @@ CASES = {
 # `make check` holds the diagnoses of the whole recordings against their tolerances.
 @pytest.fixture(
     scope="module",
-    params=[
-        "pendulum",
-        pytest.param("silverbox", marks=pytest.mark.slow),
-        pytest.param("emps", marks=pytest.mark.slow),
-    ],
+    params=[pytest.param(name, marks=pytest.mark.slow) for name in ("pendulum", "silverbox", "emps")],
 )
 def diagnosed(request):
     """A case, what has to be named, and its diagnosis."""
@@ -143,7 +139,6 @@ def test_excerpt_is_named_rightly(diagnosed):
     assert expected <= set(names(diagnosis))
 
 
-@pytest.mark.slow
 def test_names_do_not_depend_on_units_signs_columns_and_the_clock(diagnosed):
     case, _, diagnosis = diagnosed
     assert names(camid.diagnose(case.other_table, case.other_believed)) == names(diagnosis)

@@ -61,7 +61,11 @@ class Copy:
 
     def planned(self, *arguments: str) -> set[str]:
         """Rules that a dry run would run."""
-        printed = self.snakemake(*arguments, "-n", "--quiet", "host")
+        return self.ran(*arguments, "-n")
+
+    def ran(self, *arguments: str) -> set[str]:
+        """Run Snakemake, and which rules it ran."""
+        printed = self.snakemake(*arguments, "--quiet", "host")
         lines = printed.splitlines()
         starts = [i for i, line in enumerate(lines) if line.startswith("Job stats:")]
         if not starts:
