@@ -67,11 +67,11 @@ def separate_panels(figure: Figure, share: float = 0.08) -> None:
         engine.set(wspace=share)
 
 
-def rounded(table: pd.DataFrame) -> pd.DataFrame:
-    """The table with its numbers cut to digits that no processor's rounding reaches."""
+def rounded(table: pd.DataFrame, digits: int = SIGNIFICANT_DIGITS) -> pd.DataFrame:
+    """The table with its numbers cut to significant digits that no processor's rounding reaches."""
 
     def cut(value: float) -> float:
-        return 0.0 if abs(value) < SMALLEST else float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+        return 0.0 if abs(value) < SMALLEST else float(f"{value:.{digits}g}")
 
     floats = [c for c in table.columns if table[c].dtype.kind == "f"]
     return table.assign(**{str(c): table[c].map(cut) for c in floats})

@@ -31,6 +31,9 @@ LOOKS: dict[str, dict[str, Any]] = {
     "refitted": {"color": style.VERMILION, "linewidth": 1.1, "linestyle": "--"},
     "improved": {"color": style.BLUE, "linewidth": 0.9, "linestyle": "-"},
 }
+# Significant digits of the results: a fit of a nonlinear model settles to eight, and the order in which effects are
+# tried decides on the ninth.
+SETTLED_DIGITS = 7
 RESIDUAL_COLOURS = {"refitted": "#E8A27C", "improved": style.BLUE}
 
 
@@ -109,5 +112,6 @@ def save(figure: Figure, quantities: pd.DataFrame, png: str | Path, csv: str | P
     import matplotlib.pyplot as plt
 
     write_whole(png, lambda path: figure.savefig(path, format="png", metadata={"Software": None}))
-    write_whole(csv, lambda path: style.rounded(quantities).to_csv(path, index=False, lineterminator="\n"))
+    settled = style.rounded(quantities, SETTLED_DIGITS)
+    write_whole(csv, lambda path: settled.to_csv(path, index=False, lineterminator="\n"))
     plt.close(figure)
