@@ -236,7 +236,7 @@ rule recording_windows:
         "../scripts/recording_windows.py"
 
 
-# Half an hour and more: not part of `recordings`.
+# Most of an hour: not part of `recordings`.
 rule recordings_starts:
     input:
         draws=expand("results/recordings/{recording}_starts.csv", recording=DIAGNOSED),
