@@ -241,6 +241,7 @@ rule recordings_starts:
     input:
         draws=expand("results/recordings/{recording}_starts.csv", recording=DIAGNOSED),
         windows=rules.recording_windows.output[0],
+        working_copy=BIRTH_MARK,
     output:
         page="docs/real_recordings_starts.md",
     log:
