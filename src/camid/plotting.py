@@ -77,11 +77,22 @@ def rounded(table: pd.DataFrame, digits: int = SIGNIFICANT_DIGITS) -> pd.DataFra
     return table.assign(**{str(c): table[c].map(cut) for c in floats})
 
 
-def save(figure: Figure, table: pd.DataFrame, png: str | Path, pdf: str | Path, csv: str | Path) -> None:
-    """Write PNG, PDF and the CSV of the plotted numbers, byte for byte the same at every run."""
+def save(
+    figure: Figure,
+    table: pd.DataFrame,
+    png: str | Path,
+    csv: str | Path,
+    pdf: str | Path | None = None,
+    digits: int = SIGNIFICANT_DIGITS,
+) -> None:
+    """Write PNG, the CSV of the plotted numbers and, if asked, PDF, byte for byte the same at every run."""
     import matplotlib.pyplot as plt
 
     write_whole(png, lambda path: figure.savefig(path, format="png", metadata={"Software": None}))
-    write_whole(pdf, lambda path: figure.savefig(path, format="pdf", metadata={"CreationDate": None, "Producer": None}))
-    write_whole(csv, lambda path: rounded(table).to_csv(path, index=False, lineterminator="\n"))
+    write_whole(csv, lambda path: rounded(table, digits).to_csv(path, index=False, lineterminator="\n"))
+    if pdf is not None:
+        figure.set_layout_engine("none")  # the layout is that of the PNG, and not worked out again
+        write_whole(
+            pdf, lambda path: figure.savefig(path, format="pdf", metadata={"CreationDate": None, "Producer": None})
+        )
     plt.close(figure)

@@ -63,11 +63,11 @@ def test_two_drawings_have_the_same_bytes_and_all_axes_are_labelled(draw, tmp_pa
             shared = axes.get_shared_x_axes().get_siblings(axes)
             assert not axes.axison or axes.get_ylabel()
             assert not axes.axison or any(other.get_xlabel() for other in shared)
-        paths = [tmp_path / f"{run}.{kind}" for kind in ("png", "pdf", "csv")]
+        paths = [tmp_path / f"{run}.{kind}" for kind in ("png", "csv", "pdf")]
         style.save(figure, table, *paths)
         contents.append([path.read_bytes() for path in paths])
     assert contents[0] == contents[1]
-    assert len(contents[0][2].splitlines()) > 2
+    assert len(contents[0][1].splitlines()) > 2
 
 
 def test_gaps_where_plain_srivc_did_not_converge_and_rounding_is_zero():

@@ -26,7 +26,7 @@ def test_ablation_is_whole(name):
     assert (ROOT / f"tests/ablations/test_{name}.py").is_file()
     guards = [t for t in loaded(ABLATIONS / name / "tolerances.yaml") if t["target"] == f"ablation_{name}"]
     assert guards, "no tolerance guards its conclusion"
-    for kind in ("png", "pdf", "csv"):
+    for kind in ("png", "csv"):
         assert (ROOT / f"paper_figs/ablation_{name}.{kind}").is_file()
     assert f"(`ablation_{name}`)" in (ROOT / "paper_figs/ablations.md").read_text(encoding="utf-8")
 

@@ -37,7 +37,6 @@ for name, ablation in ABLATIONS.items():
                 category=ablation.get("category", "Ablations"),
                 labels={"figure": name.replace("_", " "), "of": "past the paper"},
             ),
-            pdf=f"paper_figs/ablation_{name}.pdf",
             csv=f"paper_figs/ablation_{name}.csv",
             quantities=f"results/ablations/{name}.csv",
             conclusion=f"results/ablations/{name}.txt",
@@ -58,7 +57,7 @@ rule ablations:
         figures=expand(
             "paper_figs/ablation_{name}.{format}",
             name=ABLATIONS,
-            format=["png", "pdf", "csv"],
+            format=["png", "csv"],
         ),
         conclusions=expand("results/ablations/{name}.txt", name=ABLATIONS),
         working_copy=BIRTH_MARK,

@@ -170,7 +170,6 @@ for name, (table, title) in CONCEALED_FIGURES.items():
             working_copy=BIRTH_MARK,
         output:
             png=f"paper_figs/concealed_{name}.png",
-            pdf=f"paper_figs/concealed_{name}.pdf",
             csv=f"paper_figs/concealed_{name}.csv",
         log:
             f"results/logs/concealed_{name}.log",
@@ -188,7 +187,7 @@ rule concealed:
         figures=expand(
             "paper_figs/concealed_{name}.{format}",
             name=CONCEALED_FIGURES,
-            format=["png", "pdf", "csv"],
+            format=["png", "csv"],
         ),
         seals=expand(
             f"{CONCEALED_FOLDER}/seals/{CONCEALED_SHARD}.csv",
@@ -225,7 +224,6 @@ rule concealed_sample:
             category="Diagnosis",
             labels={"figure": "concealed sample", "of": "past the paper"},
         ),
-        pdf="paper_figs/concealed_sample.pdf",
         csv="paper_figs/concealed_sample.csv",
         quantities="results/concealed/quantities.csv",
     log:

@@ -77,7 +77,6 @@ rule monte_carlo:
         runs=rules.monte_carlo_all_runs.output[0],
     output:
         png="paper_figs/monte_carlo.png",
-        pdf="paper_figs/monte_carlo.pdf",
         csv="paper_figs/monte_carlo.csv",
         quantities="paper_figs/monte_carlo_quantities.csv",
         conclusion="paper_figs/monte_carlo.txt",

@@ -17,7 +17,7 @@ def main() -> None:
     """Draw the small sample of the sealed proof and state its numbers."""
     scores, parameters = (pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters"))
     figure, plotted = draw(scores)
-    save(figure, plotted, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+    save(figure, plotted, snakemake.output.png, snakemake.output.csv)
     table = quantities(lines(scores, parameters), "concealed_sample")
     table.to_csv(snakemake.output.quantities, index=False, lineterminator="\n")
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def main() -> None:
     """Draw and save the figure and the numbers that it shows."""
     figure, table = function_of(snakemake)(**arguments(snakemake))
-    save(figure, table, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+    save(figure, table, snakemake.output.png, snakemake.output.csv, snakemake.output.get("pdf"))
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ def main() -> None:
     name = snakemake.params.ablation
     table = pd.read_parquet(snakemake.input.runs)
     figure, plotted = import_module(f"camid.ablations.{name}.drawing").draw(table)
-    save(figure, plotted, snakemake.output.png, snakemake.output.pdf, snakemake.output.csv)
+    save(figure, plotted, snakemake.output.png, snakemake.output.csv)
     runs = import_module(f"camid.ablations.{name}.runs")
     rows = [
         {"target": f"ablation_{name}", "quantity": quantity, "value": float(value), "unit": unit}

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.real_recordings.drawing import draw, save
+from camid.plotting import save
+from camid.real_recordings.drawing import SETTLED_DIGITS, draw
 from camid.real_recordings.laws import law
 from camid.real_recordings.results import Results, quantities
 from camid.workflow.job import logged
@@ -21,7 +22,8 @@ def main() -> None:
     results = Results.read(snakemake.params.name, Path(files.recording), Path(files.simulation), *folders)
     linear = {Path(file).stem.split("_")[1]: pd.read_csv(file) for file in files.get("linear", [])}
     table = quantities(results, linear)
-    save(draw(results, law(results)), table, snakemake.output.png, snakemake.output.csv)
+    # Recorded samples stay out of the table: they have no licence.
+    save(draw(results, law(results)), table, snakemake.output.png, snakemake.output.csv, digits=SETTLED_DIGITS)
 
 
 if __name__ == "__main__":

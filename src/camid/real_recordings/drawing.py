@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pandas as pd
 from camid import plotting as style
 from camid.real_recordings.laws import Law
 from camid.real_recordings.results import RECORDINGS, Results
-from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -105,13 +103,3 @@ def _draw_residuals(axes: Any, results: Results, factor: float, label: str) -> N
     legend = axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.1)
     for line in legend.get_lines():
         line.set_linewidth(2.0)
-
-
-def save(figure: Figure, quantities: pd.DataFrame, png: str | Path, csv: str | Path) -> None:
-    """Write the figure and the results beside it; recorded samples stay out of the table, they have no licence."""
-    import matplotlib.pyplot as plt
-
-    write_whole(png, lambda path: figure.savefig(path, format="png", metadata={"Software": None}))
-    settled = style.rounded(quantities, SETTLED_DIGITS)
-    write_whole(csv, lambda path: settled.to_csv(path, index=False, lineterminator="\n"))
-    plt.close(figure)
