@@ -56,7 +56,7 @@ class CodeDigest:
                 self._data.setdefault(path.name, []).append(path)
         self._kept: dict[str, _Read] = {}
         self._new = False
-        atexit.register(self._save)
+        atexit.register(self.save)
         self._digests: dict[tuple[str | Path, ...], str] = {}
         self._files: dict[str, Path] = {}
         self._current: dict[Path, _Read] = {}
@@ -111,7 +111,7 @@ class CodeDigest:
                 found.update(self._data.get(Path(name).name, ()))
         return sorted(found)
 
-    def _save(self) -> None:
+    def save(self) -> None:
         """Keep what was read for the next time."""
         if self._new:
             files = {file: (*read.stamp, read.digest, read.names) for file, read in self._kept.items()}

@@ -40,7 +40,7 @@ def test_identified_from_far_off():
 
 
 def test_friction_is_found_and_the_improved_file_is_adequate(tmp_path):
-    recording = rigs.pendulum(**RIG, friction=0.008, noise=0.003, count=1200)
+    recording = rigs.pendulum(**RIG, friction=0.008, noise=0.003, count=800)
     diagnosis = camid.diagnose(recording, rigs.pendulum_simulation(natural_frequency=5.0, damping=0.01, rest=np.pi))
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
     force = diagnosis.findings[0].parameters["force"]

@@ -5,7 +5,6 @@ import json
 import re
 import shutil
 import subprocess
-import time
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -220,15 +219,6 @@ def test_equations():
     )
 
 
-def test_it_is_quick():
-    diagnosis = written_diagnoses.diagnosis("partly-explained")
-    report.render(diagnosis)  # imports
-    began = time.process_time()
-    page = report.render(diagnosis)
-    assert time.process_time() - began < 1.5
-    assert page.endswith("</html>")
-
-
 @pytest.mark.parametrize("verdict", summary.VERDICT_WORDS)
 def test_summary(capsys, verdict):
     diagnosis = written_diagnoses.diagnosis(verdict, input_column="[red]u", warnings=["[bold]look"])
@@ -340,7 +330,7 @@ def in_browser(page, folder, width):
 
 
 @needs_browser
-@pytest.mark.parametrize(("width", "named"), [(1280, "usually"), (390, "usually"), (390, "badly"), (800, "badly")])
+@pytest.mark.parametrize(("width", "named"), [(1280, "usually"), (390, "badly")])
 def test_a_browser_lays_it_out_without_scrolling_sideways(tmp_path, pages, hostile, width, named):
     seen = in_browser(pages["partly-explained"] if named == "usually" else hostile, tmp_path, width)
     assert (seen["width"], seen["needed"]) == (width, width)

@@ -62,6 +62,7 @@ def corrected(loaded_bearing):
     return camid.diagnose(*loaded_bearing)
 
 
+@pytest.mark.slow
 def test_what_corrects_the_law_is_modelled_and_not_named(corrected):
     diagnosis = corrected
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]

@@ -23,7 +23,11 @@ def digest_of(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(sources))
 
     def digest(*starts):
-        return CodeDigest(sources, tmp_path / "cache.json")(*starts)
+        code = CodeDigest(sources, tmp_path / "cache.json")
+        try:
+            return code(*starts)
+        finally:
+            code.save()  # as at the end of a process
 
     digest.sources = sources / "camid"
     return digest

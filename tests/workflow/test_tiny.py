@@ -76,6 +76,12 @@ def test_set_is_sealed_diagnosed_blindly_and_revealed(tiny):
     opened = inputs[f"{results}/revealed/{SHARD}/scores.parquet"]
     assert {f"{results}/diagnoses/{SHARD}", f"{results}/truths/{SHARD}"} <= set(opened)
 
+
+@pytest.mark.workflow
+def test_diagnoses_need_no_truth_and_an_altered_truth_is_refused(tiny):
+    folder = tiny.folder / f"results/concealed/sample/{SEED}"
+    diagnoses = contents(folder / "diagnoses" / SHARD)
+
     # Once more without any truth and any held-out recording: every diagnosis is the same to the byte.
     kept = {name: (folder / name).rename(folder / f"kept_{name}") for name in ("truths", "held_out")}
     target = f"results/concealed/sample/{SEED}/diagnoses/{SHARD}"
