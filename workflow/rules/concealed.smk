@@ -1,5 +1,5 @@
 # The sealed proof: recordings with a concealed effect are made and sealed, diagnosed blindly, then revealed and scored.
-# The set `sample` is part of `all`; the target `concealed` takes the set `full`.
+# The set `sample` is part of `check`; the target `concealed` takes the set `full`.
 
 CONCEALED = config["concealed"]
 if "concealed_seed" in config:
