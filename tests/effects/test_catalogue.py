@@ -26,7 +26,7 @@ plant coulomb-friction force; stribeck-friction coulomb breakaway velocity; quad
  asymmetric-friction forward backward; position-dependent-friction force gradient;
  load-dependent-friction force coefficient; amplitude-dependent-damping coefficient;
  cogging amplitude period phase; parallel-mode gain natural_frequency damping;
- square-root-outflow coefficient; overflow height share below
+ square-root-outflow coefficient below; overflow height share below
 disturbance periodic-disturbance amplitude frequency phase; step-disturbance size time; impulse-disturbance size time
 sensor exposure exposure; delay delay; rolling-shutter time_per_unit; clock-skew skew; timestamp-jitter std;
  lens-distortion k1; clipping low high; quantisation step; sensor-offset offset; sensor-drift rate;

@@ -42,6 +42,8 @@ Array = NDArray[np.float64]
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
+# Corrections of the laws at most, each of which explains most of what is left without it.
+MOST_CORRECTIONS = 2
 # Fits of the final model at most, and the fall of its sum of squares, as a share, that is none.
 MOST_FINAL_FITS = 4
 SETTLED = 1e-3
@@ -231,17 +233,22 @@ def _simplified(
 
 
 def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
-    """The simpler decision with a correction, if that explains most of what is left on rows that were not fitted."""
-    if watch.no_time_for("a correction of the laws"):
-        return simpler
+    """The simpler decision with corrections that each explain most of what is left on rows that were not fitted."""
     problem, validation = setting.problem, setting.validation
-    found = corrected(problem, simpler, setting.searches.signatures, watch)
-    if found is None:
-        return simpler
-    found = _fitted_to_the_end(problem, found, watch)
-    before, after = (simulated_error(problem, f.model, validation) for f in (simpler.fitted, found))
-    # A correction that explains little would bend coefficients and findings for nothing.
-    return replace(simpler, corrected=found) if after**2 < (1.0 - LEAST_EXPLAINED) * before**2 else simpler
+    best, before = simpler.fitted, simulated_error(problem, simpler.fitted.model, validation)
+    for _ in range(MOST_CORRECTIONS):
+        if watch.no_time_for("a correction of the laws"):
+            break
+        found = corrected(problem, best, setting.searches.signatures, watch)
+        if found is None:
+            break
+        found = _fitted_to_the_end(problem, found, watch)
+        after = simulated_error(problem, found.model, validation)
+        # A correction that explains little would bend coefficients and findings for nothing.
+        if after**2 >= (1.0 - LEAST_EXPLAINED) * before**2:
+            break
+        best, before = found, after
+    return simpler if best is simpler.fitted else replace(simpler, corrected=best)
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:

@@ -58,28 +58,28 @@ def simplest(
     return decision
 
 
-def corrected(problem: Problem, simpler: Decision, signatures: Signatures, watch: Watch) -> Fitted | None:
-    """The likeliest law beside the effects of a decision that left some out; None where nothing corrects them.
+def corrected(problem: Problem, simpler: Fitted, signatures: Signatures, watch: Watch) -> Fitted | None:
+    """The likeliest law beside the effects of a model that leaves some out; None where nothing corrects them.
 
     What depends on the time (a drift, a blow) corrects nothing: another recording would not have it.
 
     Parameters
     ----------
     problem : Problem
-    simpler : Decision
-        What :func:`simplest` made of a decision.
+    simpler : Fitted
+        What :func:`simplest` made of a decision, or that with a correction.
     signatures : Signatures
         Of earlier screenings.
     watch : Watch
     """
     watch.say("looking for a correction of the laws")
     # What an earlier search found beside the same effects may be crowded by what depends on the time.
-    laws = screen(problem, simpler.fitted, signatures=signatures)
+    laws = screen(problem, simpler, signatures=signatures)
     laws = [c for c in laws if not c.effect.of_one_recording]
-    found = hypotheses(problem, simpler.fitted, laws, effort=BESIDE_OTHERS, watch=watch)
+    found = hypotheses(problem, simpler, laws, effort=BESIDE_OTHERS, watch=watch)
     # What is left is structure, of which a correction has to take the most, whatever it costs in parameters.
-    best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler.fitted)
-    return best if best.cost < simpler.fitted.cost else None
+    best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler)
+    return best if best.cost < simpler.cost else None
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:

@@ -7,7 +7,7 @@ docs/adding_an_effect.md shows how one is added.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -247,6 +247,10 @@ class Effect:
         return self
 
     # -- what the effect does; a class overrides what it needs -----------------------------------------------------
+
+    def beside(self, others: Sequence[Effect]) -> Effect:
+        """The same effect as it acts beside all those of a chain; itself where they change nothing of it."""
+        return self
 
     def force_values(self, plant: TransferFunction) -> list[float]:
         """What the compiled parts get as ``values``."""

@@ -7,9 +7,15 @@ which the share s reaches the lower one, in units of the output,
     ẋ/a = (u − e)/k − x,    ẏ/b = x + s e/k − y.
 
 Only y is measured, but S = y + ẏ/b = x + s e/k is known from its motion, so that what leaves the upper storage is a
-force at the plant's input that depends on y, ẏ and u. With a steep edge, e = κ k max(x − h, 0), it is
+force at the plant's input that depends on y, ẏ and u. With a steep edge, e = κ k q(x − h), where q(z) sets in with z²
+and is soon z, the level x follows from S, and
 
-    f = κ k (S − h) − s κ (u − k h)    where S > h.
+    f = u − k S − (1 + s κ q'(x − h)) (u − e − k x)    where S > h.
+
+Where both empty with the square root of their level, too, x and y on the right become g(x) = x + c √x/k and g(y). Then
+H = g(y) + ẏ/b = g(x) + s e/k is known, and the force of outflow and edge together is
+
+    f = u − k y − k (1/a + 1/b) ẏ + (k/a) g'(y) ẏ − (g'(x) + s κ q'(x − h)) (u − e − k g(x)).
 """
 
 # Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
@@ -17,12 +23,14 @@ force at the plant's input that depends on y, ẏ and u. With a steep edge, e = 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
@@ -38,6 +46,9 @@ TIGHTNESS = 1e3
 RETURN = 8.0
 # The flow over the edge of the upper of two storages grows by this many times its outflow for a unit of the level.
 STEEPNESS = 30.0
+# Width of its edge, as a share of its height, over which that flow sets in: were it sharp, the force of what passes on
+# to the lower storage would jump, and a fit would see jumps where it varies the height.
+EDGE_WIDTH = 0.03
 # Of the rate of a storage at its edge, the share that counts for the length of a step: explicit steps stay stable.
 STEP_SHARE = 0.125
 # Speed of the outflow near the empty storage, in rates of the storage, above which it is in proportion to the level:
@@ -45,6 +56,8 @@ STEP_SHARE = 0.125
 FASTEST_TRICKLE = 10.0
 # An edge this much beyond the motion, in the largest displacement, does nothing.
 BEYOND = 1.001
+# Steps to the level that belongs to an outflow.
+NEWTON_STEPS = 4
 # A level, in any unit, whose square is still a number.
 NO_LEVEL = 1e-150
 NO_STORAGE = (
@@ -66,6 +79,43 @@ def time_constants(plant: TransferFunction) -> list[float]:
     return [1.0 / (rate + spread), (rate + spread) / square]
 
 
+@njit
+def outflow(level: float, excess: float, trickle: float) -> tuple[float, float]:
+    """Outflow g of a storage and its slope: in proportion to the level, and with its square root ``excess`` times."""
+    square, smoothed = level * level, level * level + trickle * trickle
+    root = sqrt(sqrt(smoothed))
+    return level + excess * level / root, 1.0 + excess / root * (1.0 - 0.5 * square / smoothed)
+
+
+@njit
+def level_of(flow: float, excess: float, trickle: float) -> float:
+    """Level ≥ 0 of a storage that has this outflow."""
+    # The outflow grows ever more slowly, so that Newton's steps from below do not overshoot.
+    root = 0.5 * (sqrt(excess * excess + 4.0 * flow) - excess)
+    level = root * root
+    for _ in range(NEWTON_STEPS):
+        given, slope = outflow(level, excess, trickle)
+        level += (flow - given) / slope
+    return level
+
+
+@njit
+def spilt(beyond: float, width: float) -> tuple[float, float]:
+    """What comes over an edge, q, and its slope, at a level beyond its beginning."""
+    if beyond > width:
+        return beyond - 0.5 * width, 1.0
+    return 0.5 * beyond * beyond / width, beyond / width
+
+
+@njit
+def beyond_edge(known: float, passed: float, width: float) -> float:
+    """Level z beyond an edge where z + ``passed`` · q(z) is known."""
+    if passed <= 0.0:
+        return known
+    beyond = (sqrt(1.0 + 2.0 * passed * known / width) - 1.0) * width / passed
+    return beyond if beyond <= width else (known + 0.5 * passed * width) / (1.0 + passed)
+
+
 class _Storage(Effect):
     """An effect of a storage."""
 
@@ -83,29 +133,57 @@ class SquareRootOutflow(_Storage, AgainstMotion):
     title = "Outflow with the square root of the level"
     equation = r"f = c\,\mathrm{sgn}(y)\,\sqrt{|y|}"
     reference = "Johansson (2000), IEEE Trans. Control Syst. Technol. 8, 456-465 (tanks; Torricelli's law)"
-    parameters = (Parameter("coefficient", "u/y^0.5", "outflow c at the level one", 0.0),)
+    parameters = (
+        Parameter("coefficient", "u/y^0.5", "outflow c at the level one", 0.0),
+        Parameter(
+            "below",
+            "",
+            "storage below another with it: none, the faster or the slower",
+            choices=("none", "fast", "slow"),
+        ),
+    )
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
     strength = "coefficient"
 
+    def __init__(self, **values: Any) -> None:
+        super().__init__(**values)
+        # The level of the upper of two storages follows from the speed of the lower one's.
+        self.uses_velocity = self.values["below"] != "none"
+
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return values[0] * position / sqrt(sqrt(position * position + values[1] * values[1]))
+        flow, slope = outflow(position, values[1], values[2])
+        if values[0] == 0.0:
+            return values[3] * (flow - position)
+        stiffness, lower, upper = values[3], values[4], values[5]
+        known = flow + lower * velocity
+        side = 1.0 if known >= 0.0 else -1.0
+        above, steep = outflow(side * level_of(side * known, values[1], values[2]), values[1], values[2])
+        linear = position + (lower + upper) * velocity
+        return signal - stiffness * (linear - upper * slope * velocity) - steep * (signal - stiffness * above)
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """Coefficient with the sign of the gain, and the level below which the outflow is in proportion to it."""
-        return [motion_sign(plant) * self.values["coefficient"], self._trickle(plant)]
+        """Whether another storage lies above, excess, trickle, stiffness, time constants below and above.
+
+        Of a single storage the outflow of a level of one takes the place of the excess, and the sign of the gain that
+        of the stiffness.
+        """
+        stiffness, constants = static_stiffness(plant), time_constants(plant)
+        excess, trickle = self.shape(plant)
+        if self.values["below"] == "none" or len(constants) < 2:
+            return [0.0, self.values["coefficient"], trickle, motion_sign(plant), 0.0, 0.0]
+        lower, upper = constants if self.values["below"] == "fast" else constants[::-1]
+        return [1.0, excess, trickle, stiffness, lower, upper]
+
+    def shape(self, plant: TransferFunction) -> tuple[float, float]:
+        """Outflow with the root of a level of one over that in proportion, and the level of a trickle."""
+        stiffness = abs(static_stiffness(plant))
+        excess = self.values["coefficient"] / stiffness if stiffness > 0.0 else 0.0
+        return excess, (excess / FASTEST_TRICKLE) ** 2 + NO_LEVEL
 
     @compiled
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return position
-
-    def _trickle(self, plant: TransferFunction) -> float:
-        stiffness = abs(static_stiffness(plant))
-        return (
-            (self.values["coefficient"] / (FASTEST_TRICKLE * stiffness)) ** 2 + NO_LEVEL
-            if stiffness > 0.0
-            else NO_LEVEL
-        )
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of a trickle."""
@@ -115,8 +193,11 @@ class SquareRootOutflow(_Storage, AgainstMotion):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Small: the effect is proportional to it."""
-        for share in (GUESS, 0.3):
-            yield cls(coefficient=share * situation.largest("signal") / sqrt(situation.largest("position")))
+        count = len(time_constants(situation.plant))
+        for below in ("fast", "slow") if count == 2 else ("none",):
+            for share in (GUESS, 0.3):
+                coefficient = share * situation.largest("signal") / sqrt(situation.largest("position"))
+                yield cls(coefficient=coefficient, below=below)
 
 
 class Overflow(_Storage):
@@ -138,19 +219,51 @@ class Overflow(_Storage):
 
     # At the edge of a single storage the force follows from the speed that it leaves.
     uses_velocity = True
+    _outflow: SquareRootOutflow | None = None
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         side = values[0]
         excess = side * (position + values[1] * velocity - values[2])
-        if excess < 0.0:
+        if excess < 0.0 and values[8] == 0.0:
             return 0.0
-        held = values[6] * side * max(side * velocity + values[7] * excess, 0.0)
-        return held + side * values[3] * excess - values[4] * (signal - values[5])
+        if values[6] != 0.0:
+            return values[6] * side * max(side * velocity + values[7] * excess, 0.0)
+        driven, height, stiffness, passed, width = side * signal, side * values[2], values[3], values[4], values[5]
+        if values[8] == 0.0:
+            beyond = beyond_edge(excess, passed, width)
+            over, opening = spilt(beyond, width)
+            # What the upper storage keeps from the lower one, less what comes over its edge.
+            free = driven - stiffness * (beyond + height)
+            left = free - STEEPNESS * stiffness * over
+            return side * (free + stiffness * (beyond - excess) - (1.0 + passed * opening) * left)
+        full, slope = outflow(height, values[8], values[9])
+        flow = side * (outflow(position, values[8], values[9])[0] + values[1] * velocity)
+        if flow <= full:
+            return 0.0
+        beyond = beyond_edge((flow - full) / slope, passed / slope, width)
+        for _ in range(NEWTON_STEPS):
+            given, slope = outflow(height + beyond, values[8], values[9])
+            over, opening = spilt(beyond, width)
+            beyond += (flow - given - passed * over) / (slope + passed * opening)
+        given, slope = outflow(height + beyond, values[8], values[9])
+        over, opening = spilt(beyond, width)
+        without = outflow(level_of(flow, values[8], values[9]), values[8], values[9])[1]
+        left = driven - STEEPNESS * stiffness * over - stiffness * given
+        return side * (without * (driven - stiffness * flow) - (slope + passed * opening) * left)
 
     @compiled
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return position + values[1] * velocity - values[2]
+
+    def beside(self, others: Sequence[Effect]) -> Overflow:
+        """Beside an outflow of both storages with the square root of their level, which says how high the upper is."""
+        same = [e for e in others if isinstance(e, SquareRootOutflow) and e.values["below"] == self.values["below"]]
+        if not same or self.values["below"] == "none":
+            return self
+        found = Overflow(**self.values)
+        found._outflow = same[0]
+        return found
 
     def _below(self, plant: TransferFunction) -> float:
         """Time constant in s of the storage below."""
@@ -161,15 +274,18 @@ class Overflow(_Storage):
     def force_values(self, plant: TransferFunction) -> list[float]:
         """What the compiled parts need.
 
-        Side, time constant below, height, force for a unit of the level beyond it, part of the excess that passes on,
-        input that just fills the storage, force for a unit of the speed beyond the edge, and rate of the return to it.
+        Side, time constant below, where the edge starts, stiffness, flow that passes on for a unit of the level beyond
+        the edge, width of the edge; of a single storage force for a unit of the speed beyond the edge, and rate of the
+        return to it; of two that empty with the square root of their level excess and trickle.
         """
         height, stiffness, below = self.values["height"], static_stiffness(plant), self._below(plant)
         side = 1.0 if height >= 0.0 else -1.0
         if plant.order == 1:
             return [side, 0.0, height, 0.0, 0.0, 0.0, TIGHTNESS / plant.monic.numerator[0], self._return(plant)]
         passed = STEEPNESS * self.values["share"] if below > 0.0 else 0.0
-        return [side, below, height, STEEPNESS * stiffness, passed, stiffness * height, 0.0, 0.0]
+        start = (1.0 - 0.5 * EDGE_WIDTH) * height
+        values = [side, below, start, stiffness, passed, EDGE_WIDTH * abs(height) + NO_LEVEL, 0.0, 0.0]
+        return values if self._outflow is None or below == 0.0 else [*values, *self._outflow.shape(plant)]
 
     def _return(self, plant: TransferFunction) -> float:
         """Rate in 1/s with which what a step has led beyond the edge flows off."""

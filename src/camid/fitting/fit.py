@@ -212,18 +212,20 @@ class _OutputError:
 
     def __init__(self, problem: Problem, packing: Packing, whitening: Array, derivative: _Derivative) -> None:
         self.problem, self.packing, self.whitening, self.derivative = problem, packing, whitening, derivative
-        self.worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
+        # About the middle of what was recorded: an offset may be far larger than the motion.
+        worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
+        self.lowest, self.highest = (float(np.mean(problem.output)) + side * worst for side in (-1.0, 1.0))
         self.latest: list[tuple[Array, Array]] = []
 
     def _simulated(self, vector: Array) -> Array:
-        problem, worst = self.problem, self.worst
+        problem, low, high = self.problem, self.lowest, self.highest
         try:
             rows = problem.simulate_fitted(self.packing.unpack(vector))
         except NotApplicable:
             raise
         except (ValueError, ArithmeticError):
-            return np.full(len(problem.output), worst)
-        return np.clip(np.nan_to_num(rows, nan=worst, posinf=worst, neginf=-worst), -worst, worst)
+            return np.full(len(problem.output), high)
+        return np.clip(np.nan_to_num(rows, nan=high, posinf=high, neginf=low), low, high)
 
     def residual(self, vector: Array) -> Array:
         """Shape (M,)."""

@@ -122,7 +122,7 @@ def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
     """Output over input, for the numerator; one for the denominator."""
     signal = max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
     gain = np.ones(len(free))
-    gain[: problem.structure.degree + 1] = float(np.max(np.abs(problem.output), initial=0.0)) / signal
+    gain[: problem.structure.degree + 1] = (float(np.ptp(problem.output)) or 1.0) / signal
     return gain[free]
 
 

@@ -152,7 +152,7 @@ def square_root_outflow(generator: np.random.Generator, context: Context, altern
         "square-root-outflow",
         "smooth-pipe" if alternative else "catalogue",
         lambda g: {s.OUTFLOW: g * unit, s.OUTFLOW_EXPONENT: exponent},
-        lambda g: {"coefficient": g * unit / (rig.actuator_constant * rig.output_scale**exponent)},
+        lambda g: {"coefficient": g * unit / (rig.actuator_constant * rig.output_scale**exponent), "below": "none"},
         0.1,
         5.0,
         refinement=4,
