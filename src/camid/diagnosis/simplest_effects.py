@@ -58,7 +58,7 @@ def simplest(
     return decision
 
 
-def corrected(problem: Problem, simpler: Fitted, signatures: Signatures, watch: Watch) -> Fitted | None:
+def corrected(problem: Problem, fitted: Fitted, signatures: Signatures, watch: Watch) -> Fitted | None:
     """The likeliest law beside the effects of a model that leaves some out; None where nothing corrects them.
 
     What depends on the time (a drift, a blow) corrects nothing: another recording would not have it.
@@ -66,7 +66,7 @@ def corrected(problem: Problem, simpler: Fitted, signatures: Signatures, watch: 
     Parameters
     ----------
     problem : Problem
-    simpler : Fitted
+    fitted : Fitted
         What :func:`simplest` made of a decision, or that with a correction.
     signatures : Signatures
         Of earlier screenings.
@@ -74,12 +74,12 @@ def corrected(problem: Problem, simpler: Fitted, signatures: Signatures, watch: 
     """
     watch.say("looking for a correction of the laws")
     # What an earlier search found beside the same effects may be crowded by what depends on the time.
-    laws = screen(problem, simpler, signatures=signatures)
+    laws = screen(problem, fitted, signatures=signatures)
     laws = [c for c in laws if not c.effect.of_one_recording]
-    found = hypotheses(problem, simpler, laws, effort=BESIDE_OTHERS, watch=watch)
+    found = hypotheses(problem, fitted, laws, effort=BESIDE_OTHERS, watch=watch)
     # What is left is structure, of which a correction has to take the most, whatever it costs in parameters.
-    best = min((h.fitted for h in found), key=lambda f: f.cost, default=simpler)
-    return best if best.cost < simpler.cost else None
+    best = min((h.fitted for h in found), key=lambda f: f.cost, default=fitted)
+    return best if best.cost < fitted.cost else None
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:

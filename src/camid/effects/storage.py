@@ -126,7 +126,10 @@ class _Storage(Effect):
 
 
 class SquareRootOutflow(_Storage, AgainstMotion):
-    """An outflow with the square root of the level (Torricelli), beside the part that is in proportion to it."""
+    """An outflow with the square root of the level (Torricelli), beside the part that is in proportion to it.
+
+    Of the storage whose level is measured, or, where ``below`` names it, of that and of the one above it.
+    """
 
     identifier = "square-root-outflow"
     place = "plant"
