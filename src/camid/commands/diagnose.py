@@ -17,9 +17,11 @@ from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
 from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.linear_algebra_threads import one_blas_thread
 from camid.simulation.file import load_simulation
 
 
+@one_blas_thread()
 def diagnose(
     recording: RecordingSource | Sequence[RecordingSource],
     simulation: SimulationSource,

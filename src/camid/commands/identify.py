@@ -15,11 +15,13 @@ from camid.identification.from_recordings import RecordingSource, SimulationSour
 from camid.identification.identification import Identification
 from camid.identification.structure import Structure
 from camid.identification.unknown_constants import why_no_offset
+from camid.linear_algebra_threads import one_blas_thread
 from camid.recording.recording import Recording
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
 
 
+@one_blas_thread()
 def identify(
     recording: RecordingSource | Sequence[RecordingSource],
     simulation: SimulationSource,

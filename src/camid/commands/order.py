@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.linear_algebra_threads import one_blas_thread
 from camid.simulation.file import load_simulation
 
 if TYPE_CHECKING:
     from camid.identification.order_selection import OrderSelection
 
 
+@one_blas_thread()
 def select_order(
     recording: RecordingSource | Sequence[RecordingSource],
     simulation: SimulationSource,
