@@ -16,8 +16,8 @@ def test_every_blas_is_limited_and_released() -> None:
 
     @one_blas_thread()
     def task() -> None:
-        import numpy as np  # noqa: F401, PLC0415
-        import scipy.linalg  # noqa: F401, PLC0415
+        import numpy as np  # noqa: F401
+        import scipy.linalg  # noqa: F401
 
         seen.extend(_threads())
 
