@@ -13,11 +13,10 @@ TEXT = """# Real recordings from other starts
 Whether a diagnosis depends on what it starts from: each [real recording](real_recordings.md) is diagnosed from nominal
 plants whose natural frequencies, damping ratios, real poles and static gain are off by up to a half, drawn uniformly,
 and the second pendulum from several rows on. *Same first name* is the share of the draws that name the most frequent
-one first. Errors are those on rows that were not fitted, over the standard deviation of the output; times are those of
-one diagnosis while another runs on the second core.
+one first. Errors are those on rows that were not fitted, over the standard deviation of the output.
 
 ```sh
-.venv/bin/snakemake -c2 recordings_starts       # most of an hour
+.venv/bin/snakemake -c2 recordings_starts       # an hour; the tables it writes hold each diagnosis, and its seconds
 ```
 
 ## Nominal plants off by up to a half
@@ -47,7 +46,6 @@ def starts_page(draws: Mapping[str, pd.DataFrame], windows: pd.DataFrame) -> str
             "first name": row["first"] or "none",
             "its first parameter": with_deviation(row["value"], row["deviation"]) if row["first"] else "",
             "error (%)": number(100.0 * row["error"], 2),
-            "seconds": number(row["seconds"], 2),
         }
         for row in windows.fillna({"first": ""}).to_dict("records")
     ]
@@ -57,15 +55,13 @@ def starts_page(draws: Mapping[str, pd.DataFrame], windows: pd.DataFrame) -> str
 def _line(name: str, table: pd.DataFrame) -> dict[str, str]:
     names = table["first"].fillna("")
     first = str(names.mode().iloc[0])
-    errors, seconds = 100.0 * table["error"], table["seconds"]
+    errors = 100.0 * table["error"]
     return {
         "recording": name,
         "draws": str(len(table)),
         "first name": first or "none",
         "same first name": f"{100.0 * float((names == first).mean()):.0f} %",
         "error (%)": " to ".join(dict.fromkeys((number(errors.min(), 3), number(errors.max(), 3)))),
-        "seconds, median": number(seconds.median(), 2),
-        "longest": number(seconds.max(), 2),
     }
 
 
