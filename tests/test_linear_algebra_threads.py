@@ -1,29 +1,24 @@
 """BLAS uses one thread while a task of ours runs, and afterwards as many as before."""
 
-from __future__ import annotations
-
+import pytest
+import scipy.linalg  # noqa: F401 - numpy and scipy bring a BLAS each
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from camid.linear_algebra_threads import one_blas_thread
+import camid
+from tests.support.mass_on_spring import record, simulation
 
 
-def _threads() -> list[int]:
+def threads():
     return [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
 
 
-def test_every_blas_is_limited_and_released() -> None:
-    seen: list[int] = []
-
-    @one_blas_thread()
-    def task() -> None:
-        import numpy as np  # noqa: F401
-        import scipy.linalg  # noqa: F401
-
-        seen.extend(_threads())
-
+@pytest.mark.parametrize("task", [camid.identify, camid.select_order, camid.diagnose])
+def test_every_blas_is_limited_and_released(task):
+    seen = []
     with threadpool_limits(limits=2, user_api="blas"):
-        task()
-        after = _threads()
-    assert len(seen) >= 2  # numpy's and scipy's
+        before = threads()
+        task(record(count=400), simulation(), progress=lambda _: seen.extend(threads()))
+        after = threads()
+    assert set(before) == {2}
     assert set(seen) == {1}
-    assert 2 in after
+    assert after == before
