@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -12,8 +13,8 @@ import numpy as np
 import pytest
 
 from camid.diagnosis.diagnosis import Correction, Location, ParameterEstimate
+from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
-from camid.diagnosis.report import panel, pictures, summary
 from camid.effects import known_effects
 from camid.number_text import SPACE
 from camid.recording.options import Reading
@@ -352,3 +353,26 @@ def test_the_page_forbids_scripts(tmp_path, pages):
     page = pages["explained"]
     script = "<script>document.title = 'run'</script></body>"
     assert in_browser(page.replace("</body>", script), tmp_path, 1280)["title"].startswith("Explained")
+
+
+class TestPageDrawnBeside:
+    """A process that loads the drawing library during the diagnosis draws what this process would draw."""
+
+    def test_draws_the_same_page(self):
+        diagnosis = written_diagnoses.diagnosis("explained")
+        with beside.PageDrawnBeside() as drawn:
+            drawn.begin(diagnosis)
+            assert drawn.text() == report.render(diagnosis)
+
+    def test_a_process_that_ends_without_a_page_is_replaced_by_this_one(self, monkeypatch):
+        monkeypatch.setattr(sys, "executable", shutil.which("false"))
+        diagnosis = written_diagnoses.diagnosis("explained")
+        with beside.PageDrawnBeside() as drawn:
+            drawn.begin(diagnosis)
+            assert drawn.text() == report.render(diagnosis)
+
+    def test_it_ends_with_a_diagnosis_that_was_refused(self):
+        with pytest.raises(ValueError, match="no diagnosis"), beside.PageDrawnBeside() as drawn:
+            drawn.text()
+        process = drawn._process
+        assert process is None or process.poll() is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from pathlib import Path
 
 import click
@@ -36,16 +37,20 @@ def diagnose(
 
     Of several recordings the last one validates, unless the simulation says which rows do.
     """
-    from camid.commands.diagnose import diagnose as run
+    from camid.diagnosis.report.beside import PageDrawnBeside
     from camid.diagnosis.results_folder import check_folder, write_diagnosis
     from camid.writing import without_infinities
 
     if report:
         need("report.html", "plots", hint="or say --no-report")
     check_folder(output, [*recording, simulation])
-    with progress_display(as_json) as progress:
+    with ExitStack() as stack:
+        drawn_beside = stack.enter_context(PageDrawnBeside()) if report else None
+        progress = stack.enter_context(progress_display(as_json))
+        from camid.commands.diagnose import diagnose as run
+
         result = run(list(recording), simulation, progress=progress, time_limit=time_limit or None)
-        written = write_diagnosis(result, output, report=report)
+        written = write_diagnosis(result, output, report=report, drawn_beside=drawn_beside)
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
     else:

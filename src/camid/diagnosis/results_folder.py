@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, Signals
+from camid.diagnosis.report.beside import PageDrawnBeside
 from camid.errors import InputError, need
 from camid.simulation.file import simulation_text
 from camid.writing import check_writable, without_infinities, write_whole
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -34,9 +34,17 @@ RESIDUALS = (
 )
 
 RECORDING = "recording"
+# Of a table that becomes text.
+ROWS_AT_ONCE = 10_000
 
 
-def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, report: bool = True) -> list[Path]:
+def write_diagnosis(
+    diagnosis: Diagnosis,
+    folder: str | os.PathLike[str],
+    *,
+    report: bool = True,
+    drawn_beside: PageDrawnBeside | None = None,
+) -> list[Path]:
     """Write the files of a diagnosis into a folder, which is made if its parent is there; each whole or not at all.
 
     Everything is made before the first file is written, so that what goes wrong leaves the folder as it was.
@@ -47,6 +55,8 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
     folder : path
     report : bool
         Whether to draw report.html, too; if not, one of an earlier diagnosis in the folder is removed.
+    drawn_beside : PageDrawnBeside, optional
+        What draws it; this process where it is left out.
 
     Returns
     -------
@@ -61,18 +71,18 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
     check_folder(folder)
     if report:
         need("report.html", "plots", hint="or leave it out with report=False")
+        drawn_beside = drawn_beside or PageDrawnBeside()
+        drawn_beside.begin(diagnosis)
     contents = {
         FILES[0]: json.dumps(without_infinities(diagnosis.to_mapping()), indent=2, ensure_ascii=False) + "\n",
         FILES[1]: simulation_text(
             diagnosis.improved,
             f"improved by camid diagnose from {', '.join(diagnosis.recordings)}: {diagnosis.verdict}",
         ),
-        FILES[2]: residuals(diagnosis).to_csv(index=False),
+        FILES[2]: _as_csv(residuals(diagnosis)),
     }
-    if report:
-        from camid.diagnosis.report.page import render
-
-        contents[FILES[3]] = render(diagnosis)
+    if drawn_beside is not None and report:
+        contents[FILES[3]] = drawn_beside.text()
     written: list[Path] = []
     try:
         folder.mkdir(exist_ok=True)
@@ -90,40 +100,52 @@ def write_diagnosis(diagnosis: Diagnosis, folder: str | os.PathLike[str], *, rep
     return written
 
 
-def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
-    """Table of residuals.csv: one row per row of every recording.
+def residuals(diagnosis: Diagnosis) -> dict[str, NDArray[Any]]:
+    """Columns of residuals.csv, each of shape (n,): one row per row of every recording.
 
     Of several recordings the first column, ``recording``, is the number of the row's one in ``diagnosis.recordings``,
     from 1.
     """
-    import pandas as pd
-
     every = [diagnosis.signals, *diagnosis.further_signals]
     tables = [_residuals_of(signals, diagnosis.improved.time_column) for signals in every]
     if len(tables) == 1:
         return tables[0]
-    for number, table in enumerate(tables, 1):
-        table.insert(0, RECORDING, number)
-    return pd.concat(tables, ignore_index=True)
+    numbered = [
+        {RECORDING: np.full(len(s.time), n), **t} for n, (s, t) in enumerate(zip(every, tables, strict=True), 1)
+    ]
+    return {name: np.concatenate([table[name] for table in numbered]) for name in numbered[0]}
 
 
-def _residuals_of(signals: Signals, time: str) -> pd.DataFrame:
-    import pandas as pd
+def _residuals_of(signals: Signals, time: str) -> dict[str, NDArray[Any]]:
+    return {
+        # A time column that is called like one of the others keeps its place under a name of its own.
+        time if time not in {*RESIDUALS, RECORDING} else f"{time} (time)": signals.time,
+        "recorded": signals.recorded,
+        "nominal": signals.nominal,
+        "refitted": signals.refitted,
+        "improved": signals.improved,
+        "residual_refitted": signals.recorded - signals.refitted,
+        "residual_improved": signals.recorded - signals.improved,
+        "equivalent_input": signals.equivalent_input,
+        "fitted": signals.fitted.astype(int),
+    }
 
-    return pd.DataFrame(
-        {
-            # A time column that is called like one of the others keeps its place under a name of its own.
-            time if time not in {*RESIDUALS, RECORDING} else f"{time} (time)": signals.time,
-            "recorded": signals.recorded,
-            "nominal": signals.nominal,
-            "refitted": signals.refitted,
-            "improved": signals.improved,
-            "residual_refitted": signals.recorded - signals.refitted,
-            "residual_improved": signals.recorded - signals.improved,
-            "equivalent_input": signals.equivalent_input,
-            "fitted": signals.fitted.astype(int),
-        }
-    )
+
+def _as_csv(columns: Mapping[str, NDArray[Any]]) -> str:
+    """Text of a table; an unknown number is an empty cell, and the others have all of their digits."""
+    text = StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    count = min((len(values) for values in columns.values()), default=0)
+    for first in range(0, count, ROWS_AT_ONCE):  # every number becomes an object
+        part = [values[first : first + ROWS_AT_ONCE] for values in columns.values()]
+        writer.writerows(zip(*(_cells(values) for values in part), strict=True))
+    return text.getvalue()
+
+
+def _cells(values: NDArray[Any]) -> list[Any]:
+    cells = values.tolist()
+    return [None if cell != cell else cell for cell in cells] if np.isnan(values).any() else cells
 
 
 def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:

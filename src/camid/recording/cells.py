@@ -1,8 +1,12 @@
-"""Cells of a table as numbers, and as seconds where they are dates."""
+"""Cells of a table as numbers, and as seconds where they are dates.
+
+Cells are an array of floats, or a pandas Series where a file holds anything else: importing pandas takes longer than
+reading a recording of numbers.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +15,35 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
+Cells: TypeAlias = Union[Array, "pd.Series[Any]"]
 
 # Cells that hold nothing, as they look in a message.
 EMPTY = {"", "nan", "<na>", "none", "nat"}
 
 
-def as_floats(cells: pd.Series) -> Array:
+def as_cells(column: Any) -> Cells:
+    """Cells of a column, shape (n,): an array of floats where it holds real numbers alone, else a Series."""
+    if isinstance(column, np.ndarray) and column.dtype.kind in "fiu":
+        return column.astype(np.float64, copy=False)
+    return series(column)
+
+
+def series(column: Any) -> pd.Series[Any]:
+    """A column as a Series whose rows are counted from zero."""
+    import pandas as pd
+
+    return pd.Series(column).reset_index(drop=True)
+
+
+def some(cells: Cells, rows: NDArray[np.intp]) -> Cells:
+    """Cells of some rows."""
+    return cells[rows] if isinstance(cells, np.ndarray) else cells.iloc[rows]
+
+
+def as_floats(cells: Cells) -> Array:
     """Numbers, and NaN for everything else: truth values and dates are not numbers."""
+    if isinstance(cells, np.ndarray):
+        return cells
     import pandas as pd
     from pandas.api import types
 
@@ -28,11 +54,13 @@ def as_floats(cells: pd.Series) -> Array:
     return cells.to_numpy(dtype=float, na_value=np.nan)
 
 
-def as_dates(cells: pd.Series) -> pd.Series | None:
+def as_dates(cells: Cells) -> pd.Series[Any] | None:
     """Times that all cells hold as dates of ISO 8601 or of pandas, in nanoseconds; None if they hold anything else.
 
     Other orders of day and month are not guessed. A time of day without a date counts from midnight.
     """
+    if isinstance(cells, np.ndarray):
+        return None
     import pandas as pd
     from pandas.api import types
 
@@ -51,6 +79,6 @@ def as_dates(cells: pd.Series) -> pd.Series | None:
     return pd.to_timedelta(text).astype("timedelta64[ns]")
 
 
-def seconds_after(dates: pd.Series, first: int) -> Array:
+def seconds_after(dates: pd.Series[Any], first: int) -> Array:
     """Seconds of dates after the one at row ``first``, shape (len(dates),)."""
     return np.asarray((dates - dates.iloc[first]).astype("int64"), dtype=np.float64) * 1e-9

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import gzip
 import os
+import sys
 import zipfile
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard, cast
 
 from camid.errors import InputError, need
 from camid.recording.options import Reading
@@ -57,12 +58,10 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     InputError
         If the file cannot be read, is not what its suffix says, or ``reading`` says what does not apply to it.
     """
-    import pandas as pd
-
-    if isinstance(source, pd.DataFrame):
+    if _is_frame(source):
         _refuse_keys("a DataFrame", reading, *TEXT_KEYS, "group")
         return [_of_frame(source, "recording")]
-    path, name = Path(source), str(source)
+    path, name = Path(cast("str | os.PathLike[str]", source)), str(source)
     kind, data = _kind(path, name)
     if kind == "text":
         _refuse_keys("a text file", reading, "group")
@@ -80,15 +79,21 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     return tables_of(_whole(path, name, kind), name, wanted, reading)
 
 
+def _is_frame(source: str | os.PathLike[str] | pd.DataFrame) -> TypeGuard[pd.DataFrame]:
+    """Whether a source is a table already; pandas is not imported to tell that a path is none."""
+    pandas = sys.modules.get("pandas")
+    return pandas is not None and isinstance(source, pandas.DataFrame)
+
+
 def _whole(path: Path, name: str, kind: str) -> Any:
     """Content of a file that is not text; InputError where it cannot be read."""
-    import pandas as pd
-
     from camid.recording.mat_hdf5 import read_hdf5, read_mat
     from camid.recording.sheets import read_workbook
 
     try:
         if kind == "Parquet":
+            import pandas as pd
+
             need("reading a Parquet file", "formats", "pyarrow")
             return pd.read_parquet(path)
         return {"MAT": read_mat, "HDF5": read_hdf5, "spreadsheet": read_workbook}[kind](path)
@@ -137,9 +142,7 @@ def possible_readings(path: Path) -> list[tuple[Reading, list[Table]]]:
 def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:
     from camid.recording.text import line_of, read_text
 
-    frame, text = read_text(data, name, wanted, reading)
-    names = [str(c).strip() for c in frame.columns]
-    columns = {n: frame.iloc[:, i] for i, n in enumerate(names)}
+    columns, text = read_text(data, name, wanted, reading)
     return Table(columns, name, lambda row: line_of(text, row, header=reading.header))
 
 

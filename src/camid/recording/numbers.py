@@ -5,18 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
-from camid.recording.cells import EMPTY, as_floats
+from camid.recording.cells import EMPTY, Cells, as_dates, as_floats, seconds_after, series, some
 from camid.recording.table import Table
 from camid.recording.units import Conversion, is_unit, si_factor, unit_in_header
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Array = NDArray[np.float64]
 RowNumbers = NDArray[np.intp]
@@ -40,18 +37,18 @@ def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_all
     InputError
         With line and column of the first cell that holds no finite number.
     """
-    cells = table.column(column).iloc[rows]
+    cells = some(table.column(column), rows)
     values = as_floats(cells)
     wrong = np.flatnonzero(~np.isfinite(values))
     if wrong.size == 0:
         return np.ascontiguousarray(values)
-    empty = _is_empty(cells.iloc[wrong])
+    empty = _is_empty(some(cells, wrong))
     if wrong.size == len(values) and empty.all():
         raise InputError(f"column '{column}' is empty", where=name, hint="fill it, or name another column")
     if empty_allowed and empty.all():
         return np.ascontiguousarray(values)
     bad = int(wrong[np.argmin(empty)] if empty_allowed else wrong[0])
-    cell = str(cells.iloc[bad])
+    cell = str(series(cells)[bad])
     raise InputError(
         f"{'an empty cell or NaN' if cell.strip().lower() in EMPTY else repr(cell)} where a number should be",
         where=f"{name}, {table.where(int(rows[bad]))}, column '{column}'",
@@ -69,10 +66,8 @@ def times(table: Table, column: str, rows: RowNumbers, name: str, conversion: Co
     InputError
         With line and column of the first cell that holds neither a number nor a date of ISO 8601.
     """
-    from camid.recording.cells import as_dates, seconds_after
-
     cells = table.column(column)
-    dates = as_dates(cells.iloc[rows]) if np.isnan(as_floats(cells.iloc[rows[:1]])).all() else None
+    dates = as_dates(some(cells, rows)) if np.isnan(as_floats(some(cells, rows[:1]))).all() else None
     if dates is None:
         conversion, notes = with_unit_of_header(table, column, conversion, dimension="[time]")
         return conversion(numbers(table, column, rows, name)), notes
@@ -87,7 +82,7 @@ def times(table: Table, column: str, rows: RowNumbers, name: str, conversion: Co
         dates, first = whole.iloc[rows], seconds_after(whole, 0)[rows]
     else:  # rows that are not read may hold anything
         first = seconds_after(dates, 0)
-    start = cells.iloc[int(rows[0]) if whole is None else 0]
+    start = series(cells)[int(rows[0]) if whole is None else 0]
     return first, [f"column '{column}' holds dates: its times are seconds after {start}"]
 
 
@@ -118,7 +113,7 @@ def _hint(cell: str, *, leave_out: bool) -> str:
     return "fill in the number (with a decimal point) or remove the row"
 
 
-def _is_empty(cells: pd.Series) -> NDArray[np.bool_]:
+def _is_empty(cells: Cells) -> NDArray[np.bool_]:
     return np.array([str(cell).strip().lower() in EMPTY for cell in cells], dtype=bool)
 
 
@@ -162,7 +157,7 @@ def runs(table: Table, column: str, rows: RowNumbers) -> list[tuple[str, RowNumb
     InputError
         If a cell is empty.
     """
-    labels = table.column(column)
+    labels = series(table.column(column))
     empty = np.flatnonzero(labels.isna().to_numpy())
     if empty.size:
         raise InputError(
@@ -172,8 +167,15 @@ def runs(table: Table, column: str, rows: RowNumbers) -> list[tuple[str, RowNumb
         )
     codes = labels.factorize()[0]
     parts = np.split(rows, np.flatnonzero(np.diff(codes)) + 1)
-    names = [f"{v:g}" if isinstance(v := labels.iloc[p[0]], float) else str(v) for p in parts if p.size]
+    names = [_label(labels.iloc[p[0]]) for p in parts if p.size]
     return [
         (n if names.count(n) == 1 else f"{n} from {table.where(int(p[0]))}", p)
         for n, p in zip(names, parts, strict=False)
     ]
+
+
+def _label(value: Any) -> str:
+    """Name of an experiment: a whole number without a point."""
+    if isinstance(value, float):
+        return f"{value:.0f}" if value.is_integer() else f"{value:g}"
+    return str(value)

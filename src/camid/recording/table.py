@@ -5,13 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from camid.errors import InputError, nearest_match
+from camid.recording.cells import Cells, as_cells, as_floats
 from camid.recording.units import unit_in_header, with_bracketed_unit
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 # Names that are listed where no column is like the one that is missing.
 MOST_NAMES = 30
@@ -68,7 +66,7 @@ class Table:
         bare = [str(c) for c in self.columns if unit_in_header(str(c))[0] == name]
         return bare[0] if len(bare) == 1 else None
 
-    def column(self, name: str, role: str | None = None) -> pd.Series:
+    def column(self, name: str, role: str | None = None) -> Cells:
         """A column by its name.
 
         Parameters
@@ -82,11 +80,9 @@ class Table:
         InputError
             If there is none; with the nearest match, and the columns that would do.
         """
-        import pandas as pd
-
         found = self.find(name)
         if found is not None:
-            return pd.Series(self.columns[found]).reset_index(drop=True)
+            return as_cells(self.columns[found])
         name = self.aliases.get(name, name)
         if name in self.refused:
             raise InputError(
@@ -95,15 +91,12 @@ class Table:
         raise InputError(f"no column '{name}'", where=self.name, hint=self._offered(name, role) + self.hint)
 
     def _offered(self, name: str, role: str | None) -> str:
-        import pandas as pd
-
-        from camid.recording.cells import as_floats
         from camid.recording.nature import would_do
 
         if not self.columns:
             return "it has no columns"
         near = nearest_match(name, [str(c) for c in self.columns])
-        numbers = {str(n): as_floats(pd.Series(c)) for n, c in self.columns.items()}
+        numbers = {str(n): as_floats(as_cells(c)) for n, c in self.columns.items()}
         fitting = would_do(numbers, role)
         if not fitting:
             return near

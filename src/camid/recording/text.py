@@ -10,7 +10,10 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from io import StringIO
 from itertools import islice, zip_longest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.recording.options import Reading
@@ -56,8 +59,8 @@ class Text:
             yield line + self.skipped, cells
 
 
-def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> tuple[pd.DataFrame, Text]:
-    """Table of a text file; columns that hold anything but numbers stay as they are.
+def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> tuple[dict[str, Any], Text]:
+    """Columns of a text file by their names: arrays of floats or, where a cell is no number, Series as they are.
 
     Parameters
     ----------
@@ -113,7 +116,11 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
                 hint=f"name all under {reading.where}.columns, in order",
             )
         names += [""] * (len(first) - len(cells))
-    return _parsed(text, name, names).rename(columns=with_bracketed_unit), text
+    values = _numbers(text, len(names or first), _lines_before(text) if text.units or not names else 0)
+    if values is not None and (names or all(first)):
+        return {with_bracketed_unit(n).strip(): values[:, i] for i, n in enumerate(names or first)}, text
+    frame = _parsed(text, name, names).rename(columns=with_bracketed_unit)
+    return {str(c).strip(): frame.iloc[:, i] for i, c in enumerate(frame.columns)}, text
 
 
 def names_needed(data: bytes, name: str) -> int:
@@ -128,6 +135,23 @@ def _names_some(names: Sequence[str], wanted: Sequence[str]) -> bool:
     """Whether names are those of columns: one of those asked for, if any are, is among them."""
     plain = {*names, *(unit_in_header(with_bracketed_unit(n))[0] for n in names)}
     return bool(names) and (not wanted or not plain.isdisjoint(wanted))
+
+
+def _numbers(text: Text, columns: int, before: int) -> NDArray[np.float64] | None:
+    """Rows of a text that holds nothing but numbers, shape (n, columns), after some lines; None where it holds more.
+
+    Whatever is not that plain is left to pandas, which takes longer to import than this takes.
+    """
+    if text.decimal not in {".", text.separator}:
+        text = replace(text, body=text.body.replace(text.decimal, "."))
+    separator = None if text.separator == " " else text.separator
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # no rows at all
+            values = np.loadtxt(StringIO(text.body), delimiter=separator, skiprows=before, comments=None, ndmin=2)
+    except (ValueError, UserWarning):
+        return None
+    return values if values.shape[1] == columns else None
 
 
 def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Correction, Diagnosis, Finding
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 STRUCTURE_BELOW = 0.01  # p-values below it are set in bold: chance hardly makes them
 HOLDS = {"zoh": "zero-order hold", "foh": "first-order hold", "band-limited": "band-limited input"}
@@ -231,8 +235,23 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
+def load() -> None:
+    """Import and prepare everything that drawing a page needs, which takes longer than the drawing itself."""
+    from camid.diagnosis.report.panel import inline_svg, look_of_the_project, new_panel
+
+    with look_of_the_project():
+        inline_svg(new_panel(), "")
+    equation(r"\frac{x}{y}")
+    _template()
+
+
 def render(diagnosis: Diagnosis) -> str:
     """The page as text."""
+    return _template().render(_context(diagnosis))
+
+
+@cache
+def _template() -> Template:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -242,4 +261,4 @@ def render(diagnosis: Diagnosis) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html").render(_context(diagnosis))
+    return environment.get_template("report.html")
