@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from io import StringIO
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +146,7 @@ def _as_csv(columns: Mapping[str, NDArray[Any]]) -> str:
 
 def _cells(values: NDArray[Any]) -> list[Any]:
     cells = values.tolist()
-    return [None if cell != cell else cell for cell in cells] if np.isnan(values).any() else cells
+    return [None if isnan(cell) else cell for cell in cells] if np.isnan(values).any() else cells
 
 
 def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
