@@ -40,11 +40,18 @@ def errors(
     chosen: bool,
     left: Sequence[PlaceTest],
 ) -> NormalisedErrors:
-    """Errors on validation rows, and what the noise alone would leave there; ``left`` are the tests of what is left."""
+    """Errors on validation rows, and what the noise alone would leave there.
+
+    Where ``left``, the tests of what is left, find structure, that is no noise: the floor is then what the residual's
+    own past does not predict, without what the tests explain.
+    """
     final = decision.improved
     recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
-    structured = max((t.share for t in left), default=0.0)
-    variance = final.cost * (1.0 - structured) / max(len(final.residual) - len(final.packing.names), 1)
+    energy = final.cost
+    if left:
+        innovations = problem.whitened(final.residual, final.noise.whitening)
+        energy = min(energy * (1.0 - max(t.share for t in left)), float(innovations @ innovations))
+    variance = energy / max(len(final.residual) - len(final.packing.names), 1)
     index = next(i for i, r in enumerate(validation) if r.any())
     times = problem.times[index][validation[index]]
     return NormalisedErrors(
@@ -58,18 +65,10 @@ def errors(
     )
 
 
-def validation_gains(
-    problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]
-) -> list[float | None]:
-    """Share of the mean square error on validation rows that each effect removes beside the others."""
-    if not decision.without:
-        return []
-    final = simulated_error(problem, decision.fitted.model, validation) ** 2
-    gains: list[float | None] = []
-    for without in decision.without:
-        other = simulated_error(problem, without.model, validation) ** 2
-        gains.append(1.0 - final / other if other > 0.0 else None)
-    return gains
+def errors_without(problem: Problem, decision: Decision, validation: Sequence[NDArray[np.bool_]]) -> list[float]:
+    """Normalised error on validation rows without each effect beside the others, and last with all of them."""
+    fitted = [*decision.without, decision.fitted]
+    return [simulated_error(problem, each.model, validation) for each in fitted]
 
 
 def free_covariance(problem: Problem, fitted: Fitted) -> Array:

@@ -1,4 +1,4 @@
-"""What is left of a residual: whether it is more than noise, and the weight of unlisted physics."""
+"""What is left of a residual: whether it is more than noise, and how much of the mismatch that is."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 from camid.diagnosis.diagnosis import NormalisedErrors
 from camid.diagnosis.mismatch_location import PlaceTest
 from camid.diagnosis.noise_recognition import depends_on_position, force_like
+from camid.diagnosis.validation_rows import without_outliers
 from camid.effects import known_effects
-from camid.fitting.fit import Fitted
+from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.problem import Problem
 
 # A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
 # recordings in a thousand alarm although nothing is missing.
 STRUCTURE_P_VALUE = 2e-4
-# Weight of physics outside of the catalogue for a share of the mismatch that the effects found leave.
-UNLISTED_SCALE = 3.0
-MOST_UNLISTED = 0.95
 # Noise whose variance changes with the position is common in images and called structure only beyond this p-value.
 UNEVEN_P_VALUE = 1e-8
 # Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond this many
@@ -58,31 +56,41 @@ def reasons_for_structure(
 def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
     """Whether errors on rows that were not fitted are larger than on those that were, beyond chance.
 
-    Medians are compared, so that a few outliers do not count.
+    Isolated values do not count: a sensor makes them.
     """
     simulated = problem.simulate(final.model)
-    errors = np.concatenate(
-        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
+    errors = without_outliers(
+        np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)])
     )
-    residual = final.residual
-    ratio = float(np.median(errors**2)) / max(float(np.median(residual**2)), 1e-300)
-    if ratio < LARGER_ERROR_RATIO:
+    residual = without_outliers(final.residual)
+    noise = max(float(np.mean(residual**2)), 1e-300)
+    if float(np.mean(errors**2)) < LARGER_ERROR_RATIO * noise:
         return False
+    ratio = float(np.mean(errors**2)) / (noise + _variance_of_prediction(problem, final, validation))
     if ratio > FAILED_ERROR_RATIO and final.model.effects:
         return True
     spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
     correlations = np.fft.irfft(spectrum)[: min(len(residual) - 1, LONGEST_CORRELATION) + 1]
     correlations = correlations / correlations[0]
     effective = 1.0 + 2.0 * float(correlations[1:] @ correlations[1:])
-    # The median of a squared Gaussian scatters by 2.33/√n of itself.
-    spread = 2.33 * np.sqrt(effective * (1.0 / len(errors) + 1.0 / len(residual)))
+    # The square of a Gaussian scatters by √2 of itself.
+    spread = np.sqrt(2.0 * effective * (1.0 / len(errors) + 1.0 / len(residual)))
     return bool(ratio - 1.0 > LARGER_STANDARD_ERRORS * spread)
 
 
-def unlisted_weight(
+def _variance_of_prediction(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> float:
+    """Mean square of the error that uncertain coefficients make on rows that were not fitted."""
+    table = evaluate(problem.with_used(list(validation)), final.model).sensitivities
+    covariance = final.covariance
+    known = np.isfinite(np.diag(covariance))
+    table, covariance = table[:, known], covariance[np.ix_(known, known)]
+    return float(np.sum((table @ covariance) * table)) / max(len(table), 1)
+
+
+def share_left(
     base: Fitted, final: Fitted, after: Sequence[PlaceTest], reasons: Sequence[str], fits: NormalisedErrors
 ) -> float:
-    """Weight of physics outside of the catalogue."""
+    """Share of the refitted mismatch that a model leaves, where that is more than noise."""
     if not reasons or reasons == ["variance"]:
         return 0.0
     left = _left(base, final, after)
@@ -91,7 +99,7 @@ def unlisted_weight(
     if "validation" in reasons and fits.refitted > fits.noise_floor:
         excess = fits.improved**2 - fits.noise_floor**2
         left = max(left, min(max(excess / (fits.refitted**2 - fits.noise_floor**2), 0.0), 1.0))
-    return min(UNLISTED_SCALE * float(np.sqrt(left)), MOST_UNLISTED)
+    return left
 
 
 def _left(base: Fitted, final: Fitted, after: Sequence[PlaceTest]) -> float:

@@ -15,20 +15,21 @@ from camid.diagnosis.effect_selection import Decision, Searches, select_effects
 from camid.diagnosis.evidence import (
     coefficients_of,
     errors,
+    errors_without,
     removed_shares,
     signals_of,
     simulated_error,
     tests_of,
-    validation_gains,
 )
+from camid.diagnosis.explanation import explanation
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
-from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, unlisted_weight
+from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, share_left
 from camid.diagnosis.screening import ScreenedEffect, screen
 from camid.diagnosis.simplest_effects import LEAST_EXPLAINED, corrected, simplest
-from camid.diagnosis.verdict import corrections_of, effect_deviations, explanation, findings, verdict_of
+from camid.diagnosis.verdict import beside_others, corrections_of, effect_deviations, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -88,8 +89,8 @@ class Setting:
         The nominal structure re-estimated.
     screened : list of ScreenedEffect
         Of the base.
-    validation : sequence of ndarray of bool
-        Rows of each recording that judge.
+    validation, judging : sequence of ndarray of bool
+        Rows of each recording that are not fitted, and those of them that say something of the motion.
     chosen : bool
         Whether the tool chose those rows.
     searches : Searches
@@ -107,6 +108,7 @@ class Setting:
     base: Fitted
     screened: list[ScreenedEffect]
     validation: Sequence[NDArray[np.bool_]]
+    judging: Sequence[NDArray[np.bool_]]
     chosen: bool
     searches: Searches
     settled: bool
@@ -152,7 +154,7 @@ def investigate(
     if not setting.settled:
         # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
         start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-        decision = select_effects(problem, base, setting.screened, validation, watch, start, setting.searches)
+        decision = select_effects(problem, base, setting.screened, watch, start, setting.searches)
     watch.say("testing what is left")
     if not setting.settled:
         left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
@@ -180,14 +182,31 @@ def _prepared(
     base = whole.kind.refit(whole, start)
     if not np.all(np.isfinite(base.residual)):
         raise ValueError("the simulation diverges, whatever its coefficients")
-    problem, base = _without_spoiled(whole, base, start)
+    # Rows that say nothing of the motion (repeated frames, outliers) are neither fitted nor do they judge.
+    spoiled = spoiled_rows(
+        whole.with_used([e.used | v for e, v in zip(whole.experiments, validation, strict=True)]), base
+    )
+    problem, base = _without_spoiled(whole, base, start, spoiled)
+    judging = [rows & ~s if (rows & ~s).any() else rows for rows, s in zip(validation, spoiled, strict=True)]
     watch.say("screening the catalogue")
     searches = Searches()
     screened = screen(problem, base, signatures=searches.signatures)
     settled = _settled(problem, base)
     simulated = _as_simulated(whole, nominal, start)
     return Setting(
-        believed, whole, problem, nominal, simulated, start, base, screened, validation, chosen, searches, settled
+        believed,
+        whole,
+        problem,
+        nominal,
+        simulated,
+        start,
+        base,
+        screened,
+        validation,
+        judging,
+        chosen,
+        searches,
+        settled,
     )
 
 
@@ -205,7 +224,7 @@ def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest
     base = setting.base
     if len(base.noise.whitening) > 1 or any(test.p_value < SUSPECT_P_VALUE for test in places):
         return True
-    return bool(reasons_for_structure(setting.problem, base, places, setting.validation, set()))
+    return bool(reasons_for_structure(setting.problem, base, places, setting.judging, set()))
 
 
 def _simplified(
@@ -234,8 +253,8 @@ def _simplified(
 
 def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
     """The simpler decision with corrections that each explain most of what is left on rows that were not fitted."""
-    problem, validation = setting.problem, setting.validation
-    best, before = simpler.fitted, simulated_error(problem, simpler.fitted.model, validation)
+    problem, judging = setting.problem, setting.judging
+    best, before = simpler.fitted, simulated_error(problem, simpler.fitted.model, judging)
     for _ in range(MOST_CORRECTIONS):
         if watch.no_time_for("a correction of the laws"):
             break
@@ -243,7 +262,7 @@ def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
         if found is None:
             break
         found = _fitted_to_the_end(problem, found, watch)
-        after = simulated_error(problem, found.model, validation)
+        after = simulated_error(problem, found.model, judging)
         # A correction that explains little would bend coefficients and findings for nothing.
         if after**2 >= (1.0 - LEAST_EXPLAINED) * before**2:
             break
@@ -276,7 +295,7 @@ def _residue(setting: Setting, decision: Decision, before: list[mismatch_locatio
     after = before if final is decision.base else mismatch_location.places(problem, final)
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
-    reasons = reasons_for_structure(problem, final, after, setting.validation, {f.identifier for f in found})
+    reasons = reasons_for_structure(problem, final, after, setting.judging, {f.identifier for f in found})
     if reasons:  # what looks like jitter, outliers or colour may be the structure
         found = [f for f in found if known_effects()[f.identifier].shows_in_values]
         noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in found}]
@@ -291,33 +310,34 @@ def _diagnosis(
     watch: Watch,
 ) -> Diagnosis:
     """What is said of a decision."""
-    believed, problem, validation = setting.believed, setting.problem, setting.validation
+    believed, problem, judging = setting.believed, setting.problem, setting.judging
     base, final, after, reasons = decision.base, decision.improved, residue.places, residue.reasons
-    fits = errors(problem, setting.simulated, decision, validation, setting.chosen, [])
-    unlisted = unlisted_weight(base, final, after, reasons, fits)
+    fits = errors(problem, setting.simulated, decision, judging, setting.chosen, [])
+    left = share_left(base, final, after, reasons, fits)
     if reasons:
-        fits = errors(problem, setting.simulated, decision, validation, setting.chosen, after)
-    gains = validation_gains(problem, decision, validation)
-    found = findings(problem, decision, setting.known, removed_shares(base, decision), gains, unlisted)
-    found += residue.findings
+        fits = errors(problem, setting.simulated, decision, judging, setting.chosen, after)
+    without = errors_without(problem, decision, judging)
+    found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left)
+    found += beside_others(residue.findings, found)
     verdict = verdict_of(bool(found), bool(reasons))
-    location = _location(problem, base, found, before, reasons)
+    location = _location(problem, base, found, before, residue)
     watch.say("working out what the recording could not have shown")
     corrections = corrections_of(decision, setting.known)
     names = {f.identifier for f in found} | {c.identifier for c in corrections}
     names |= {e.identifier for e in setting.nominal.effects}
     effects = [*zip(final.model.effects, effect_deviations(final), strict=True), *residue.noise_effects]
-    first, *further = signals_of(problem, setting.start, base, final, validation)
+    first, *further = signals_of(problem, setting.start, base, final, setting.validation)
     known_remainder = problem.remainder if setting.settled else None
-    remainder = remainder_of(verdict, believed, problem, final, validation)
+    remainder = remainder_of(verdict, believed, problem, final, judging)
+    coefficients = coefficients_of(problem, setting.nominal, base, final)
     return Diagnosis(
         verdict,
-        explanation(verdict, found, fits, location, known_remainder, corrections),
+        explanation(verdict, found, fits, location, coefficients, known_remainder, corrections),
         location,
         found,
         fits,
         undetectable(problem, final, setting.screened, names),
-        coefficients_of(problem, setting.nominal, base, final),
+        coefficients,
         tests_of(problem, base, final, before, after),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
@@ -335,19 +355,24 @@ def _location(
     base: Fitted,
     found: list[Finding],
     before: list[mismatch_location.PlaceTest],
-    reasons: list[str],
+    residue: Residue,
 ) -> mismatch_location.Location:
     """Where the mismatch sits: at the strongest effect, or where the tests say it is."""
-    strongest = max(before, key=lambda t: t.gain)
-    elsewhere = "noise" if reasons == ["variance"] else strongest.place
-    place = found[0].place if found else (elsewhere if reasons else None)
-    return mismatch_location.locate(problem, base, place, mismatch_location.shares(before))
+    if found:
+        shares = mismatch_location.shares_of(found, mismatch_location.shares(residue.places))
+        return mismatch_location.locate(problem, base, found[0].place, shares)
+    shares = mismatch_location.shares(before)
+    if not residue.reasons:
+        return mismatch_location.locate(problem, base, None, shares)
+    strongest = max(shares, key=lambda place: shares[place])
+    return mismatch_location.locate(problem, base, "noise" if residue.reasons == ["variance"] else strongest, shares)
 
 
-def _without_spoiled(problem: Problem, base: Fitted, start: Model) -> tuple[Problem, Fitted]:
-    """The problem without rows that say nothing of the motion (repeated frames, outliers), if there are any."""
-    spoiled = spoiled_rows(problem, base)
-    if not any(s.any() for s in spoiled):
+def _without_spoiled(
+    problem: Problem, base: Fitted, start: Model, spoiled: Sequence[NDArray[np.bool_]]
+) -> tuple[Problem, Fitted]:
+    """The problem without spoiled rows, if there are any among those that are fitted, and its base."""
+    if not any((e.used & s).any() for e, s in zip(problem.experiments, spoiled, strict=True)):
         return problem, base
     problem = problem.with_used([e.used & ~s for e, s in zip(problem.experiments, spoiled, strict=True)])
     return problem, problem.kind.refit(problem, problem.with_initial_states(start))

@@ -18,9 +18,11 @@ Array = NDArray[np.float64]
 # Share of a recording that validates where the simulation does not say, and how much more of the mismatch than
 # elsewhere that part may hold before another one is taken.
 VALIDATION_SHARE = 0.2
-CONCENTRATED_RATIO = 3.0
+CONCENTRATED_RATIO = 2.0
 # A part with a smaller share of the largest variance of the output is at rest.
-AT_REST_SHARE = 0.02
+AT_REST_SHARE = 0.002
+# Rows of a running median, and the standard deviation that it leaves of white noise (order statistics of a Gaussian).
+MEDIAN_ROWS, MEDIAN_DEVIATION = 5, 0.5356
 # Rows that are needed for an unknown of the plant, and in any case: the tests for structure hold up to sixty functions
 # of input, motion and output against the residual.
 ROWS_PER_UNKNOWN = 5
@@ -48,16 +50,18 @@ def with_validation(
 def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     """The last part of a recording that judges: another one where the rig rests or a single event makes the mismatch.
 
-    Where the rig hardly moves in the last part (a free decay), it is the part after the first that moves most; where a
-    single event makes most of the mismatch in it, the part with the least.
+    Where the rig hardly moves in the last part (a free decay, the end of a chirp), it is the last one that does move;
+    where a single event makes most of the mismatch in it, the part with the least.
     """
     experiment = problem.experiments[0]
     residual = experiment.output - problem.simulate(problem.kind.refit(problem, replace(nominal, effects=())).model)[0]
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
-    energy = np.array([float(np.median(residual[p] ** 2)) for p in parts])
+    square = without_outliers(residual) ** 2
+    energy = np.array([float(np.mean(square[p])) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
-    if motion[-1] < AT_REST_SHARE * float(np.max(motion[1:])):
-        part = parts[int(np.argmax(motion[1:])) + 1]
+    moving = np.flatnonzero(motion[1:] >= AT_REST_SHARE * float(np.max(motion[1:]))) + 1
+    if len(moving) and moving[-1] < len(parts) - 1:
+        part = parts[int(moving[-1])]
     elif energy[-1] > CONCENTRATED_RATIO * float(np.mean(energy[:-1])):
         part = parts[int(np.argmin(energy[1:])) + 1]
     else:
@@ -65,6 +69,16 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
     rows = np.zeros(len(residual), bool)
     rows[part] = True
     return rows & experiment.used
+
+
+def without_outliers(residual: Array) -> Array:
+    """A residual whose isolated values, which a sensor makes, are gone, and whose events, which last, are not.
+
+    A running median of five rows, scaled so that white noise keeps its standard deviation.
+    """
+    from scipy.ndimage import median_filter
+
+    return median_filter(residual, MEDIAN_ROWS, mode="nearest") / MEDIAN_DEVIATION
 
 
 def refuse_too_short_to_diagnose(
