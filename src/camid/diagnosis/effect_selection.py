@@ -11,15 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis, in_order, prior_penalty, refuted
+from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.hypothesis_search import (
     ALL_STEPS,
     BESIDE_OTHERS,
     RIVALS,
     first_effort,
     hypotheses,
+    is_far_off,
     other_choices,
     special_case,
 )
@@ -30,7 +30,6 @@ from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
-Array = NDArray[np.float64]
 # Probability of naming an effect where nothing is missing, for the whole catalogue together.
 FALSE_ALARM = 0.002
 # The same for an effect beside others, whose law may not be exact.
@@ -38,11 +37,10 @@ FALSE_ALARM_BESIDE_OTHERS = 1e-4
 # Effects that are looked for in any case, and at most: beyond the first ones, each that is found has to have explained
 # more than an inexact law of the others may leave.
 FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
+# Share of the mismatch that inexact laws may leave.
+LAW_ERROR = 0.04
 MOST_SWAPS = 4
 SWAP_MARGIN = 2.0
-# Error, as a share of the output's spread, from which the coefficients may be so wrong that fits start from the nominal
-# ones, too.
-NOMINAL_START_ERROR = 0.1
 # Fall of the criterion that betrays another minimum of the coefficients, and how often the search restarts from one.
 ANOTHER_MINIMUM = 10.0
 MOST_RESTARTS = 3
@@ -119,7 +117,6 @@ def select_effects(
     problem: Problem,
     base: Fitted,
     screened: Sequence[ScreenedEffect] | None = None,
-    validation: Sequence[NDArray[np.bool_]] | None = None,
     watch: Watch | None = None,
     nominal: Model | None = None,
     searches: Searches | None = None,
@@ -133,8 +130,6 @@ def select_effects(
         The refitted nominal model.
     screened : sequence of ScreenedEffect, optional
         Of the base, where it was screened already.
-    validation : sequence of ndarray of bool, optional
-        Rows of each recording on which an effect must not make the errors larger.
     watch : Watch, optional
     nominal : Model, optional
         As the simulation says, without effects.
@@ -146,7 +141,6 @@ def select_effects(
     rivals: list[list[Hypothesis]] = []
     known = len(base.model.effects)
     searches = searches or Searches()
-    agreed: tuple[Fitted, Fitted, list[list[Hypothesis]]] | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
@@ -160,22 +154,15 @@ def select_effects(
         searches.keep(current, ranked)
         screened = None
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
-        gaining = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
-        ranked = [h for h in gaining if not _refuted(problem, current, h, validation)]
-        provisional = not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level
-        if provisional:
-            # Rows that were not fitted may need a further effect before they agree: they judge all of them together.
-            ranked = gaining
-            if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
-                break
+        ranked = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
+        if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
+            break
         without_effect = _without_its_effect(problem, ranked[0])
         if current.criterion_beyond(without_effect) > ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
             # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
             current, restarts = without_effect, restarts + 1
             base = base if beside else without_effect
             continue
-        if provisional and agreed is None:
-            agreed = base, current, list(rivals)
         left, current = current, ranked[0].fitted
         rivals.append(ranked)
         whole = _merged(problem, current, known)
@@ -184,8 +171,6 @@ def select_effects(
         enough = len(current.model.effects) - known >= FEWEST_EFFECTS
         if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
             break
-    if agreed is not None and _refuted(problem, agreed[1], Hypothesis("", current), validation):
-        base, current, rivals = agreed
     # A general law that took in its special case has the rivals of two effects.
     if len(rivals) < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
@@ -211,9 +196,7 @@ def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> 
     if nominal is None:
         return None
     out_of_phase = problem.kind.phases_add_up and not current.model.effects
-    if not out_of_phase and current.cost < NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(
-        current.residual
-    ):
+    if not out_of_phase and not is_far_off(problem, current):
         return None
     return replace(nominal, effects=current.model.effects)
 
@@ -222,22 +205,6 @@ def _without_its_effect(problem: Problem, hypothesis: Hypothesis) -> Fitted:
     """What the coefficients of a hypothesis come to without its effect."""
     model = hypothesis.fitted.model
     return fit(problem, model.without(len(model.effects) - 1), steps=ALL_STEPS)
-
-
-def _refuted(
-    problem: Problem, current: Fitted, hypothesis: Hypothesis, validation: Sequence[NDArray[np.bool_]] | None
-) -> bool:
-    """Whether the rows that were not fitted contradict an effect."""
-    if validation is None:
-        return False
-    before, after = (
-        [(e.output - s)[r] for e, s, r in zip(problem.experiments, problem.simulate(model), validation, strict=True)]
-        for model in (current.model, hypothesis.fitted.model)
-    )
-    effect = hypothesis.fitted.model.effects[-1]
-    expected = (current.cost - hypothesis.fitted.cost) / len(current.residual)
-    noise = hypothesis.fitted.cost / len(current.residual)
-    return refuted(expected, noise, before, after, bool(effect.breaks() or effect.impulses()))
 
 
 def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches, watch: Watch) -> Decision:

@@ -19,6 +19,8 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import WORKERS, Problem
 
+# Error, as a share of the output's spread, from which fits start from the nominal coefficients, too.
+NOMINAL_START_ERROR = 0.1
 MOST_FROM_NOMINAL = 7
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
@@ -113,6 +115,8 @@ def hypotheses(
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(fitted, starts) if h is not None]
         first += [h for h in pool.map(fitted_from, elsewhere) if h is not None]
+        if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
+            first += [h for h in pool.map(fitted_from, raced(problem, nominal)) if h is not None]
         first += _simpler(problem, base, first)
         ranked = _best_of_each(first)
         near = _near_the_best(ranked, base, effort, incumbent)
@@ -121,6 +125,16 @@ def hypotheses(
             new if new is not None and new.beyond(old) < 0.0 else old for old, new in zip(near, again, strict=True)
         ]
     return in_order([*thorough, *ranked[len(near) :]])
+
+
+def is_far_off(problem: Problem, fitted: Fitted) -> bool:
+    """Whether a model is so far from the recordings that its coefficients may be bent beyond repair."""
+    return fitted.cost >= NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(fitted.residual)
+
+
+def _is_lost(problem: Problem, fitted: Fitted) -> bool:
+    """Whether what a model leaves is far off and more than white noise, and its hypotheses were not raced already."""
+    return not problem.kind.phases_add_up and is_far_off(problem, fitted) and len(fitted.noise.whitening) > 1
 
 
 def _starts_elsewhere(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Model]:

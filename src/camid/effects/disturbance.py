@@ -14,6 +14,7 @@ from camid.chain.exact import sample
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
+from camid.effects.residual_spectrum import highest_lines
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -56,28 +57,18 @@ class PeriodicDisturbance(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The highest lines of the residual's spectrum, brought back to the plant's input."""
-        count, period = len(situation.residual), situation.acquisition.period
-        window = np.hanning(count)
-        transform = np.fft.rfft(situation.residual * window, 4 * count)
-        power = np.abs(transform)
-        frequencies = 2.0 * pi * np.fft.rfftfreq(4 * count, period)
-        power[frequencies < 2.0 * pi / (count * period)] = 0.0
+        window = np.hanning(len(situation.residual))
         middle = situation.time - situation.acquisition.latency
         if situation.acquisition.sensor == "camera":
             middle = middle - 0.5 * float(situation.acquisition.exposure or 0.0)
-        for _ in range(LINES):
-            i = int(np.argmax(power))
-            if power[i] == 0.0:
-                return
-            angular = frequencies[i]
+        for angular in highest_lines(situation, LINES):
             basis = np.exp(-1j * angular * middle) * window
             phasor = 2j * (situation.residual @ basis) / np.sum(window)  # a sine's amplitude and phase
             gain = complex(situation.plant.frequency_response(angular))
             if situation.acquisition.sensor == "camera":
                 gain *= np.sinc(angular * float(situation.acquisition.exposure or 0.0) / (2.0 * pi))
             force = phasor / gain if abs(gain) > 0.0 else phasor
-            yield cls(amplitude=float(abs(force)), frequency=float(angular), phase=float(np.angle(force)))
-            power[max(i - 10, 0) : i + 11] = 0.0
+            yield cls(amplitude=float(abs(force)), frequency=angular, phase=float(np.angle(force)))
 
 
 def _best_times(situation: Situation, response: Array) -> list[float]:

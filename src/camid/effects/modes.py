@@ -11,6 +11,7 @@ from camid.chain.plant import TransferFunction, second_order
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import LEAST_FACTOR
+from camid.effects.residual_spectrum import highest_lines
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -18,6 +19,8 @@ from camid.effects.situation import Situation
 LOWEST, HIGHEST = 0.3, 1.5
 FREQUENCIES = 10
 DAMPING_RATIOS = (0.03, 0.3)
+# Lines of the residual that a mode too light for that grid may make, and the damping ratio of its guess.
+LINES, LIGHT = 2, 0.01
 # Static displacement of a first guess as a share of the largest displacement over the largest input.
 GUESS = 0.02
 
@@ -53,6 +56,8 @@ class ExtraMode(Effect):
         for frequency in np.geomspace(slowest, 3.0 * limit, 14):
             yield cls(natural_frequency=float(frequency), damping=0.05)
             yield cls(natural_frequency=float(frequency), damping=0.4)
+        for frequency in highest_lines(situation, LINES):
+            yield cls(natural_frequency=frequency, damping=LIGHT)
 
 
 class ParallelMode(Effect):
@@ -88,6 +93,8 @@ class ParallelMode(Effect):
         for frequency in np.geomspace(slowest, HIGHEST * limit, FREQUENCIES):
             for damping in DAMPING_RATIOS:
                 yield cls(gain=gain, natural_frequency=float(frequency), damping=damping)
+        for frequency in highest_lines(situation, LINES):
+            yield cls(gain=gain, natural_frequency=frequency, damping=LIGHT)
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:

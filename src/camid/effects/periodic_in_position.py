@@ -31,8 +31,10 @@ FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
 LARGEST_PERIOD = 0.6
 # Slope of an encoder's error from which it is none: from one on the reading turns round while the shaft goes on.
 LARGEST_SLOPE = 0.9
-# Rows that are looked at, evenly spread, and the best periods that become first guesses.
+# Rows that are looked at, evenly spread over so many from the begin of a recording on, and the best periods that become
+# first guesses.
 MOST_ROWS = 2000
+MOST_SIMULATED = 30_000
 BEST = 3
 # Share of a regressor beside the others, and of the residual, below which nothing is left of it.
 LEAST_LEFT = 1e-9
@@ -56,6 +58,8 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
     low, high = float(np.min(position)), float(np.max(position))
     if not high > low:
         return []
+    situation = situation.until(MOST_SIMULATED)
+    position = situation.position
     rows = np.flatnonzero(situation.used)
     rows = rows[:: max(len(rows) // MOST_ROWS, 1)]
     others = [np.ones(len(position)), position, situation.signal, situation.velocity]

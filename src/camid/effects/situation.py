@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,11 @@ class Situation:
     plant: TransferFunction
     acquisition: Acquisition
     used: NDArray[np.bool_]
+
+    def until(self, rows: int) -> Situation:
+        """The begin of the recording, at most so many rows."""
+        names = ("time", "signal", "recorded", "position", "velocity", "residual", "used")
+        return replace(self, **{name: getattr(self, name)[:rows] for name in names})
 
     def largest(self, name: str, share: float = 1.0) -> float:
         """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
