@@ -171,7 +171,9 @@ def test_weights_of_all_members_are_held_against_the_truth():
         ("coulomb-friction", 0.3, True),
         ("unlisted", 0.1, False),
     ]
-    assert weight_rows(truth(), said) == []
+    # Where no name of the class is there, what is there is outside of it.
+    assert [r["right"] for r in weight_rows(truth(), said)] == [False, False, True]
+    assert weight_rows(truth(), SILENT) == []
 
 
 def test_rate_is_wilsons_and_median_is_bracketed():

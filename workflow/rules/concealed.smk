@@ -1,7 +1,7 @@
 # The sealed proof: recordings with a concealed effect are made and sealed, diagnosed blindly, then revealed and scored.
 # The set `sample` is part of `check`; the target `concealed` takes the set `full`.
 
-CONCEALED = config["concealed"]
+CONCEALED = {name: config["concealed"][name] for name in ["full", "sample"]}
 if "concealed_seed" in config:
     CONCEALED["full"]["seed"] = int(config["concealed_seed"])
 # The seed is part of every path, so that nothing of another seed is ever taken for this one's.

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.hypothesis import LAW_ERROR, Hypothesis
+from camid.diagnosis.effect_selection import LAW_ERROR, Decision
+from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
 from camid.diagnosis.screening import Signatures, screen
 from camid.diagnosis.watch import Watch

@@ -187,19 +187,20 @@ def parameter_rows(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None
 
 
 def weight_rows(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> list[dict[str, Any]]:
-    """Stated weights of all members of all classes, and whether each is the truth; recordings of a single effect only.
+    """Stated weights of all members of all classes, and whether each is right.
+
+    A name is right if it is one of the true ids, and physics outside the catalogue if no name of the class is.
 
     Returns
     -------
     list of dict
         ``id``, ``weight``, ``right``.
     """
-    if truth["kind"] != "single":
-        return []
-    true_id = truth["effects"][0]["id"]
+    ids = {effect["id"] for effect in truth["effects"]}
     rows = []
     for effect in (diagnosis or {}).get("effects", []):
         members = [(effect["id"], own_weight(effect))]
         members += [(a["id"], float(a["weight"])) for a in effect.get("alternatives") or []]
-        rows += [{"id": i, "weight": weight, "right": i == true_id} for i, weight in members]
+        outside = ids.isdisjoint(class_of(effect))
+        rows += [{"id": i, "weight": w, "right": outside if i == UNLISTED else i in ids} for i, w in members]
     return rows

@@ -1,0 +1,182 @@
+"""Weights of what an effect may be: the names that a recording cannot tell apart, and physics outside the catalogue.
+
+The weights are posterior probabilities in a mixture of two likelihoods. Either a law of the catalogue is exact: then
+the marginal likelihoods of the laws count, by Bayes's criterion. Or the rig has another law of the same name, and the
+catalogue's leaves a share of the mismatch whose density falls off exponentially. That nothing of the catalogue is right
+has odds that grow with a power of the share that is left unexplained and, for an effect beside a stronger one, with its
+weakness: a weak effect beside a strong one may only stand for what the strong one's law has inexactly. The constants of
+these densities are estimated from recordings of rigs with concealed effects (``snakemake calibration``), which neither
+the proof nor any test uses. It is a generalised Bayesian posterior (Bissiri, Holmes & Walker 2016, J. R. Stat. Soc. B
+78, 1103–1130), derived in docs/diagnosis.md.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from math import exp, log
+
+# Weight from which an alternative is worth naming, and how many effects a class may hold.
+LEAST_WEIGHT = 0.01
+LARGEST_CLASS = 4
+# Prior probability of a law of which dry friction is the special case: rigs have dry friction more often.
+GENERAL_LAW = 0.3
+# Share of the mismatch below which what is left counts as nothing.
+NOTHING_LEFT = 1e-4
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Constants of the densities.
+
+    Attributes
+    ----------
+    other_law : float
+        Prior probability that a law is another one of its name.
+    law_error : float
+        Mean share of the mismatch that the catalogue's law then leaves.
+    outside, outside_left : float
+        Log odds of physics outside the catalogue where nothing is left, per unit of the logarithm of the share left.
+    beside_share, beside_place : float
+        Log odds that an effect beside a stronger one has in addition: per unit of the logarithm of the share that it
+        removes, and if it sits at the place of the strongest.
+    noise, noise_beside : float
+        Log odds that an effect on the noise is the shadow of something else, and in addition where another effect is
+        named.
+    """
+
+    other_law: float
+    law_error: float
+    outside: float
+    outside_left: float
+    beside_share: float
+    beside_place: float
+    noise: float
+    noise_beside: float
+
+
+@dataclass(frozen=True)
+class Member:
+    """A name that an effect may have.
+
+    Attributes
+    ----------
+    identifier : str
+    gap : float
+        By how much Bayes's criterion exceeds that of the likeliest.
+    left : float
+        Share of the mismatch without the effect that it leaves beyond what the likeliest one leaves.
+    special, general : bool
+        Whether it is a special case of the likeliest, or has that for its special case.
+    """
+
+    identifier: str
+    gap: float
+    left: float
+    special: bool = False
+    general: bool = False
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What one effect of a diagnosis was compared with.
+
+    Attributes
+    ----------
+    members : tuple of Member
+        The likeliest first.
+    share : float
+        Of the refitted sum of squares that the effect removes.
+    left : float
+        Of the mismatch that all effects together leave, where that is more than noise.
+    strongest : bool
+        Whether no other effect removes more; of an effect on the noise, whether no other is named.
+    same_place : bool
+        Whether it sits at the place of the strongest.
+    noise : bool
+        Whether it is an effect on the noise.
+    """
+
+    members: tuple[Member, ...]
+    share: float
+    left: float
+    strongest: bool = True
+    same_place: bool = True
+    noise: bool = False
+
+
+@cache
+def calibrated() -> Constants:
+    """The constants that ``snakemake calibration`` found."""
+    content = json.loads(files("camid").joinpath("diagnosis/weights.json").read_text(encoding="utf-8"))
+    return Constants(**content["constants"])
+
+
+def weights(comparison: Comparison, constants: Constants | None = None) -> tuple[list[tuple[str, float]], float]:
+    """Weights of the names, the likeliest first, and of physics outside the catalogue; together they are one.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    constants : Constants, optional
+        Those of :func:`calibrated` by default.
+
+    Returns
+    -------
+    list of (str, float), float
+        At most `LARGEST_CLASS` names; those whose weight is below `LEAST_WEIGHT` are left out.
+    """
+    constants = constants or calibrated()
+    unlisted = weight_outside(comparison, constants)
+    raw = [(m.identifier, _likelihood(m, constants)) for m in comparison.members]
+    total = sum(value for _, value in raw)
+    raw = sorted(((name, value / total) for name, value in raw), key=lambda item: -item[1])
+    kept = [item for item in raw if item[1] >= LEAST_WEIGHT][:LARGEST_CLASS]
+    total = sum(value for _, value in kept)
+    return [(name, value / total * (1.0 - unlisted)) for name, value in kept], unlisted
+
+
+def _likelihood(member: Member, constants: Constants) -> float:
+    """Of a name relative to the likeliest, whose is one."""
+    exact = exp(-0.5 * max(member.gap, 0.0))
+    # What a special case leaves is what makes its general law general.
+    other = 1.0 if member.special else exp(-max(member.left, 0.0) / constants.law_error)
+    value = (1.0 - constants.other_law) * exact + constants.other_law * other
+    # A general law that fits better than its special case, and says no more, is ranked behind it for its prior.
+    return value * GENERAL_LAW / (1.0 - GENERAL_LAW) if member.general and member.gap < 0.0 else value
+
+
+def weight_outside(comparison: Comparison, constants: Constants) -> float:
+    """Weight of physics outside the catalogue."""
+    if comparison.noise:
+        return _probability(constants.noise + constants.noise_beside * (not comparison.strongest))
+    share = max(comparison.share, NOTHING_LEFT)
+    odds = constants.outside + constants.outside_left * log(comparison.left / share + NOTHING_LEFT)
+    if not comparison.strongest:
+        odds += constants.beside_share * log(share) + constants.beside_place * comparison.same_place
+    return _probability(odds)
+
+
+def _probability(odds: float) -> float:
+    """Of a thing whose odds have this logarithm."""
+    return 1.0 / (1.0 + exp(-odds))
+
+
+def log_likelihood(comparisons: Sequence[tuple[Comparison, set[str]]], constants: Constants) -> float:
+    """Mean logarithm of the weight that is given to the truth.
+
+    Parameters
+    ----------
+    comparisons : sequence of (Comparison, set of str)
+        With the identifiers of what is there.
+    constants : Constants
+    """
+    total = 0.0
+    for comparison, truth in comparisons:
+        names, unlisted = weights(comparison, constants)
+        named = sum(weight for name, weight in names if name in truth)
+        total += log(max(named if named > 0.0 else unlisted, LEAST_WEIGHT))
+    return total / max(len(comparisons), 1)

@@ -1,0 +1,65 @@
+"""Weights of the names that a recording cannot tell apart, and of physics outside the catalogue."""
+
+from dataclasses import replace
+
+import pytest
+
+from camid.diagnosis.weights import LARGEST_CLASS, LEAST_WEIGHT, Comparison, Constants, Member, weight_outside, weights
+
+CONSTANTS = Constants(0.3, 0.05, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
+LEAD = Member("coulomb-friction", 0.0, 0.0)
+ALONE = Comparison((LEAD,), share=0.9, left=0.0)
+
+
+def of(*members, **changes):
+    """Names and their weights beside the likeliest."""
+    names, unlisted = weights(replace(ALONE, members=(LEAD, *members), **changes), CONSTANTS)
+    assert sum(weight for _, weight in names) + unlisted == pytest.approx(1.0)
+    return dict(names)
+
+
+def test_equal_fits_have_equal_weights():
+    found = of(Member("quadratic-drag", 0.0, 0.0))
+    assert found["coulomb-friction"] == pytest.approx(found["quadratic-drag"])
+
+
+def test_an_exact_law_that_the_criterion_rules_out_may_still_be_another_of_its_name():
+    found = of(Member("near", 100.0, 0.01), Member("far", 100.0, 0.5))
+    assert found["near"] / found["coulomb-friction"] == pytest.approx(0.3 * 2.718281828 ** (-0.2), rel=1e-6)
+    assert "far" not in found
+
+
+def test_a_special_case_counts_as_the_law_that_it_is_special_of():
+    assert of(Member("special", 500.0, 0.9, special=True))["special"] == pytest.approx(
+        0.3 * of(Member("special", 500.0, 0.9, special=True))["coulomb-friction"]
+    )
+
+
+def test_a_general_law_that_says_no_more_has_a_smaller_prior():
+    found = of(Member("hysteresis", -3.0, -0.01, general=True))
+    assert found["hysteresis"] == pytest.approx(3.0 / 7.0 * found["coulomb-friction"])
+
+
+def test_a_class_is_small_and_without_remote_names():
+    found = of(*(Member(f"name-{i}", 2.0 * i, 1.0) for i in range(12)))
+    assert len(found) == LARGEST_CLASS
+    assert min(found.values()) > LEAST_WEIGHT / 2
+    assert list(found) == ["coulomb-friction", "name-0", "name-1", "name-2"]
+
+
+def test_what_is_left_speaks_for_physics_outside_the_catalogue():
+    found = [weight_outside(replace(ALONE, left=left), CONSTANTS) for left in (0.0, 0.01, 0.3)]
+    assert found == sorted(found)
+    assert found[0] == pytest.approx(1e-4**0.5 / (1.0 + 1e-4**0.5))
+
+
+def test_a_weak_effect_beside_a_strong_one_may_stand_for_its_law_most_of_all_at_its_place():
+    strong, weak = (weight_outside(replace(ALONE, share=s, strongest=False), CONSTANTS) for s in (0.5, 0.01))
+    elsewhere = weight_outside(replace(ALONE, share=0.01, strongest=False, same_place=False), CONSTANTS)
+    assert strong < elsewhere < weak
+
+
+def test_an_effect_on_the_noise_may_be_the_shadow_of_another():
+    alone, beside = (weight_outside(replace(ALONE, noise=True, strongest=s), CONSTANTS) for s in (True, False))
+    assert alone == pytest.approx(1.0 / (1.0 + 2.718281828**2))
+    assert beside == pytest.approx(1.0 / (1.0 + 2.718281828**0.5))
