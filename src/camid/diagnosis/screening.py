@@ -169,10 +169,13 @@ class Signatures:
         known = {key: self._changes[key] for key in listed if key in self._changes}
         return {key: change for key, (effect, change) in known.items() if alike(effect, listed[key])}
 
+    def has_room(self, problem: Problem, count: int) -> bool:
+        """Whether so many changes of the output may be remembered."""
+        return count * len(problem.output) <= MOST_KEPT
+
     def keep(self, problem: Problem, base: Fitted, found: Mapping[_Key, tuple[Effect, Array]]) -> None:
         """Remember the changes of the output around a model."""
-        if len(found) * len(problem.output) <= MOST_KEPT:
-            self._simulated, self._changes = problem.output - base.residual, dict(found)
+        self._simulated, self._changes = problem.output - base.residual, dict(found)
 
 
 def alike(one: Effect, other: Effect) -> bool:
@@ -199,15 +202,21 @@ def screen(
     listed = dict(_listed(candidates(problem, base, only)))
     known = signatures.near(problem, base, listed) if signatures else {}
     judge = partial(_judged, problem, views)
+    # A change of the output is as long as the recordings: it is kept only where it will be wanted again.
+    kept = signatures is not None and not known and signatures.has_room(problem, len(listed))
+
+    def simulated(key: _Key) -> tuple[ScreenedEffect, Array | None] | None:
+        change = signature(problem, base, listed[key])
+        return None if change is None else (judge(listed[key], change), change if kept else None)
+
     with ThreadPoolExecutor(WORKERS) as pool:
         roughly = dict(zip(known, pool.map(judge, (listed[k] for k in known), known.values()), strict=True))
         likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
         fresh = [key for key in listed if key not in known or key in likely]
-        changes = list(pool.map(lambda key: signature(problem, base, listed[key]), fresh))
-        simulated = {k: (listed[k], c) for k, c in zip(fresh, changes, strict=True) if c is not None}
-        judged = list(pool.map(lambda pair: judge(*pair), simulated.values()))
-    if signatures and not known:
-        signatures.keep(problem, base, simulated)
+        found = [(key, result) for key, result in zip(fresh, pool.map(simulated, fresh), strict=True) if result]
+    if signatures is not None and kept:
+        signatures.keep(problem, base, {k: (listed[k], change) for k, (_, change) in found if change is not None})
+    judged = [screened for _, (screened, _) in found]
     judged += [rough for key, rough in roughly.items() if key not in likely]
     return sorted(judged, key=lambda c: -c.gain)
 
