@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from camid.diagnosis.diagnosis import Correction, Location, ParameterEstimate
+from camid.diagnosis.diagnosis import Correction, Location, NormalisedErrors, ParameterEstimate, Undetectable
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
 from camid.effects import known_effects
@@ -89,7 +89,7 @@ def test_a_finding_is_told_in_full(pages):
     assert "force 0.1500 ± 0.0021 u 0.1459 to 0.1541" in text
     assert "amplitude (3.210 ± 0.044)·10⁻⁷ u" in text
     assert "frequency 7.5612 ± 0.0019 rad/s (1.203 Hz) 7.5575 to 7.5649" in text
-    assert "error that it removes, fitted rows 95.3 %" in text
+    assert "error without it (RMS, held-out rows) 24.2 %" in text
     assert "Coulomb friction 88 % Hysteresis (Bouc-Wen) 11 % physics outside the catalogue 1.0 %" in text
     assert "What would tell them apart: a free decay" in text
     assert "12 to 31 s" in text
@@ -228,7 +228,7 @@ def test_summary(capsys, verdict):
     assert summary.VERDICT_WORDS[verdict][1].upper() in shown
     assert diagnosis.explanation in shown
     assert "warning: [bold]look" in shown
-    assert "2 of which would not have shown at any size" in shown
+    assert "2 of which would not have shown" in shown
     if diagnosis.findings:
         assert "cannot be told apart from: Hysteresis (Bouc-Wen) (11" in shown
         assert "[red]u" in shown
@@ -281,19 +281,37 @@ def test_an_adequate_simulation_with_a_remainder_says_so_in_its_title(capsys):
         assert "owhere" not in text
 
 
-def test_shares_of_several_effects_cannot_be_added_up_wrongly(capsys):
+def test_errors_are_root_mean_squares_alone(capsys):
+    """Shares of squares, which do not add up beside root mean squares, stay in diagnosis.json."""
     pair = [written_diagnoses.finding(), written_diagnoses.second_finding()]
-    shares = [
-        replace(f, evidence=f.evidence | {"share": share, "share_together": 0.78})
-        for f, share in zip(pair, (0.095, 0.012), strict=True)
-    ]
-    printed, page = texts(written_diagnoses.diagnosis("explained", findings=shares), capsys)
-    assert f"together they remove 78.0{SPACE}%".replace(SPACE, " ") in printed
-    assert "beside" in printed
-    assert "error removed" not in printed
-    assert "Together these effects remove 78.0 %" in page
-    assert "error that it removes beside the others, fitted rows 9.50 %" in page
-    assert "error that all effects remove together, fitted rows 78.0 %" in page
+    squares = [replace(f, evidence=f.evidence | {"share": 0.0953, "share_together": 0.78}) for f in pair]
+    for text in texts(written_diagnoses.diagnosis("explained", findings=squares), capsys):
+        assert "24.2 %" in text.replace(SPACE, " ")
+        assert "10.2 %" in text.replace(SPACE, " ")
+        assert "9.53" not in text
+        assert "78.0" not in text
+
+
+def test_a_name_without_half_of_the_weight_is_no_headline(capsys):
+    faint = replace(written_diagnoses.finding(), weight=0.1, alternatives=[("unlisted", 0.9)])
+    for text in texts(written_diagnoses.diagnosis("partly-explained", findings=[faint]), capsys):
+        assert "something is named" not in text
+        assert "has no name that is likely" in text
+
+
+def test_wrong_coefficients_are_not_plainly_adequate(capsys):
+    fit = NormalisedErrors(2.01, 0.0612, 0.0612, 0.0604, (24.0, 34.0))
+    for text in texts(written_diagnoses.diagnosis("adequate", fit=fit), capsys):
+        assert "oefficients were wrong" in text.lower() or "COEFFICIENTS WERE WRONG" in text
+    page = report.render(written_diagnoses.diagnosis("adequate", fit=fit))
+    assert '<body class="corrected">' in page
+
+
+def test_an_effect_without_a_number_that_would_have_shown_is_not_called_invisible(capsys):
+    seen = Undetectable("absolute-value", "68 times as visible as needed", shows=True)
+    diagnosis = written_diagnoses.diagnosis("adequate", undetectable=[seen])
+    assert summary.sorted_undetectable(diagnosis.undetectable) == ([seen], [])
+    assert "would not have shown" not in Page(report.render(diagnosis)).text
 
 
 def test_a_correction_is_shown_and_not_claimed(capsys):

@@ -110,8 +110,10 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
     numeric = kind.numeric()
     share = f"the coefficients imitate {100.0 * imitated:.3g} % of it" if imitated > 0.005 else "noise hides it"
     if not numeric:
-        size = f"{visible / wanted:.2g} times" if visible > 0.0 else "not at all"
-        return Undetectable(kind.identifier, f"it would have been seen {size} as well as needed")
+        times = visible / wanted
+        if times < 1.0:
+            return Undetectable(kind.identifier, f"{share}; it would have been {times:.2g} times as visible as needed")
+        return Undetectable(kind.identifier, f"{times:.2g} times as visible as needed", shows=True)
     if visible < 0.5 * wanted:
         return Undetectable(kind.identifier, f"{share}; no size of it would have been seen in this recording")
     parameter = next((p for p in numeric if p.name == kind.strength), numeric[0])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.weights import Comparison
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
@@ -24,7 +25,7 @@ class Location:
     place : str or None
         ``actuator``, ``plant``, ``disturbance``, ``sensor`` or ``noise``; None where nothing is left out.
     places : dict of str to float
-        Share of the explainable mismatch that the best description at each place accounts for, 0 to 1.
+        Share of each place in the mismatch; they add up to one.
     time : tuple of float or None
         Span in seconds, where the mismatch is not spread over the whole recording.
     frequency : tuple of float or None
@@ -80,12 +81,15 @@ class Finding:
     evidence : dict
         Numbers behind the claim: ``delta_bic`` (against leaving the effect out), ``share`` (of the refitted error's
         sum of squares that it removes beside the others), ``share_together`` (that several remove together),
-        ``validation_gain`` (as ``share``, on rows not fitted), …
+        ``validation_gain`` (as ``share``, on rows not fitted), ``nrmse_without`` (the normalised error on rows not
+        fitted that the simulation has without it), …
     weight : float
         Posterior weight of this effect within its class; with those of the alternatives it sums to one.
     alternatives : list of (str, float)
         What this recording cannot tell apart from it, with weights; ``unlisted`` is physics outside the catalogue.
     separating_experiment : str or None
+    comparison : Comparison or None
+        What the weights are made from; not part of diagnosis.json.
     """
 
     identifier: str
@@ -98,6 +102,7 @@ class Finding:
     weight: float = 1.0
     alternatives: list[tuple[str, float]] = field(default_factory=list)
     separating_experiment: str | None = None
+    comparison: Comparison | None = None
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
@@ -191,6 +196,8 @@ class Undetectable:
         Detected in about 95 % of recordings like this one; None where no size would have shown.
     others : dict
         Values of the effect's other parameters at which this holds.
+    shows : bool
+        Whether an effect without a number, so that it has no smallest size, would have shown.
     """
 
     identifier: str
@@ -199,11 +206,23 @@ class Undetectable:
     value: float | None = None
     unit: str | None = None
     others: dict[str, Any] = field(default_factory=dict)
+    shows: bool = False
+
+    @property
+    def would_show(self) -> bool:
+        """Whether this recording would have shown it, at some size if it has one."""
+        return self.shows or self.value is not None
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
         smallest = None if self.value is None else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
-        return {"id": self.identifier, "reason": self.reason, "smallest_detectable": smallest, "at": self.others}
+        return {
+            "id": self.identifier,
+            "reason": self.reason,
+            "smallest_detectable": smallest,
+            "at": self.others,
+            "would_show": self.would_show,
+        }
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,8 @@ class PageDrawnBeside:
         paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
         with suppress(OSError, ValueError):  # no right to start a process, or an interpreter without a name
             self._process = subprocess.Popen(
-                [sys.executable, "-m", __name__],
+                # -P: the folder that the user stands in is no place to import from.
+                [sys.executable, "-P", "-m", __name__],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,

@@ -206,7 +206,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "diagnosis": diagnosis,
         "verdict": summary.verdict_words(diagnosis),
-        "together": summary.together_of(diagnosis),
+        "corrected": summary.needs_new_coefficients(diagnosis),
         "chain": chain(diagnosis),
         "findings": _findings(diagnosis),
         "corrections": [(c.title, _parameter_rows(c, diagnosis)) for c in diagnosis.corrections],
@@ -226,6 +226,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "version": camid.__version__,
         "structure_below": STRUCTURE_BELOW,
         "likely": summary.LIKELY,
+        "headline_weight": summary.HEADLINE_WEIGHT,
         "number": number_text.number,
         "plain": number_text.plain,
         "span": number_text.span,

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import UNLISTED, Diagnosis, Finding, ParameterEstimate, Undetectable
+from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
+from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
 from camid.number_text import number, percentage, printable, probability, span, unit_of, with_deviation
 
 if TYPE_CHECKING:
@@ -20,12 +22,27 @@ VERDICT_WORDS = {
     "partly-explained": ("◐", "Partly explained", "something is named, and something structured remains"),
     "unexplained": ("?", "Unexplained", "something is left out, and this recording does not say what"),
 }
+# The meaning where no name reaches half of the weight.
+WITHOUT_A_NAME = {
+    "explained": "what the simulation leaves out is modelled but has several possible names, and what remains is noise",
+    "partly-explained": "what is left out is modelled in part, has no name that is likely, and something remains",
+}
+CORRECTED = ("≠", "Coefficients were wrong", "the structure is right: re-estimated, it leaves out nothing that shows")
+HARDLY_ANYTHING = "but the simulation explains hardly anything of the output"
+# Evidence of squares, which diagnosis.json holds and no reader is shown: the page speaks of root mean squares alone.
+SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 
 def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     """Symbol, word and short meaning of a diagnosis's verdict."""
     symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
+    if diagnosis.findings and diagnosis.findings[0].weight < HEADLINE_WEIGHT:
+        meaning = WITHOUT_A_NAME[diagnosis.verdict]
+    if needs_new_coefficients(diagnosis):
+        symbol, word, meaning = CORRECTED
+    if diagnosis.verdict == "adequate" and diagnosis.fit.improved >= NOTHING_EXPLAINED:
+        symbol, meaning = "?", f"{meaning}, {HARDLY_ANYTHING}"
     if diagnosis.known_remainder is not None:
         size = number(diagnosis.known_remainder)
         meaning = (
@@ -33,6 +50,13 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
             f"{unit_of('y', None, diagnosis.compared_symbol)} (root mean square)"
         )
     return symbol, word, meaning
+
+
+def needs_new_coefficients(diagnosis: Diagnosis) -> bool:
+    """Whether a simulation of the right structure had wrong coefficients."""
+    if diagnosis.verdict != "adequate" or diagnosis.known_remainder is not None:
+        return False
+    return bool(wrong_coefficients(diagnosis.coefficients, diagnosis.fit))
 
 
 def title_of(identifier: str) -> str:
@@ -62,25 +86,20 @@ def is_noise_only(evidence: dict[str, Any]) -> bool:
 def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
     """Pairs of what was measured and its value: first the known kinds of evidence, then the others as they come."""
     lines = []
-    beside = " beside the others" if "share_together" in evidence else ""
     known: dict[str, tuple[str, Callable[[float], str]]] = {
-        "share": (f"error that it removes{beside}, fitted rows", percentage),
-        "validation_gain": (f"error that it removes{beside}, held-out rows", percentage),
-        "share_together": ("error that all effects remove together, fitted rows", percentage),
+        "nrmse_without": ("error without it (RMS, held-out rows)", percentage),
         "false_alarm_probability": ("probability of as much by chance", probability),
         "delta_bic": ("ΔBIC against leaving it out", number),
         "delta_bic_to_next_best": ("ΔBIC to the next best", number),
     }
     noise_only = is_noise_only(evidence)
     if noise_only:
-        lines.append(("error that it removes", "none: it changes the noise"))
+        lines.append(("error without it", "the same: it changes the noise"))
     for key, (words, text) in known.items():
-        if key == "share" and noise_only:
-            continue
         if isinstance(evidence.get(key), int | float):
             lines.append((words, text(float(evidence[key]))))
     for key, value in evidence.items():
-        if key in known and (value is None or isinstance(value, int | float)):
+        if key in SQUARES or (key in known and (value is None or isinstance(value, int | float))):
             continue
         if key == "next_best":
             if isinstance(value, str):
@@ -97,9 +116,9 @@ def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def sorted_undetectable(undetectable: list[Undetectable]) -> tuple[list[Undetectable], list[Undetectable]]:
-    """Those that a certain size would have shown, and those that no size would, each by name."""
+    """Those that would have shown, from a certain size on if they have one, and those that would not; by name."""
     ordered = sorted(undetectable, key=lambda u: title_of(u.identifier).lower())
-    return [u for u in ordered if u.value is not None], [u for u in ordered if u.value is None]
+    return [u for u in ordered if u.would_show], [u for u in ordered if not u.would_show]
 
 
 def alternatives_text(finding: Finding) -> str:
@@ -133,31 +152,24 @@ def state_text(state: tuple[str, float, float], input_name: str | None, output_n
     return f"{variable} from {span((low, high), unit)}"
 
 
-def together_of(diagnosis: Diagnosis) -> float | None:
-    """Share of the refitted sum of squares that several effects remove together; None where one does it all."""
-    shares = (f.evidence.get("share_together") for f in diagnosis.findings)
-    return next((float(share) for share in shares if share is not None), None)
-
-
 def _table_of_findings(diagnosis: Diagnosis) -> Table:
     from rich.table import Table
 
     names = diagnosis.improved.symbols
     table = Table(title="What was found", title_justify="left")
-    removed = "error removed" if together_of(diagnosis) is None else "removed beside the others"
-    for heading in ("effect", "place", "parameter", "value", removed):
+    for heading in ("effect", "weight", "place", "parameter", "value", "error without it"):
         table.add_column(heading, overflow="fold")
     for finding in diagnosis.findings:
         noise_only = is_noise_only(finding.evidence)
-        removed = "– (noise)" if noise_only else percentage(finding.evidence.get("share"))
+        without = "– (noise)" if noise_only else percentage(finding.evidence.get("nrmse_without"))
         rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
         for i, (name, parameter) in enumerate(rows):
-            head = (finding.title, finding.place) if i == 0 else ("", "")
+            head = (finding.title, percentage(finding.weight, 2), finding.place) if i == 0 else ("", "", "")
             value = estimate_text(parameter, *names)
-            table.add_row(*head, name.replace("_", " "), value, removed if i == 0 else "")
+            table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for correction in diagnosis.corrections:
         for i, (name, parameter) in enumerate(correction.parameters.items()):
-            head = (f"{correction.title} (correction)", correction.place) if i == 0 else ("", "")
+            head = (f"{correction.title} (correction)", "–", correction.place) if i == 0 else ("", "", "")
             claim = "– (not claimed)" if i == 0 else ""
             table.add_row(*head, name.replace("_", " "), estimate_text(parameter, *names), claim)
     return table
@@ -182,12 +194,6 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
     if diagnosis.findings:
         console.print(_table_of_findings(diagnosis))
-    if (together := together_of(diagnosis)) is not None:
-        console.print(
-            f"together they remove {percentage(together)} of the error on fitted rows; the table says by how much it "
-            "would grow without each one, and these shares do not add up",
-            soft_wrap=True,
-        )
     if explained := diagnosis.improved.symbols_explained:
         console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     for finding in diagnosis.findings:
@@ -200,7 +206,7 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     fit = diagnosis.fit
     console.print(
         f"error on held-out rows ({span(fit.validation, 's')}"
-        f"{', chosen by camid' if fit.chosen else ''}), in % of the output's standard deviation: "
+        f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation: "
         f"as given {percentage(fit.nominal)}, coefficients re-estimated {percentage(fit.refitted)}, "
         f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
         soft_wrap=True,
@@ -214,9 +220,7 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     unseen = len(diagnosis.undetectable)
     if unseen:
         invisible = len(sorted_undetectable(diagnosis.undetectable)[1])
-        console.print(
-            f"not found: {unseen} other effects, {invisible} of which would not have shown at any size", soft_wrap=True
-        )
+        console.print(f"not found: {unseen} other effects, {invisible} of which would not have shown", soft_wrap=True)
     for warning in diagnosis.warnings:
         console.print(f"warning: {printable(warning)}", style="yellow", soft_wrap=True)
     for path in written:

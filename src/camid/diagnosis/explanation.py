@@ -1,0 +1,184 @@
+"""A diagnosis in two to four plain sentences with the numbers in them; the first one says what matters most."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from camid.diagnosis.diagnosis import UNLISTED, Coefficient, Correction, Finding, Location, NormalisedErrors
+from camid.effects import known_effects
+from camid.number_text import SPACE, number, percentage, plain, with_deviation
+
+# Weight that a name needs to stand in the headline.
+HEADLINE_WEIGHT = 0.5
+# Error, as a share of the output's standard deviation, from which a simulation explains hardly anything.
+EXPLAINS_NOTHING = 0.9
+# A simulation as given that errs more than the re-estimated one by this factor, with coefficients that are off by as
+# many standard deviations, had wrong coefficients.
+WRONG_ERROR_RATIO = 1.5
+WRONG_DEVIATIONS = 3.0
+# Coefficients that a sentence lists.
+MOST_COEFFICIENTS = 3
+
+
+def wrong_coefficients(coefficients: Sequence[Coefficient], fit: NormalisedErrors) -> list[Coefficient]:
+    """Coefficients whose nominal values were wrong, the farthest off first; none where they cost little."""
+    if fit.nominal < WRONG_ERROR_RATIO * fit.refitted:
+        return []
+
+    def off(coefficient: Coefficient) -> float:
+        difference, deviation = abs(coefficient.nominal - coefficient.improved), coefficient.improved_deviation
+        return difference / deviation if deviation > 0.0 else 0.0
+
+    return sorted((c for c in coefficients if off(c) > WRONG_DEVIATIONS), key=lambda c: -off(c))
+
+
+def headline(finding: Finding) -> str:
+    """What a finding may be called: its name, the class that it is one of, or what it acts like."""
+    listed = [(finding.title, finding.weight)]
+    listed += [(known_effects()[name].title, weight) for name, weight in finding.alternatives if name != UNLISTED]
+    if finding.weight >= HEADLINE_WEIGHT:
+        return f"{finding.title}{_details(finding)}"
+    if sum(weight for _, weight in listed) >= HEADLINE_WEIGHT:
+        ordered = sorted(listed, key=lambda pair: -pair[1])
+        names = [f"{_lower(title)} ({_share(weight, 2)})" for title, weight in ordered]
+        return f"one of {', '.join(names[:-1])} or {names[-1]}"
+    return f"physics outside the catalogue, which acts like {_lower(finding.title)}{_details(finding)}"
+
+
+def explanation(
+    verdict: str,
+    found: Sequence[Finding],
+    fit: NormalisedErrors,
+    location: Location,
+    coefficients: Sequence[Coefficient] = (),
+    remainder: float | None = None,
+    corrections: Sequence[Correction] = (),
+) -> str:
+    """Plain sentences with the numbers in them.
+
+    Parameters
+    ----------
+    verdict : str
+    found : sequence of Finding
+    fit : NormalisedErrors
+    location : Location
+    coefficients : sequence of Coefficient
+    remainder : float, optional
+        Root mean square of what the simulation declares to be unexplained, where the verdict rests on it.
+    corrections : sequence of Correction
+    """
+    if remainder is not None:
+        return (
+            f"Nothing is left out beyond what an earlier diagnosis left unexplained: the simulation declares a "
+            f"remainder of {number(remainder)} (root mean square), and with its coefficients re-estimated it leaves no "
+            f"more than that: {_share(fit.refitted)} of the output's standard deviation on rows that were not fitted. "
+            f"Remove the key remainder to have that looked into again."
+        )
+    sentences = []
+    if fit.improved >= EXPLAINS_NOTHING:
+        sentences.append(
+            f"The simulation explains hardly anything of the output: at its best it leaves {_share(fit.improved)} of "
+            f"the output's standard deviation on rows that were not fitted."
+        )
+    if verdict == "adequate":
+        sentences += _adequate(fit, coefficients)
+    elif verdict == "unexplained":
+        sentences.append(
+            f"Something is left out, and no effect of the catalogue explains it: re-estimating the coefficients leaves "
+            f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted (the noise in the "
+            f"fitted ones is estimated as {_share(fit.noise_floor)}), and what is left is structured."
+        )
+    else:
+        sentences.append(_named(found, fit))
+    if location.place and verdict != "adequate":
+        sentences.append(f"The mismatch sits at the {location.place}.")
+    if corrections:
+        titles = " and ".join(_lower(c.title) for c in corrections)
+        sentences.append(
+            f"The improved simulation also holds {titles}, not as a finding but as a correction: it lowers this "
+            f"error, and may only stand for what the law above has inexactly."
+        )
+    if verdict == "partly-explained":
+        sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
+    return " ".join(sentences + _indistinct(found))
+
+
+def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> list[str]:
+    wrong = wrong_coefficients(coefficients, fit)
+    leaves = (
+        f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted, and the noise alone "
+        f"{_share(fit.noise_floor)}"
+    )
+    listed = "What the recording could not have shown is listed."
+    if not wrong:
+        return [
+            f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
+            f"leaves {leaves}.",
+            listed,
+        ]
+    values = [f"{c.name} is {_estimate(c)} and not {plain(c.nominal, 4)}" for c in wrong[:MOST_COEFFICIENTS]]
+    more = len(wrong) - len(values)
+    if more:
+        values.append(f"{more} more {'is' if more == 1 else 'are'} off")
+    return [
+        f"The structure is right and the coefficients were wrong: {', '.join(values)}.".replace(SPACE, " "),
+        f"As given, the simulation leaves {_share(fit.nominal)}; re-estimated, it leaves {leaves}.",
+        "Nothing else is left out that this recording could show.",
+        listed,
+    ]
+
+
+def _named(found: Sequence[Finding], fit: NormalisedErrors) -> str:
+    names = [headline(finding) for finding in found]
+    listed = f"{'; '.join(names[:-1])}; and {names[-1]}" if len(names) > 1 else names[0]
+    return (
+        f"The simulation leaves out: {listed}. On rows that were not fitted the error falls from "
+        f"{_share(fit.refitted)} (coefficients re-estimated) to {_share(fit.improved)} of the output's standard "
+        f"deviation; noise alone is {_share(fit.noise_floor)}."
+    )
+
+
+def _indistinct(found: Sequence[Finding]) -> list[str]:
+    """What the first finding with a sure name and rivals cannot be told from."""
+    for finding in found:
+        others = [n for n, w in finding.alternatives if n != UNLISTED]
+        if finding.weight >= HEADLINE_WEIGHT and any(w >= 0.02 for n, w in finding.alternatives if n != UNLISTED):
+            return [f"This recording cannot tell {finding.identifier} from {', '.join(others)}."]
+    return []
+
+
+def _share(value: float, digits: int = 3) -> str:
+    return percentage(value, digits).replace(SPACE, " ")
+
+
+def _lower(title: str) -> str:
+    """A title within a sentence, without what explains it: names of people keep their capital."""
+    title = title.partition(" (")[0]
+    return title if title.split(maxsplit=1)[0] in PEOPLE else title[:1].lower() + title[1:]
+
+
+# First words of titles that are names.
+PEOPLE = {"Coulomb", "Stribeck"}
+
+
+def _estimate(coefficient: Coefficient) -> str:
+    return with_deviation(coefficient.improved, coefficient.improved_deviation)
+
+
+def _details(finding: Finding) -> str:
+    """The leading parameter and the weight."""
+    parts = [] if finding.weight >= 0.995 else [_share(finding.weight, 2)]
+    for name, parameter in finding.parameters.items():
+        words = name.replace("_", " ")
+        if isinstance(parameter.value, float):
+            deviation = parameter.standard_deviation
+            estimate = with_deviation(parameter.value, deviation, parameter.unit)
+            shown = f"about {plain(parameter.value, unit=parameter.unit)}" if deviation is None else estimate
+            if deviation is not None and abs(parameter.value) < deviation:
+                shown = f"not determined, {estimate}"
+            parts.insert(0, f"{words} {shown.replace(SPACE, ' ')}")
+            break
+        if isinstance(parameter.value, str):
+            parts.insert(0, parameter.value)
+            break
+    return f" ({'; '.join(parts)})" if parts else ""

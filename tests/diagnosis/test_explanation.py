@@ -1,0 +1,65 @@
+"""The words of a diagnosis: what is named, how surely, with which number; and what comes first."""
+
+from dataclasses import replace
+
+import pytest
+
+from camid.diagnosis.diagnosis import Coefficient, Location, NormalisedErrors, ParameterEstimate
+from camid.diagnosis.explanation import explanation
+from tests.support import written_diagnoses
+
+FIT = NormalisedErrors(0.684, 0.241, 0.0421, 0.0412, (24.0, 34.0))
+
+
+@pytest.mark.parametrize(
+    ("value", "deviation", "said"),
+    [
+        (0.15, 0.0021, "(force 0.1500 ± 0.0021 u; 88 %)"),
+        (2.4e6, 2.8e16, "(force not determined, 2.4·10⁶ ± 2.8·10¹⁶ u; 88 %)"),
+        (-0.1, 0.11, "(force not determined, −0.10 ± 0.11 u; 88 %)"),
+        (-0.1, 0.1, "(force −0.10 ± 0.10 u; 88 %)"),
+        (0.15, None, "(force about 0.15 u; 88 %)"),
+    ],
+)
+def test_a_number_smaller_than_its_deviation_is_called_not_determined(value, deviation, said):
+    found = replace(written_diagnoses.finding(), parameters={"force": ParameterEstimate(value, deviation, "u")})
+    assert f"Coulomb friction {said}." in explanation("explained", [found], FIT, Location("plant"))
+
+
+def weighed(weight, *alternatives):
+    """Coulomb friction with a weight."""
+    return replace(written_diagnoses.finding(), weight=weight, alternatives=list(alternatives))
+
+
+def test_a_name_below_a_half_is_one_of_a_class():
+    found = weighed(0.4, ("quadratic-drag", 0.35), ("hysteresis", 0.2), ("unlisted", 0.05))
+    text = explanation("explained", [found], FIT, Location("plant"))
+    assert "leaves out: one of Coulomb friction (40 %), quadratic drag (35 %) or hysteresis (20 %)." in text
+
+
+def test_where_most_of_the_weight_lies_outside_the_catalogue_that_comes_first():
+    text = explanation("partly-explained", [weighed(0.1, ("unlisted", 0.9))], FIT, Location("plant"))
+    assert "leaves out: physics outside the catalogue, which acts like Coulomb friction (" in text
+
+
+WRONG = [Coefficient("a0", 360.0, 400.1, 0.3, 400.1, 0.3), Coefficient("a1", 12.0, 12.1, 0.2, 12.1, 0.2)]
+
+
+def test_wrong_coefficients_are_the_first_sentence_with_old_and_new_values():
+    fit = NormalisedErrors(2.01, 0.0101, 0.0101, 0.01, (24.0, 34.0))
+    text = explanation("adequate", [], fit, Location(), WRONG)
+    assert text.startswith(
+        "The structure is right and the coefficients were wrong: a0 is 400.10 ± 0.30 and not 360. As given, the "
+        "simulation leaves 201 %; re-estimated, it leaves 1.01 % of"
+    )
+
+
+def test_coefficients_that_were_right_are_not_called_wrong():
+    fit = NormalisedErrors(0.0102, 0.0101, 0.0101, 0.01, (24.0, 34.0))
+    assert explanation("adequate", [], fit, Location(), WRONG).startswith("Nothing is left out that this recording")
+
+
+def test_a_simulation_that_explains_nothing_says_so_first():
+    fit = NormalisedErrors(1.1, 1.03, 1.03, 1.0, (24.0, 34.0))
+    text = explanation("adequate", [], fit, Location())
+    assert text.startswith("The simulation explains hardly anything of the output: at its best it leaves 103 %")
