@@ -32,6 +32,8 @@ SETTLED = 1e-3
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
 LARGEST_CRITERION_GAP = 50.0
+# The same as a share of the best one's gain where the base is far off: a first fit from there says little.
+GAP_SHARE_FAR_OFF = 0.8
 MOST_THOROUGH = 6
 # Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
 BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
@@ -110,7 +112,12 @@ def hypotheses(
     def fitted_again(hypothesis: Hypothesis, best: Hypothesis) -> Hypothesis | None:
         if watch.no_time_for("more thorough fits"):
             return None
-        return _fitted(problem, hypothesis.identifier, _start(problem, hypothesis, best), ALL_STEPS)
+        own = hypothesis.fitted.model
+        start = _start(problem, hypothesis, best)
+        found = _fitted(problem, hypothesis.identifier, start, ALL_STEPS)
+        if start is not own and (found is None or found.beyond(hypothesis) >= 0.0):
+            found = _fitted(problem, hypothesis.identifier, own, ALL_STEPS)
+        return found
 
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(fitted, starts) if h is not None]
@@ -165,7 +172,8 @@ def _near_the_best(
     if not ranked:
         return []
     best = ranked[0] if incumbent is None else in_order([ranked[0], incumbent])[0]
-    largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * base.criterion_beyond(best.fitted))
+    share = max(effort.gap_share, GAP_SHARE_FAR_OFF if is_far_off(base.problem, base) else 0.0)
+    largest_gap = max(LARGEST_CRITERION_GAP, share * base.criterion_beyond(best.fitted))
     return [h for h in ranked[:MOST_THOROUGH] if h.beyond(best) <= largest_gap]
 
 
