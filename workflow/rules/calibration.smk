@@ -1,5 +1,5 @@
 # The constants of the diagnosis's weights: estimated from recordings of rigs with concealed effects, of a seed that nothing
-# else uses. The result is compared with, and by hand becomes, src/camid/diagnosis/weights.json.
+# else uses. Copy the result to src/camid/diagnosis/weights.json to let the diagnosis use it.
 
 CALIBRATION = config["concealed"]["calibration"]
 

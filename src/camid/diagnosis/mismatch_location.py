@@ -151,7 +151,7 @@ def places(problem: Problem, fitted: Fitted) -> list[PlaceTest]:
 def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> PlaceTest:
     """F-test of whether the columns of a table, shape (M, c), explain a residual.
 
-    The table's matrix of products, shape (c, c), says it all, and takes a tenth of the time of its decomposition.
+    Its matrix of products, shape (c, c), is decomposed, which does not grow with the recording.
     """
     from scipy.special import fdtrc
 
