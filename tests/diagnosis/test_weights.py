@@ -63,3 +63,12 @@ def test_an_effect_on_the_noise_may_be_the_shadow_of_another():
     alone, beside = (weight_outside(replace(ALONE, noise=True, strongest=s), CONSTANTS) for s in (True, False))
     assert alone == pytest.approx(1.0 / (1.0 + 2.718281828**2))
     assert beside == pytest.approx(1.0 / (1.0 + 2.718281828**0.5))
+
+
+def test_a_rig_may_have_what_makes_two_laws_of_the_same_special_case_general():
+    """LuGre friction is hysteresis while it sticks and Stribeck friction while it slides."""
+    special = Member("coulomb-friction", 500.0, 0.9, special=True)
+    near, far = (Member("stribeck-friction", 480.0, left, sibling=True) for left in (-0.01, 0.4))
+    found = of(special, near)
+    assert found["stribeck-friction"] == pytest.approx(3.0 / 7.0 * found["coulomb-friction"])
+    assert "stribeck-friction" not in of(special, far)

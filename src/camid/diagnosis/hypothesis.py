@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
 
 from camid.diagnosis.screening import trials
 from camid.diagnosis.weights import GENERAL_LAW, Member
+from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
@@ -41,9 +42,13 @@ def prior_penalty(problem: Problem, effect: Effect) -> float:
 
     Rigs have dry friction more often than they have one of the laws of which it is the special case.
     """
-    general = effect.simplified() is not None
-    odds = (1.0 - GENERAL_LAW) / GENERAL_LAW if general else 1.0
-    return 2.0 * float(np.log(trials(type(effect), problem) * odds))
+    penalty = 2.0 * float(np.log(trials(type(effect), problem)))
+    return penalty + general_law_penalty() if effect.simplified() is not None else penalty
+
+
+def general_law_penalty() -> float:
+    """Twice the logarithm of the prior odds against a law of which dry friction is the special case."""
+    return 2.0 * float(np.log((1.0 - GENERAL_LAW) / GENERAL_LAW))
 
 
 def in_order(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
@@ -54,7 +59,7 @@ def in_order(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
     return sorted(hypotheses, key=lambda h: h.beyond(closest))
 
 
-def members_of(ranked: Sequence[Hypothesis], without: Fitted) -> tuple[Member, ...]:
+def members_of(ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = frozenset()) -> tuple[Member, ...]:
     """The names of a class, for :func:`camid.diagnosis.weights.weights`.
 
     Parameters
@@ -63,20 +68,28 @@ def members_of(ranked: Sequence[Hypothesis], without: Fitted) -> tuple[Member, .
         In the place of one effect, the likeliest first.
     without : Fitted
         The model without that effect.
+    named : set of str, optional
+        All effects of the model, this one among them: some together may have another name.
     """
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
     special = _special_case(lead)
-    return tuple(
-        Member(
+    simplest = next((h.fitted.cost for h in ranked if h.identifier == special), None)
+
+    def member(hypothesis: Hypothesis) -> Member:
+        of = _special_case(hypothesis)
+        sibling = hypothesis is not lead and simplest is not None and of == special
+        return Member(
             hypothesis.identifier,
             float(hypothesis.beyond(lead)),
-            (hypothesis.fitted.cost - lead.fitted.cost) / mismatch,
+            (hypothesis.fitted.cost - (simplest if sibling and simplest else lead.fitted.cost)) / mismatch,
             hypothesis.identifier == special,
-            _special_case(hypothesis) == lead.identifier,
+            of == lead.identifier,
+            sibling,
         )
-        for hypothesis in ranked
-    )
+
+    sums = [e for e in known_effects().values() if lead.identifier in e.sum_of and named.issuperset(e.sum_of)]
+    return (*(member(h) for h in ranked), *(Member(e.identifier, general_law_penalty(), 0.0) for e in sums))
 
 
 def _special_case(hypothesis: Hypothesis) -> str | None:

@@ -69,11 +69,12 @@ def findings(
     common = {} if len(removed) < 2 else {"share_together": together}
     result = []
     effects = decision.improved.model.effects[known : len(decision.fitted.model.effects)]
+    named = {e.identifier for e in effects}
     strongest = int(np.argmax(removed)) if len(removed) else 0
     for i, effect in enumerate(effects):
         ranked = decision.rivals[i]
         comparison = Comparison(
-            members_of(ranked, decision.without[i]),
+            members_of(ranked, decision.without[i], named),
             float(removed[i]),
             left,
             i == strongest,

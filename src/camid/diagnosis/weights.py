@@ -71,6 +71,9 @@ class Member:
         Share of the mismatch without the effect that it leaves beyond what the likeliest one leaves.
     special, general : bool
         Whether it is a special case of the likeliest, or has that for its special case.
+    sibling : bool
+        Whether it and the likeliest are different laws of the same special case. A law of the rig may then have what
+        makes either of them general, and ``left`` is what this one leaves beyond what their special case does.
     """
 
     identifier: str
@@ -78,6 +81,7 @@ class Member:
     left: float
     special: bool = False
     general: bool = False
+    sibling: bool = False
 
 
 @dataclass(frozen=True)
@@ -142,11 +146,13 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
 def _likelihood(member: Member, constants: Constants) -> float:
     """Of a name relative to the likeliest, whose is one."""
     exact = exp(-0.5 * max(member.gap, 0.0))
+    prior = GENERAL_LAW / (1.0 - GENERAL_LAW)
     # What a special case leaves is what makes its general law general.
     other = 1.0 if member.special else exp(-max(member.left, 0.0) / constants.law_error)
+    other *= prior if member.sibling else 1.0
     value = (1.0 - constants.other_law) * exact + constants.other_law * other
     # A general law that fits better than its special case, and says no more, is ranked behind it for its prior.
-    return value * GENERAL_LAW / (1.0 - GENERAL_LAW) if member.general and member.gap < 0.0 else value
+    return value * prior if member.general and member.gap < 0.0 else value
 
 
 def weight_outside(comparison: Comparison, constants: Constants) -> float:

@@ -68,6 +68,8 @@ class Effect:
     trials : str
         How many different effects a search over the shape amounts to: ``shapes`` (as many as candidates), ``frames``
         (anywhere in the recording) or ``frequencies``.
+    sum_of : tuple of str
+        Identifiers of effects that together are exactly this one, so that no input and output tells them apart.
     acts_on_reading : bool
         Of an effect at the sensor, whether it acts on what is read, offset included, and not on the position.
     is_constant : bool
@@ -117,6 +119,7 @@ class Effect:
     strength: ClassVar[str | None] = None
     levels: ClassVar[tuple[str, ...]] = ()
     trials: ClassVar[str] = "shapes"
+    sum_of: ClassVar[tuple[str, ...]] = ()
     keeps_hold: ClassVar[bool] = False
     acts_on_reading: ClassVar[bool] = False
     is_constant: ClassVar[bool] = False

@@ -106,8 +106,8 @@ class AsymmetricFriction(_UnevenFriction):
     """Dry friction of another size in each direction.
 
     It is Coulomb friction of the mean of both levels and a constant force of half their difference, at rest too, so
-    that input and output cannot tell it from Coulomb friction beside a bias of the input. A diagnosis names those two,
-    of which each is common; a simulation may declare this one.
+    that input and output cannot tell it from Coulomb friction beside a bias of the input. A diagnosis fits those two,
+    of which each is common, and says that they may be this one; a simulation may declare it.
     """
 
     identifier = "asymmetric-friction"
@@ -120,6 +120,7 @@ class AsymmetricFriction(_UnevenFriction):
         Parameter("backward", "u", "friction f₋ in the motion to smaller y", 0.0),
     )
     levels = ("forward", "backward")
+    sum_of = ("coulomb-friction", "input-bias")
     separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.FREE_DECAY)
 
     @compiled
@@ -150,7 +151,7 @@ class AsymmetricFriction(_UnevenFriction):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """It has another name."""
-        return "it is Coulomb friction beside a bias of the input, and these two are named"
+        return "it is Coulomb friction beside a bias of the input, and these two are fitted in its place"
 
 
 class PositionDependentFriction(_UnevenFriction):

@@ -1,0 +1,41 @@
+"""Names that an effect may have."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from camid.diagnosis.hypothesis import Hypothesis, general_law_penalty, members_of
+from camid.effects import known_effects
+
+
+def hypothesis(effect, cost):
+    """A hypothesis whose criterion is its cost."""
+    model = SimpleNamespace(effects=(effect,))
+    fitted = SimpleNamespace(model=model, cost=cost, criterion_beyond=lambda other: cost - other.cost)
+    return Hypothesis(effect.identifier, fitted)
+
+
+COULOMB = known_effects()["coulomb-friction"](force=1.0)
+STRIBECK = known_effects()["stribeck-friction"](coulomb=1.0, breakaway=2.0, velocity=3.0)
+HYSTERESIS = known_effects()["hysteresis"](strength=1.0, shape=2.0)
+DRAG = known_effects()["quadratic-drag"](coefficient=1.0)
+WITHOUT = SimpleNamespace(cost=110.0)
+
+
+def test_another_law_of_the_same_special_case_is_compared_with_that():
+    ranked = [hypothesis(e, c) for e, c in ((HYSTERESIS, 10.0), (STRIBECK, 50.0), (COULOMB, 60.0), (DRAG, 70.0))]
+    lead, stribeck, coulomb, drag = members_of(ranked, WITHOUT)
+    assert (lead.special, lead.general, lead.sibling) == (False, False, False)
+    assert stribeck.sibling and stribeck.left == pytest.approx(-0.1)
+    assert coulomb.special and not coulomb.sibling and coulomb.left == pytest.approx(0.5)
+    assert not drag.sibling and drag.left == pytest.approx(0.6)
+
+
+def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
+    ranked = [hypothesis(COULOMB, 10.0)]
+    assert [m.identifier for m in members_of(ranked, WITHOUT, {"coulomb-friction", "sensor-offset"})] == [
+        "coulomb-friction"
+    ]
+    coulomb, asymmetric = members_of(ranked, WITHOUT, {"coulomb-friction", "input-bias"})
+    assert asymmetric.identifier == "asymmetric-friction"
+    assert (asymmetric.gap, asymmetric.left) == (general_law_penalty(), 0.0)
