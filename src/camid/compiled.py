@@ -127,9 +127,13 @@ def _without_literals(template: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def callback(signature: Any, function: Callable[..., Any]) -> Any:
-    """Compile a function that other compiled code calls by its ``address``; numba's ``cfunc``."""
-    found: Any = CFunc(function, numba.core.sigutils.normalize_signature(signature), locals={}, options={})
-    found._cache = CompiledCode(cast(FunctionType, function), {})
+    """Compile a function that other compiled code calls by its ``address``; numba's ``cfunc``.
+
+    A division by zero is infinite: no caller of an address could hear of an exception, which would be printed.
+    """
+    options = {"error_model": "numpy"}
+    found: Any = CFunc(function, numba.core.sigutils.normalize_signature(signature), locals={}, options=options)
+    found._cache = CompiledCode(cast(FunctionType, function), options)
     found.compile()
     return found
 

@@ -118,26 +118,53 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Correction:
-    """An effect that the improved simulation holds without claiming it: what the laws of the findings have inexactly.
+class LearnedPart:
+    """A law without a name that the improved simulation holds for what the laws of the findings leave.
 
     Attributes
     ----------
-    identifier, place, title : str
-    parameters : dict of str to ParameterEstimate
+    identifier, place, title, variables : str
+        ``variables`` is what it depends on.
+    knots, values, standard_deviations : list of float
+    knot_unit, unit : str
+        In u, y and s.
+    log_evidence : float
+        Natural logarithm of the evidence for the law against none.
+    formula : str or None
+        A short formula that says as much; None where none is known.
     """
 
     identifier: str
     place: str
     title: str
-    parameters: dict[str, ParameterEstimate]
+    variables: str
+    knots: list[float]
+    values: list[float]
+    standard_deviations: list[float]
+    knot_unit: str
+    unit: str
+    log_evidence: float
+    formula: str | None = None
 
     def to_mapping(self) -> dict[str, Any]:
-        """Part of diagnosis.json."""
+        """Part of diagnosis.json: an effect that claims no name, so that all of its weight is outside the catalogue."""
         return {
             "id": self.identifier,
             "place": self.place,
-            "parameters": {name: p.to_mapping() for name, p in self.parameters.items()},
+            "variables": self.variables,
+            "knots": self.knots,
+            "values": self.values,
+            "standard_deviations": self.standard_deviations,
+            "formula": self.formula,
+            "parameters": {
+                "variables": {"value": self.variables, "std": None, "unit": ""},
+                "knots": {"value": self.knots, "std": None, "unit": self.knot_unit},
+                "values": {"value": self.values, "std": self.standard_deviations, "unit": self.unit},
+            },
+            "evidence": {"log_evidence": self.log_evidence},
+            "weight": 0.0,
+            "alternatives": [{"id": UNLISTED, "weight": 1.0}],
+            "separating_experiment": None,
         }
 
 
@@ -312,8 +339,10 @@ class Diagnosis:
         Root mean square of what the simulation declares to be unexplained, where the verdict rests on it.
     further_signals : list of Signals
         Of the other recordings, in the order of ``recordings``.
-    corrections : list of Correction
-        Further effects of the improved simulation, which are not claimed.
+    learned : list of LearnedPart
+        Laws of the improved simulation that have no name.
+    structured : bool
+        Whether what the improved simulation leaves is more than noise.
     """
 
     verdict: str
@@ -334,7 +363,8 @@ class Diagnosis:
     residual_of: str = "output"
     known_remainder: float | None = None
     further_signals: list[Signals] = field(default_factory=list)
-    corrections: list[Correction] = field(default_factory=list)
+    learned: list[LearnedPart] = field(default_factory=list)
+    structured: bool = False
 
     @property
     def compared(self) -> str:
@@ -354,8 +384,7 @@ class Diagnosis:
             "verdict": self.verdict,
             "explanation": self.explanation,
             "location": self.location.to_mapping(),
-            "effects": [f.to_mapping() for f in self.findings],
-            "corrections": [c.to_mapping() for c in self.corrections],
+            "effects": [f.to_mapping() for f in self.findings] + [part.to_mapping() for part in self.learned],
             "fit": self.fit.to_mapping(),
             "undetectable": [u.to_mapping() for u in self.undetectable],
             "coefficients": [vars(c) for c in self.coefficients],

@@ -27,6 +27,7 @@ from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit
+from camid.fitting.learned_law import LearnedLaw
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
@@ -60,20 +61,23 @@ class Decision:
         For each effect found: every hypothesis in its place, the best first, the effect itself among them.
     without : list of Fitted
         For each effect found: the model without it, fitted.
-    corrected : Fitted or None
-        With corrections of the effects' laws behind them, where those lower the error without deserving a name.
+    laws : tuple of LearnedLaw
+        Laws without a name behind them, for what they leave; each is fitted with those before it.
+    certain : frozenset of str
+        Effects that hold where everything is allowed for that the inexact laws of the others could do.
     """
 
     base: Fitted
     fitted: Fitted
     rivals: list[list[Hypothesis]] = field(default_factory=list)
     without: list[Fitted] = field(default_factory=list)
-    corrected: Fitted | None = None
+    laws: tuple[LearnedLaw, ...] = ()
+    certain: frozenset[str] = frozenset()
 
     @property
     def improved(self) -> Fitted:
         """What the improved simulation holds: the effects found come first."""
-        return self.fitted if self.corrected is None else self.corrected
+        return self.laws[-1].fitted if self.laws else self.fitted
 
 
 class Searches:
@@ -99,11 +103,15 @@ class Searches:
 
 def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) -> float:
     """Bound on the probability that an effect improves the likelihood as much where it is not."""
+    added = len(after.penalised_names) - len(before.penalised_names)
+    return chance(problem, identifier, before.criterion_beyond(after) + added * float(np.log(len(after.residual))))
+
+
+def chance(problem: Problem, identifier: str, ratio: float) -> float:
+    """Bound on the probability of twice a logarithm of a likelihood ratio anywhere in a search without the effect."""
     from scipy.special import chdtrc
 
     freedom = max(len(known_effects()[identifier].numeric()), 1)
-    added = len(after.penalised_names) - len(before.penalised_names)
-    ratio = before.criterion_beyond(after) + added * float(np.log(len(after.residual)))
     return min(float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, identifier), 1.0)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camid.diagnosis.diagnosis import UNLISTED, Coefficient, Correction, Finding, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import UNLISTED, Coefficient, Finding, LearnedPart, Location, NormalisedErrors
 from camid.effects import known_effects
 from camid.number_text import SPACE, number, percentage, plain, with_deviation
 
@@ -52,7 +52,8 @@ def explanation(
     location: Location,
     coefficients: Sequence[Coefficient] = (),
     remainder: float | None = None,
-    corrections: Sequence[Correction] = (),
+    learned: Sequence[LearnedPart] = (),
+    structured: bool = False,
 ) -> str:
     """Plain sentences with the numbers in them.
 
@@ -65,7 +66,10 @@ def explanation(
     coefficients : sequence of Coefficient
     remainder : float, optional
         Root mean square of what the simulation declares to be unexplained, where the verdict rests on it.
-    corrections : sequence of Correction
+    learned : sequence of LearnedPart
+        Laws without a name.
+    structured : bool
+        Whether what all of them leave is more than noise.
     """
     if remainder is not None:
         return (
@@ -88,17 +92,21 @@ def explanation(
             f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted (the noise in the "
             f"fitted ones is estimated as {_share(fit.noise_floor)}), and what is left is structured."
         )
-    else:
+    elif found:
         sentences.append(_named(found, fit))
+    else:
+        sentences.append(
+            f"Something is left out that no effect of the catalogue explains. On rows that were not fitted the error "
+            f"{_falls(fit)}."
+        )
     if location.place and verdict != "adequate":
         sentences.append(f"The mismatch sits at the {location.place}.")
-    if corrections:
-        titles = " and ".join(_lower(c.title) for c in corrections)
-        sentences.append(
-            f"The improved simulation also holds {titles}, not as a finding but as a correction: it lowers this "
-            f"error, and may only stand for what the law above has inexactly."
-        )
-    if verdict == "partly-explained":
+    if learned:
+        curves = " and ".join(f"a {_lower(part.title)} over the {part.variables}" for part in learned)
+        inexact = ": what the laws above have inexactly, or something that has no name here" if found else ""
+        sentences.append(f"The improved simulation {'also ' if found else ''}holds {curves}{inexact}.")
+        sentences.append(f"What is left beside it is {'still structured' if structured else 'noise'}.")
+    elif verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
     return " ".join(sentences + _indistinct(found))
 
@@ -131,10 +139,13 @@ def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> lis
 def _named(found: Sequence[Finding], fit: NormalisedErrors) -> str:
     names = [headline(finding) for finding in found]
     listed = f"{'; '.join(names[:-1])}; and {names[-1]}" if len(names) > 1 else names[0]
+    return f"The simulation leaves out: {listed}. On rows that were not fitted the error {_falls(fit)}."
+
+
+def _falls(fit: NormalisedErrors) -> str:
     return (
-        f"The simulation leaves out: {listed}. On rows that were not fitted the error falls from "
-        f"{_share(fit.refitted)} (coefficients re-estimated) to {_share(fit.improved)} of the output's standard "
-        f"deviation; noise alone is {_share(fit.noise_floor)}."
+        f"falls from {_share(fit.refitted)} (coefficients re-estimated) to {_share(fit.improved)} of the output's "
+        f"standard deviation; noise alone is {_share(fit.noise_floor)}"
     )
 
 

@@ -88,7 +88,7 @@ def members_of(ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = 
             sibling,
         )
 
-    sums = [e for e in known_effects().values() if lead.identifier in e.sum_of and named.issuperset(e.sum_of)]
+    sums = [e for e in known_effects().values() if lead.identifier in e.sum_of and named >= set(e.sum_of)]
     return (*(member(h) for h in ranked), *(Member(e.identifier, general_law_penalty(), 0.0) for e in sums))
 
 

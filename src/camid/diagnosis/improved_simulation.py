@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
 
-Deviations = dict[str, float | None]
+Deviations = dict[str, Any]
 
 
 def improved_simulation(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, searched
+from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, chance
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
@@ -25,8 +25,6 @@ def in_noise_metric(problem: Problem, decision: Decision, known: int) -> Decisio
     known : int
         How many effects the simulation declares already.
     """
-    from scipy.special import chdtrc
-
     for _ in range(MOST_EFFECTS + 1):
         final = decision.fitted
         whitening = final.noise.whitening
@@ -38,9 +36,7 @@ def in_noise_metric(problem: Problem, decision: Decision, known: int) -> Decisio
         for i, effect in enumerate(again.model.effects[known:]):
             without = fit(problem, again.model.without(known + i), steps=15, whitening=whitening)
             ratio = len(again.residual) * float(np.log(_whitened_cost(problem, without, whitening) / cost))
-            freedom = max(len(effect.numeric()), 1)
-            chance = float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, effect.identifier)
-            if chance >= FALSE_ALARM:
+            if chance(problem, effect.identifier, ratio) >= FALSE_ALARM:
                 refuted = i, without
         if refuted is None:
             return replace(decision, fitted=again)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis import mismatch_location
 from camid.diagnosis.detection_limits import undetectable
-from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.diagnosis import Diagnosis, Finding, NormalisedErrors
 from camid.diagnosis.effect_selection import Decision, Searches, select_effects
 from camid.diagnosis.evidence import (
     coefficients_of,
@@ -18,18 +18,18 @@ from camid.diagnosis.evidence import (
     errors_without,
     removed_shares,
     signals_of,
-    simulated_error,
     tests_of,
 )
 from camid.diagnosis.explanation import explanation
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
+from camid.diagnosis.learned_laws import with_learned_laws
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, share_left
 from camid.diagnosis.screening import ScreenedEffect, screen
-from camid.diagnosis.simplest_effects import LEAST_EXPLAINED, corrected, simplest
-from camid.diagnosis.verdict import beside_others, corrections_of, effect_deviations, findings, verdict_of
+from camid.diagnosis.simplest_effects import simplest
+from camid.diagnosis.verdict import beside_others, effect_deviations, findings, learned_parts, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -43,8 +43,6 @@ Array = NDArray[np.float64]
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
-# Corrections of the laws at most, each of which explains most of what is left without it.
-MOST_CORRECTIONS = 2
 # Fits of the final model at most, and the fall of its sum of squares, as a share, that is none.
 MOST_FINAL_FITS = 4
 SETTLED = 1e-3
@@ -230,44 +228,23 @@ def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest
 def _simplified(
     setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest], watch: Watch
 ) -> tuple[Decision, Residue]:
-    """The decision, and what it leaves; with the fewest and simplest effects where that is more than noise."""
+    """The decision, and what its effects leave: with the fewest, and laws without a name, where that is structure."""
     problem = setting.problem
     if decision.rivals and not decision.fitted.weighted:
         again = fit(problem, decision.fitted.model, steps=ALL_STEPS)
         decision = replace(decision, fitted=min((again, decision.fitted), key=lambda each: each.cost))
-    residue = _residue(setting, decision, before)
+    residue = _residue(setting, decision, decision.fitted, before)
     if setting.settled:
         declared: list[tuple[Effect, Deviations]] = [(e, {}) for e in setting.nominal.effects if e.noise_like]
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
-    if not decision.rivals:
-        return decision, residue
-    share = max((t.share for t in residue.places), default=0.0)
-    if residue.reasons:
-        simpler = simplest(problem, in_least_squares(problem, decision), setting.known, share, watch)
-        if simpler.fitted is not decision.fitted:
-            decision = _corrected(setting, _converged(problem, simpler, watch), watch)
-            return decision, _residue(setting, decision, before)
-    decision = _converged(problem, decision, watch)
-    return decision, _residue(setting, decision, before)
-
-
-def _corrected(setting: Setting, simpler: Decision, watch: Watch) -> Decision:
-    """The simpler decision with corrections that each explain most of what is left on rows that were not fitted."""
-    problem, judging = setting.problem, setting.judging
-    best, before = simpler.fitted, simulated_error(problem, simpler.fitted.model, judging)
-    for _ in range(MOST_CORRECTIONS):
-        if watch.no_time_for("a correction of the laws"):
-            break
-        found = corrected(problem, best, setting.searches.signatures, watch)
-        if found is None:
-            break
-        found = _fitted_to_the_end(problem, found, watch)
-        after = simulated_error(problem, found.model, judging)
-        # A correction that explains little would bend coefficients and findings for nothing.
-        if after**2 >= (1.0 - LEAST_EXPLAINED) * before**2:
-            break
-        best, before = found, after
-    return simpler if best is simpler.fitted else replace(simpler, corrected=best)
+    if not residue.reasons:
+        decision = _converged(problem, decision, watch)
+        return decision, _residue(setting, decision, decision.fitted, before)
+    if decision.rivals:
+        decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
+        decision = _converged(problem, decision, watch)
+    decision = with_learned_laws(problem, decision, setting.known, watch)
+    return decision, _residue(setting, decision, decision.fitted, before)
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
@@ -289,9 +266,9 @@ def _fitted_to_the_end(problem: Problem, fitted: Fitted, watch: Watch) -> Fitted
     return fitted
 
 
-def _residue(setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest]) -> Residue:
-    """Tests of what a decision leaves, and what changes the noise."""
-    problem, whole, final = setting.problem, setting.whole, decision.improved
+def _residue(setting: Setting, decision: Decision, final: Fitted, before: list[mismatch_location.PlaceTest]) -> Residue:
+    """Tests of what a model of a decision leaves, and what changes the noise."""
+    problem, whole = setting.problem, setting.whole
     after = before if final is decision.base else mismatch_location.places(problem, final)
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
@@ -311,43 +288,57 @@ def _diagnosis(
 ) -> Diagnosis:
     """What is said of a decision."""
     believed, problem, judging = setting.believed, setting.problem, setting.judging
-    base, final, after, reasons = decision.base, decision.improved, residue.places, residue.reasons
-    fits = errors(problem, setting.simulated, decision, judging, setting.chosen, [])
-    left = share_left(base, final, after, reasons, fits)
-    if reasons:
-        fits = errors(problem, setting.simulated, decision, judging, setting.chosen, after)
+    base, final = decision.base, decision.improved
+    left, fits = _left(setting, replace(decision, laws=()), residue)
+    beside_laws = left
+    named = residue
+    if decision.laws:
+        residue = _residue(setting, decision, final, before)
+        beside_laws, fits = _left(setting, decision, residue)
     without = errors_without(problem, decision, judging)
-    found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left)
+    found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left, beside_laws)
     found += beside_others(residue.findings, found)
-    verdict = verdict_of(bool(found), bool(reasons))
-    location = _location(problem, base, found, before, residue)
+    learned = learned_parts(decision)
+    verdict = verdict_of(bool(found or learned), bool(named.reasons))
+    location = _location(problem, base, found, before, named)
     watch.say("working out what the recording could not have shown")
-    corrections = corrections_of(decision, setting.known)
-    names = {f.identifier for f in found} | {c.identifier for c in corrections}
-    names |= {e.identifier for e in setting.nominal.effects}
-    effects = [*zip(final.model.effects, effect_deviations(final), strict=True), *residue.noise_effects]
+    names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
+    deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
+    deviations += [{"values": part.standard_deviations} for part in learned]
+    effects = [*zip(final.model.effects, deviations, strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, setting.validation)
     known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, judging)
     coefficients = coefficients_of(problem, setting.nominal, base, final)
     return Diagnosis(
         verdict,
-        explanation(verdict, found, fits, location, coefficients, known_remainder, corrections),
+        explanation(verdict, found, fits, location, coefficients, known_remainder, learned, bool(residue.reasons)),
         location,
         found,
         fits,
         undetectable(problem, final, setting.screened, names),
         coefficients,
-        tests_of(problem, base, final, before, after),
+        tests_of(problem, base, final, before, residue.places),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
-        corrections=corrections,
+        learned=learned,
+        structured=bool(residue.reasons),
         rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
         known_remainder=known_remainder,
         further_signals=further,
     )
+
+
+def _left(setting: Setting, decision: Decision, residue: Residue) -> tuple[float, NormalisedErrors]:
+    """Share of the mismatch that a decision leaves, where that is more than noise, and its errors."""
+    problem, judging, chosen = setting.problem, setting.judging, setting.chosen
+    fits = errors(problem, setting.simulated, decision, judging, chosen, [])
+    left = share_left(decision.base, decision.improved, residue.places, residue.reasons, fits)
+    if residue.reasons:
+        fits = errors(problem, setting.simulated, decision, judging, chosen, residue.places)
+    return left, fits
 
 
 def _location(

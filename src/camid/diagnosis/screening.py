@@ -128,7 +128,9 @@ class Metric:
     @classmethod
     def of(cls, problem: Problem, base: Fitted, whitening: Array) -> Metric:
         """Metric of a fitted model."""
-        basis = projector(problem.whitened(base.sensitivities, whitening))
+        # What a learned law could do is no sign of anything else, either.
+        table = base.sensitivities if base.nuisance is None else np.hstack([base.sensitivities, base.nuisance])
+        basis = projector(problem.whitened(table, whitening))
         residual = problem.whitened(base.residual, whitening)
         residual = residual - basis @ (basis.T @ residual)
         freedom = max(len(residual) - basis.shape[1], 1)

@@ -3,20 +3,23 @@
 A likelihood takes every law as exact. With ten thousand samples of a real rig it then calls for a further effect, and a
 further parameter, whatever small part of the true law they imitate. Where structure is left, an effect beside
 others has to explain most of what the others leave, and a general law has to explain more than its special case by a
-margin that justifies a name; else the name would be that of a correction. A correction that holds on rows that were not
-fitted stays in the improved simulation all the same: it is modelled, and not named.
+margin that justifies a name; else the name would be that of a correction. What they leave is learned as a law without
+a name (:mod:`camid.diagnosis.learned_laws`): modelled, and not named.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.effect_selection import LAW_ERROR, Decision
+from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, LAW_ERROR, Decision, chance
 from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
-from camid.diagnosis.screening import Signatures, screen
+from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.mismatch_location import PlaceTest, regressors
+from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
+from camid.diagnosis.screening import metrics, projector
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
@@ -28,7 +31,7 @@ SPECIAL_CASE_SHARE = 0.9
 
 
 def simplest(
-    problem: Problem, decision: Decision, known: int, structured: float, watch: Watch | None = None
+    problem: Problem, decision: Decision, known: int, left: Sequence[PlaceTest], watch: Watch | None = None
 ) -> Decision:
     """The decision without effects that only correct others, and with special cases where they say as much.
 
@@ -38,48 +41,60 @@ def simplest(
     decision : Decision
     known : int
         How many of the model's effects the nominal simulation holds already.
-    structured : float
-        Share of the residual's sum of squares that is structure.
+    left : sequence of PlaceTest
+        Of what the decision leaves.
     watch : Watch, optional
     """
-    noise = (1.0 - min(structured, 1.0)) * decision.fitted.cost
+    noise = (1.0 - min(max((t.share for t in left), default=0.0), 1.0)) * decision.fitted.cost
+    inexact = [t.place for t in left if t.p_value < STRUCTURE_P_VALUE]
     if watch and decision.rivals:
         watch.say("testing whether fewer and simpler effects say as much")
+    certain = set(decision.certain)
     while len(decision.rivals) > 1:
-        gains = [w.cost - decision.fitted.cost for w in decision.without]
-        weakest = int(np.argmin(gains))
+        effects = decision.fitted.model.effects[known:]
+        gains = {
+            i: decision.without[i].cost - decision.fitted.cost
+            for i, effect in enumerate(effects)
+            if effect.identifier not in certain
+        }
+        if not gains:
+            break
+        weakest = min(gains, key=lambda i: gains[i])
         mismatch = max(decision.base.cost - noise, 1e-300)
         explained = _explained(decision.without[weakest], decision.fitted, noise)
         if explained >= LEAST_EXPLAINED and gains[weakest] >= LAW_ERROR * mismatch:
             break
+        if _shows_elsewhere(problem, decision, known + weakest, decision.without[weakest], inexact):
+            certain.add(effects[weakest].identifier)
+            continue
         decision = _without(problem, decision, known, weakest)
+    decision = replace(decision, certain=frozenset(certain))
     for index in range(len(decision.rivals)):
         decision = _special(problem, decision, known, index, noise)
     return decision
 
 
-def corrected(problem: Problem, fitted: Fitted, signatures: Signatures, watch: Watch) -> Fitted | None:
-    """The likeliest law beside the effects of a model that leaves some out; None where nothing corrects them.
+def _shows_elsewhere(problem: Problem, decision: Decision, index: int, without: Fitted, inexact: Sequence[str]) -> bool:
+    """Whether an effect corrects none of the laws that are not exact.
 
-    What depends on the time (a drift, a blow) corrects nothing: another recording would not have it.
-
-    Parameters
-    ----------
-    problem : Problem
-    fitted : Fitted
-        What :func:`simplest` made of a decision, or that with a correction.
-    signatures : Signatures
-        Of earlier screenings.
-    watch : Watch
+    It sits at another place than what they leave, and explains what is left without it where everything that a fault at
+    their places could do is allowed for: a discrepancy without a law (Brynjarsdottir & O'Hagan 2014, Inverse Problems
+    30, 114007), linear in the functions that locate it.
     """
-    watch.say("looking for a correction of the laws")
-    # What an earlier search found beside the same effects may be crowded by what depends on the time.
-    laws = screen(problem, fitted, signatures=signatures)
-    laws = [c for c in laws if not c.effect.of_one_recording]
-    found = hypotheses(problem, fitted, laws, effort=BESIDE_OTHERS, watch=watch)
-    # What is left is structure, of which a correction has to take the most, whatever it costs in parameters.
-    best = min((h.fitted for h in found), key=lambda f: f.cost, default=fitted)
-    return best if best.cost < fitted.cost else None
+    effect = decision.fitted.model.effects[index]
+    if not inexact or effect.place in inexact:
+        return False
+    view, motions = metrics(problem, without)[-1], problem.motion(without.model)
+    tables = [regressors(problem, without, motions, place) for place in inexact]
+    table = problem.whitened(np.hstack(tables), view.whitening)
+    lengths = np.linalg.norm(table, axis=0)
+    basis = projector(np.hstack([view.basis, table[:, lengths > 0.0] / lengths[lengths > 0.0]]))
+    change = problem.whitened(without.residual - decision.fitted.residual, view.whitening)
+    change, residual = (signal - basis @ (basis.T @ signal) for signal in (change, view.residual))
+    size = float(change @ change)
+    gain = float(change @ residual) ** 2 / size if size > 0.0 else 0.0
+    noise = max(float(residual @ residual) - gain, 1e-300) / max(len(residual) - basis.shape[1], 1)
+    return chance(problem, effect.identifier, gain / noise) < FALSE_ALARM_BESIDE_OTHERS
 
 
 def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
@@ -91,7 +106,7 @@ def _without(problem: Problem, decision: Decision, known: int, index: int) -> De
     """The decision without one of its effects."""
     rivals = decision.rivals[:index] + decision.rivals[index + 1 :]
     fitted = decision.without[index]
-    without = _leaving_out(problem, decision.base, fitted, known)
+    without = leaving_out(problem, decision.base, fitted, known)
     return replace(decision, fitted=fitted, rivals=rivals, without=without)
 
 
@@ -114,10 +129,10 @@ def _special(problem: Problem, decision: Decision, known: int, index: int, noise
     others = [h for h in decision.rivals[index] if h.identifier not in {special.identifier}]
     ranked = [Hypothesis(special.identifier, fitted), *others]
     rivals = [*decision.rivals[:index], ranked, *decision.rivals[index + 1 :]]
-    return replace(decision, fitted=fitted, rivals=rivals, without=_leaving_out(problem, decision.base, fitted, known))
+    return replace(decision, fitted=fitted, rivals=rivals, without=leaving_out(problem, decision.base, fitted, known))
 
 
-def _leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int) -> list[Fitted]:
+def leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int) -> list[Fitted]:
     """The model without each of its effects, fitted."""
     count = len(fitted.model.effects) - known
     if count == 1:

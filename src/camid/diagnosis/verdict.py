@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import UNLISTED, Correction, Finding, ParameterEstimate
+from camid.diagnosis.diagnosis import UNLISTED, Finding, LearnedPart, ParameterEstimate
 from camid.diagnosis.effect_selection import Decision, p_value
 from camid.diagnosis.hypothesis import members_of
 from camid.diagnosis.weights import Comparison, Member, weights
@@ -47,6 +47,7 @@ def findings(
     removed: Sequence[float],
     without: Sequence[float],
     left: float,
+    beside_laws: float,
 ) -> list[Finding]:
     """One finding per effect, the strongest first.
 
@@ -60,8 +61,9 @@ def findings(
         Share of the refitted sum of squares that each effect removes, on fitted rows.
     without : sequence of float
         Normalised error on rows that were not fitted without each effect, and last with all.
-    left : float
-        Share of the mismatch that all effects leave, where that is more than noise.
+    left, beside_laws : float
+        Share of the mismatch that all effects leave, and what laws without a name leave beside them, where that is more
+        than noise.
     """
     deviations = effect_deviations(decision.improved)
     # Effects that describe much of the same leave little for each beside the others.
@@ -76,7 +78,7 @@ def findings(
         comparison = Comparison(
             members_of(ranked, decision.without[i], named),
             float(removed[i]),
-            left,
+            beside_laws if effect.identifier in decision.certain else left,
             i == strongest,
             effect.place == effects[strongest].place,
         )
@@ -115,20 +117,22 @@ def findings(
     return sorted(result, key=lambda f: -f.evidence["share"])
 
 
-def corrections_of(decision: Decision, known: int) -> list[Correction]:
-    """What the improved model holds behind the effects that are named.
-
-    Parameters
-    ----------
-    decision : Decision
-    known : int
-        How many of the model's effects the nominal simulation holds already.
-    """
-    first = known + len(decision.rivals)
-    deviations = effect_deviations(decision.improved)
+def learned_parts(decision: Decision) -> list[LearnedPart]:
+    """The laws without a name that the improved model holds behind the effects that are named."""
     return [
-        Correction(effect.identifier, effect.place, effect.title, parameters_of(effect, deviations[first + i]))
-        for i, effect in enumerate(decision.improved.model.effects[first:])
+        LearnedPart(
+            learned.law.identifier,
+            learned.law.place,
+            learned.law.title,
+            str(learned.law.values["variables"]),
+            learned.law.knots.tolist(),
+            learned.law.heights.tolist(),
+            learned.deviations.tolist(),
+            learned.law.knot_unit,
+            learned.law.unit,
+            learned.log_evidence - learned.without,
+        )
+        for learned in decision.laws
     ]
 
 
@@ -165,7 +169,15 @@ def beside_others(noise: Sequence[Finding], motion: Sequence[Finding]) -> list[F
 
 
 def verdict_of(named: bool, structured: bool) -> str:
-    """One of the four verdicts."""
+    """One of the four verdicts.
+
+    Parameters
+    ----------
+    named : bool
+        Whether something is modelled, with a name or without.
+    structured : bool
+        Whether what has a name leaves more than noise.
+    """
     if named:
         return "partly-explained" if structured else "explained"
     return "unexplained" if structured else "adequate"

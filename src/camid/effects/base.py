@@ -51,6 +51,7 @@ class Recognition:
 
 
 _catalogue: dict[str, type[Effect]] = {}
+_declarable: dict[str, type[Effect]] = {}
 
 
 class Effect:
@@ -68,6 +69,8 @@ class Effect:
     trials : str
         How many different effects a search over the shape amounts to: ``shapes`` (as many as candidates), ``frames``
         (anywhere in the recording) or ``frequencies``.
+    listed : bool
+        Whether it belongs to the catalogue, whose effects a diagnosis looks for; a simulation may declare others, too.
     sum_of : tuple of str
         Identifiers of effects that together are exactly this one, so that no input and output tells them apart.
     acts_on_reading : bool
@@ -119,6 +122,7 @@ class Effect:
     strength: ClassVar[str | None] = None
     levels: ClassVar[tuple[str, ...]] = ()
     trials: ClassVar[str] = "shapes"
+    listed: ClassVar[bool] = True
     sum_of: ClassVar[tuple[str, ...]] = ()
     keeps_hold: ClassVar[bool] = False
     acts_on_reading: ClassVar[bool] = False
@@ -157,7 +161,9 @@ class Effect:
                 raise ValueError(f"{cls.__name__}: place '{cls.place}' is not one of {', '.join(PLACES)}")
             if "box" not in vars(cls):
                 cls.box = cls.place
-            _catalogue[cls.identifier] = cls
+            _declarable[cls.identifier] = cls
+            if cls.listed:
+                _catalogue[cls.identifier] = cls
 
     def __init__(self, **values: Any) -> None:
         known = [p.name for p in self.parameters]
@@ -339,5 +345,10 @@ class Effect:
 
 
 def known_effects() -> Mapping[str, type[Effect]]:
-    """All effects by identifier."""
+    """The effects of the catalogue by identifier."""
     return _catalogue
+
+
+def declarable_effects() -> Mapping[str, type[Effect]]:
+    """All effects that a simulation may declare, by identifier: those of the catalogue, and learned laws."""
+    return _declarable

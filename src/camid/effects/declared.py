@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, isfinite
 
-from camid.effects import known_effects
-from camid.effects.base import Effect
+from camid.effects.base import Effect, declarable_effects
 from camid.effects.parameter import Parameter
 from camid.errors import InputError, nearest_match
 from camid.simulation.model import DeclaredEffect, Simulation
@@ -22,14 +21,14 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
     """
     found: list[Effect] = []
     for declared in simulation.effects:
-        kind = known_effects().get(declared.identifier)
+        kind = declarable_effects().get(declared.identifier)
         if kind is None:
             raise InputError(
                 f"no effect '{declared.identifier}'",
                 where=declared.where,
-                hint=nearest_match(declared.identifier, known_effects()),
+                hint=nearest_match(declared.identifier, declarable_effects()),
             )
-        if any(type(e) is kind for e in found):
+        if kind.listed and any(type(e) is kind for e in found):
             raise InputError(
                 f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one"
             )

@@ -79,7 +79,7 @@ def time_constants(plant: TransferFunction) -> list[float]:
     return [1.0 / (rate + spread), (rate + spread) / square]
 
 
-@njit
+@njit(error_model="numpy")
 def outflow(level: float, excess: float, trickle: float) -> tuple[float, float]:
     """Outflow g of a storage and its slope: in proportion to the level, and with its square root ``excess`` times."""
     square, smoothed = level * level, level * level + trickle * trickle
@@ -87,7 +87,7 @@ def outflow(level: float, excess: float, trickle: float) -> tuple[float, float]:
     return level + excess * level / root, 1.0 + excess / root * (1.0 - 0.5 * square / smoothed)
 
 
-@njit
+@njit(error_model="numpy")
 def level_of(flow: float, excess: float, trickle: float) -> float:
     """Level ≥ 0 of a storage that has this outflow."""
     # The outflow grows ever more slowly, so that Newton's steps from below do not overshoot.
@@ -99,7 +99,7 @@ def level_of(flow: float, excess: float, trickle: float) -> float:
     return level
 
 
-@njit
+@njit(error_model="numpy")
 def spilt(beyond: float, width: float) -> tuple[float, float]:
     """What comes over an edge, q, and its slope, at a level beyond its beginning."""
     if beyond > width:
@@ -107,7 +107,7 @@ def spilt(beyond: float, width: float) -> tuple[float, float]:
     return 0.5 * beyond * beyond / width, beyond / width
 
 
-@njit
+@njit(error_model="numpy")
 def beyond_edge(known: float, passed: float, width: float) -> float:
     """Level z beyond an edge where z + ``passed`` · q(z) is known."""
     if passed <= 0.0:

@@ -25,8 +25,6 @@ Array = NDArray[np.float64]
 
 # Share of the largest speed below which friction that acts with a lag grows in proportion to the speed.
 SLIP = 0.01
-# Numbers that the compiled parts of an effect take at most.
-MOST_VALUES = 10
 
 
 class NotApplicable(ValueError):  # noqa: N818 - it says what the effect is here
@@ -215,13 +213,14 @@ def mechanics_of(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int
 def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) -> Forces:
     """Addresses of the compiled parts of all effects, and their values."""
     count = len(chain.effects)
-    addresses, values = np.zeros((5, count), np.int64), np.zeros((count, MOST_VALUES))
+    addresses = np.zeros((5, count), np.int64)
+    numbers = [effect.beside(chain.effects).force_values(chain.plant) for effect in chain.effects]
+    values = np.zeros((count, max((len(n) for n in numbers), default=1) or 1))
     for i, effect in enumerate(chain.effects):
         parts = (effect.force, effect.friction_level, effect.memory_after, effect.switch, effect.actuated)
         for kind, part in enumerate(parts):
             addresses[kind, i] = 0 if part is None else part.address
-        numbers = effect.beside(chain.effects).force_values(chain.plant)
-        values[i, : len(numbers)] = numbers
+        values[i, : len(numbers[i])] = numbers[i]
     along = motion_sign(chain.plant)
     data, stride = values.ctypes.data, values.shape[1] * 8
     ramps = any(e.actuated is not None and not e.keeps_hold for e in chain.effects)

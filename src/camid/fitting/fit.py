@@ -41,6 +41,9 @@ class Fitted:
     packing : Packing
     weighted : bool
         Whether it was fitted in the metric of its noise.
+    nuisance : ndarray, shape (M, m), optional
+        Derivatives of the simulated output by numbers that were fitted beside the packed ones, measured so that each
+        has a Gaussian prior of the noise's variance (:mod:`camid.fitting.learned_law`).
     """
 
     problem: Problem
@@ -49,6 +52,7 @@ class Fitted:
     noise: Noise
     packing: Packing
     weighted: bool = False
+    nuisance: Array | None = None
 
     @cached_property
     def sensitivities(self) -> Array:
@@ -58,7 +62,7 @@ class Fitted:
         """
         vector = self.packing.pack(self.model)
         simulated = self.problem.output - self.residual
-        return _sensitivities(self.problem, self.packing, vector, simulated) / self.packing.units
+        return sensitivities(self.problem, self.packing, vector, simulated) / self.packing.units
 
     @property
     def cost(self) -> float:
@@ -113,15 +117,21 @@ class Fitted:
         if not moving.any():
             return result
         scaled = table[:, moving] / lengths[moving]
+        alone = scaled
+        if self.nuisance is not None and not self.weighted:
+            # What the other numbers could do of a column says nothing of its parameter.
+            inner = self.nuisance.T @ self.nuisance + np.eye(self.nuisance.shape[1])
+            alone = scaled - self.nuisance @ np.linalg.solve(inner, self.nuisance.T @ scaled)
         variance = float(residual @ residual) / max(len(residual) - len(lengths), 1)
-        inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12)
+        products = alone.T @ scaled
+        inverse = np.linalg.pinv(0.5 * (products + products.T), rcond=1e-12)
         if self.weighted or len(self.noise.whitening) == 1:
             inverse = inverse * variance
         else:
             from scipy.signal import lfilter
 
             # Noise e = H ε has the covariance σ² H Hᵀ; Hᵀ runs backwards through the rows.
-            carried = lfilter([1.0], self.noise.whitening, scaled[::-1], axis=0)
+            carried = lfilter([1.0], self.noise.whitening, alone[::-1], axis=0)
             spread = float(innovations @ innovations) / max(len(residual) - len(lengths), 1)
             inverse = inverse @ (carried.T @ carried) @ inverse * spread
         result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])
@@ -135,7 +145,7 @@ def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool =
     return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing, weighted)
 
 
-def _sensitivities(
+def sensitivities(
     problem: Problem, packing: Packing, vector: Array, simulated: Array, columns: range | None = None
 ) -> Array:
     """Derivatives by (some of) the packed vector, shape (M, p), by one-sided differences into the allowed range."""
@@ -185,7 +195,7 @@ class _Derivative:
                 wrong = float(np.linalg.norm(missed)) > LARGEST_MISSED_SHARE * float(np.linalg.norm(change))
                 if wrong and self.refreshes > 0:
                     self.refreshes -= 1
-                    self.table = _sensitivities(self.problem, self.packing, vector, simulated)
+                    self.table = sensitivities(self.problem, self.packing, vector, simulated)
                 else:
                     self.table = self.table + np.outer(missed, step / length)
         self.vector, self.simulated = vector.copy(), simulated
@@ -194,7 +204,7 @@ class _Derivative:
     def _first(self, vector: Array, simulated: Array) -> Array:
         """Columns that a fit without the last effect has already, and differences for the others."""
         if self.base is None:
-            return _sensitivities(self.problem, self.packing, vector, simulated)
+            return sensitivities(self.problem, self.packing, vector, simulated)
         names = self.packing.names
         new = f"{len(self.packing.template.effects) - 1} "
         fresh = [i for i, name in enumerate(names) if name.startswith(new)]
@@ -203,7 +213,7 @@ class _Derivative:
         table *= self.packing.units
         if fresh:
             columns = range(fresh[0], fresh[-1] + 1)
-            table[:, fresh] = _sensitivities(self.problem, self.packing, vector, simulated, columns)
+            table[:, fresh] = sensitivities(self.problem, self.packing, vector, simulated, columns)
         return table
 
 

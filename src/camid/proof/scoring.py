@@ -17,6 +17,8 @@ COVERAGE = 0.95
 # Alternative of a finding that stands for physics outside the catalogue and names nothing. It is part of the contract
 # of diagnosis.json, so that it is written here and not imported from what is judged.
 UNLISTED = "unlisted"
+# Laws that were learned and claim no name.
+NAMELESS = frozenset({"learned-force", "learned-curve"})
 # Input and output alone cannot tell these apart, though they sit in different places (the design, section 2).
 INSEPARABLE = (
     frozenset({"delay", "exposure", "actuator-lag", "input-hold"}),
@@ -25,6 +27,11 @@ INSEPARABLE = (
 )
 COLOURED_NOISE = "coloured-noise"
 FAILED = "failed"
+
+
+def named_in(diagnosis: Mapping[str, Any] | None) -> list[Mapping[str, Any]]:
+    """The entries of a diagnosis that claim a name."""
+    return [e for e in (diagnosis or {}).get("effects", []) if e["id"] not in NAMELESS]
 
 
 def class_of(effect: Mapping[str, Any]) -> list[str]:
@@ -103,7 +110,7 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
     true_effects = list(truth["effects"])
     ids = [e["id"] for e in true_effects]
     main = strongest(true_effects)
-    effects = list(diagnosis["effects"]) if diagnosis else []
+    effects = named_in(diagnosis)
     verdict = diagnosis["verdict"] if diagnosis else FAILED
     detected = verdict not in {"adequate", FAILED}
     place = diagnosis["location"]["place"] if diagnosis else None
@@ -198,7 +205,7 @@ def weight_rows(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -
     """
     ids = {effect["id"] for effect in truth["effects"]}
     rows = []
-    for effect in (diagnosis or {}).get("effects", []):
+    for effect in named_in(diagnosis):
         members = [(effect["id"], own_weight(effect))]
         members += [(a["id"], float(a["weight"])) for a in effect.get("alternatives") or []]
         outside = ids.isdisjoint(class_of(effect))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camid import number_text
-from camid.diagnosis.diagnosis import Coefficient, Correction, Diagnosis, Finding
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
 
@@ -126,7 +126,7 @@ def _box_of(finding: Finding) -> str:
     return finding.place if known is None else known.box
 
 
-def _parameter_rows(finding: Finding | Correction, diagnosis: Diagnosis) -> list[dict[str, str]]:
+def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, str]]:
     names = diagnosis.improved.symbols
     rows = []
     for name, parameter in finding.parameters.items():
@@ -209,7 +209,6 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "corrected": summary.needs_new_coefficients(diagnosis),
         "chain": chain(diagnosis),
         "findings": _findings(diagnosis),
-        "corrections": [(c.title, _parameter_rows(c, diagnosis)) for c in diagnosis.corrections],
         # Matplotlib has escaped the labels.
         "pictures": {key: [(p, Markup(p.svg)) for p in panels] for key, panels in pictures.items()},
         "state": state and summary.state_text(state, *names),

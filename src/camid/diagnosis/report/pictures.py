@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, NormalisedErrors, Signals
+from camid.diagnosis.report.learned_pictures import learned_pictures
 from camid.diagnosis.report.panel import (
     WIDE,
     Panel,
@@ -178,15 +179,19 @@ def draw(diagnosis: Diagnosis) -> dict[str, list[Panel]]:
     Returns
     -------
     dict of str to list of Panel
-        ``fit`` (before and after) and ``structure`` (where the mismatch sits).
+        ``fit`` (before and after), ``structure`` (where the mismatch sits) and ``learned`` (laws without a name).
     """
     with look_of_the_project():
-        return {"fit": list(_fit_pictures(diagnosis)), "structure": list(_structure_pictures(diagnosis))}
+        return {
+            "fit": list(_fit_pictures(diagnosis)),
+            "structure": list(_structure_pictures(diagnosis)),
+            "learned": list(learned_pictures(diagnosis)),
+        }
 
 
 def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     output = _short(diagnosis.compared_symbol)
-    named = bool(diagnosis.findings)
+    named = bool(diagnosis.findings or diagnosis.learned)
     drawn = _errors(diagnosis.fit, named)
     yield Panel(
         "Error on rows that were not fitted",

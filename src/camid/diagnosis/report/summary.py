@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from camid.diagnosis.diagnosis import UNLISTED, Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
-from camid.number_text import number, percentage, printable, probability, span, unit_of, with_deviation
+from camid.number_text import number, percentage, plain, printable, probability, span, unit_of, with_deviation
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -34,11 +34,19 @@ SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 
+# Where a law without a name carries what the named ones leave, or all.
+LEARNED_REST = "something is named, a law without a name was learned for what that leaves"
+LEARNED_ALL = "what is left out has no name; a law was learned for it"
+
+
 def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     """Symbol, word and short meaning of a diagnosis's verdict."""
     symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
     if diagnosis.findings and diagnosis.findings[0].weight < HEADLINE_WEIGHT:
         meaning = WITHOUT_A_NAME[diagnosis.verdict]
+    if diagnosis.learned:
+        meaning = LEARNED_REST if diagnosis.findings else LEARNED_ALL
+        meaning += ", and something remains" if diagnosis.structured else ", and what is left is noise"
     if needs_new_coefficients(diagnosis):
         symbol, word, meaning = CORRECTED
     if diagnosis.verdict == "adequate" and diagnosis.fit.improved >= NOTHING_EXPLAINED:
@@ -167,11 +175,10 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
             head = (finding.title, percentage(finding.weight, 2), finding.place) if i == 0 else ("", "", "")
             value = estimate_text(parameter, *names)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
-    for correction in diagnosis.corrections:
-        for i, (name, parameter) in enumerate(correction.parameters.items()):
-            head = (f"{correction.title} (correction)", "–", correction.place) if i == 0 else ("", "", "")
-            claim = "– (not claimed)" if i == 0 else ""
-            table.add_row(*head, name.replace("_", " "), estimate_text(parameter, *names), claim)
+    for part in diagnosis.learned:
+        range_shown = span((part.knots[0], part.knots[-1]), unit_of(part.knot_unit, *names))
+        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.values)), unit=unit_of(part.unit, *names))}"
+        table.add_row(f"{part.title} (no name)", "–", part.place, f"{part.variables} {range_shown}", values, "–")
     return table
 
 
@@ -192,7 +199,7 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     console.print(f"{symbol} {word.upper()}: {meaning}", style="bold", soft_wrap=True)
     console.print(printable(diagnosis.explanation), soft_wrap=True)
     console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
-    if diagnosis.findings:
+    if diagnosis.findings or diagnosis.learned:
         console.print(_table_of_findings(diagnosis))
     if explained := diagnosis.improved.symbols_explained:
         console.print(f"in units: {', '.join(explained)}", soft_wrap=True)

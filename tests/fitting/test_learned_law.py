@@ -1,0 +1,67 @@
+"""A law without a name, fitted with the plant through the whole chain."""
+
+import numpy as np
+import pytest
+from tests.support.mass_on_spring import effect, record, simulation
+
+from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.fitting.learned_law import blank_laws, learn
+from camid.identification.from_recordings import experiments_of
+from camid.simulation.file import load_simulation
+
+
+def refitted(*effects, **changes):
+    """Problem of a recording, and the plant re-estimated without the effects."""
+    believed = load_simulation(simulation(sensor={"column": "y", "kind": "camera", "offset": 0.0}))
+    random = np.random.default_rng(np.random.SeedSequence((changes.get("seed", 1), 3)))
+    signal = np.repeat(random.uniform(-1.5, 1.5, 188), 8)[:1500]
+    recordings, experiments, _ = experiments_of([record(*effects, count=1500, signal=signal, **changes)], believed, None)
+    problem = problem_of(believed, structure_of(believed), recordings, experiments)
+    return problem, problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+
+
+LAWS = {
+    "position": (effect("cubic-stiffness", coefficient=0.02), lambda y: 0.02 * y**3),
+    "velocity": (effect("quadratic-drag", coefficient=0.001), lambda v: 0.001 * v * np.abs(v)),
+    "input": (effect("saturation", limit=1.2), lambda u: np.clip(u, -1.2, 1.2)),
+    "reading": (effect("lens-distortion", k1=0.004), lambda y: y + 0.004 * y**3),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_law_is_found_where_it_is(name):
+    concealed, law = LAWS[name]
+    problem, base = refitted(concealed)
+    laws = blank_laws(problem, base)
+    assert set(laws) == set(LAWS)
+    first = {key: learn(problem, base, blank, 0) for key, blank in laws.items()}
+    assert max(first, key=lambda key: first[key].log_evidence) == name
+    found = learn(problem, base, laws[name])
+    assert found.log_evidence - found.without > 20.0
+    assert found.fitted.cost / len(found.fitted.residual) == pytest.approx(0.005**2, rel=0.15)
+    # A straight line is the plant's; what is left of both curves has to agree.
+    knots, heights = found.law.knots, found.law.heights
+    difference, inner = heights - law(knots), np.abs(knots) < 0.8 * np.max(np.abs(knots))
+    weights = 1.0 / np.maximum(found.deviations, 0.02 * np.ptp(law(knots) - knots * np.polyfit(knots, law(knots), 1)[0]))
+    line = np.polyval(np.polyfit(knots[inner], difference[inner], 1, w=weights[inner]), knots)
+    assert np.mean(np.abs(difference - line)[inner] * weights[inner] < 2.5) > 0.8
+
+
+def test_there_is_no_law_in_noise():
+    problem, base = refitted(seed=4)
+    for blank in blank_laws(problem, base).values():
+        found = learn(problem, base, blank)
+        assert found.log_evidence - found.without < 3.0
+        assert found.fitted.cost == pytest.approx(base.cost, rel=0.02)
+
+
+def test_a_law_beside_the_plant_leaves_its_coefficients_less_certain():
+    problem, base = refitted(LAWS["position"][0])
+    found = learn(problem, base, blank_laws(problem, base)["position"])
+    alone = found.fitted.problem.kind.refit(problem, found.fitted.model)
+    with_law, without = (np.sqrt(np.diag(f.covariance))[:3] for f in (found.fitted, alone))
+    assert np.all(with_law >= 0.999 * without)
+    assert with_law[2] > 1.05 * without[2]
+    truth = np.array([100.0, 2.0, 100.0])
+    # The stiffness is that of the line through the law; the gain and the damping are the plant's.
+    assert np.all(np.abs(found.fitted.model.coefficients - truth)[:2] < 4.0 * with_law[:2])
