@@ -26,9 +26,13 @@ def test_another_law_of_the_same_special_case_is_compared_with_that():
     ranked = [hypothesis(e, c) for e, c in ((HYSTERESIS, 10.0), (STRIBECK, 50.0), (COULOMB, 60.0), (DRAG, 70.0))]
     lead, stribeck, coulomb, drag = members_of(ranked, WITHOUT)
     assert (lead.special, lead.general, lead.sibling) == (False, False, False)
-    assert stribeck.sibling and stribeck.left == pytest.approx(-0.1)
-    assert coulomb.special and not coulomb.sibling and coulomb.left == pytest.approx(0.5)
-    assert not drag.sibling and drag.left == pytest.approx(0.6)
+    assert stribeck.sibling
+    assert stribeck.left == pytest.approx(-0.1)
+    assert coulomb.special
+    assert not coulomb.sibling
+    assert coulomb.left == pytest.approx(0.5)
+    assert not drag.sibling
+    assert drag.left == pytest.approx(0.6)
 
 
 def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
@@ -36,6 +40,6 @@ def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
     assert [m.identifier for m in members_of(ranked, WITHOUT, {"coulomb-friction", "sensor-offset"})] == [
         "coulomb-friction"
     ]
-    coulomb, asymmetric = members_of(ranked, WITHOUT, {"coulomb-friction", "input-bias"})
+    _coulomb, asymmetric = members_of(ranked, WITHOUT, {"coulomb-friction", "input-bias"})
     assert asymmetric.identifier == "asymmetric-friction"
     assert (asymmetric.gap, asymmetric.left) == (general_law_penalty(), 0.0)

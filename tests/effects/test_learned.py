@@ -2,15 +2,24 @@
 
 import numpy as np
 import pytest
-from tests.support.mass_on_spring import command, effect, record, simulation
 
 import camid
+from camid.chain.plant import TransferFunction
 from camid.effects import known_effects
 from camid.effects.learned import LearnedCurve, LearnedForce
 from camid.errors import InputError
+from tests.support.mass_on_spring import command, effect, record, simulation
 
 FINE = np.linspace(-8.0, 8.0, 4001)
 FAST = np.linspace(-40.0, 40.0, 2001)
+
+
+def test_damping_and_gain_over_the_way():
+    knots = [-1.0, 1.0]
+    for name, expected in (("damping over position", 3.0), ("gain over position", 5.0), ("gain over velocity", -10.0)):
+        law = LearnedForce(variables=name, knots=knots, values=[-2.0, 2.0])
+        values = np.array(law.force_values(plant_of(1.0)))
+        assert LearnedForce.force.function(0.0, 0.5, 3.0 if "damping" in name else -7.0, 5.0, 0.0, values) == expected
 
 
 def force(variables, knots, law):
@@ -41,32 +50,31 @@ def test_a_law_at_many_knots_does_what_the_named_one_does(learned, named):
 
 def test_beyond_its_knots_a_force_stays_and_a_curve_goes_on():
     short = LearnedForce(variables="position", knots=[-1.0, 1.0], values=[-2.0, 2.0])
-    values = np.array(short.force_values(camid_plant(1.0)))
+    values = np.array(short.force_values(plant_of(1.0)))
     at = [LearnedForce.force.function(0.0, y, 0.0, 0.0, 0.0, values) for y in (-5.0, -1.0, 0.25, 1.0, 7.0)]
     assert at == pytest.approx([-2.0, -2.0, 0.5, 2.0, 2.0])
     bent = LearnedCurve(variables="input", knots=[-1.0, 0.0, 1.0], values=[-0.5, 0.0, 2.0])
     assert bent.bent(np.array([-3.0, -1.0, -0.5, 0.5, 1.0, 4.0])) == pytest.approx([-2.5, -0.5, -0.25, 1.0, 2.0, 5.0])
 
 
-def camid_plant(gain):
-    from camid.chain.plant import TransferFunction
-
+def plant_of(gain):
     return TransferFunction((gain,), (1.0, 1.0, 1.0))
 
 
 def test_compiled_curve_of_the_actuator_is_that_of_the_open_loop():
     law = curve("input", np.tanh)
-    values = np.array(law.force_values(camid_plant(1.0)))
+    values = np.array(law.force_values(plant_of(1.0)))
     signal = np.linspace(-5.0, 5.0, 41)
     compiled = [LearnedCurve.actuated.function(0.1, 0.0, 0.0, u, 0.0, values) for u in signal]
     assert compiled == pytest.approx(law.bent(signal), abs=1e-12)
-    reading = curve("reading", np.tanh)
+    # A curve of the sensor leaves the input alone.
+    assert curve("reading", np.tanh).force_values(plant_of(1.0)) == [0.0]
     assert LearnedCurve.actuated.function(0.1, 0.0, 0.0, 0.4, 0.0, np.zeros(1)) == 0.4
 
 
 def test_force_has_the_sign_of_the_motion_whatever_that_of_the_gain():
     law = force("velocity", FAST, lambda v: 0.01 * v)
-    against = [law.force_values(camid_plant(gain))[-1] for gain in (2.0, -2.0)]
+    against = [law.force_values(plant_of(gain))[-1] for gain in (2.0, -2.0)]
     assert against == pytest.approx([0.4, -0.4])
 
 

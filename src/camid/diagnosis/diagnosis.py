@@ -146,6 +146,12 @@ class LearnedPart:
     log_evidence: float
     formula: str | None = None
 
+    @property
+    def name(self) -> str:
+        """What it is, in words: Learned force over the velocity."""
+        kind, _, over = self.variables.rpartition(" over ")
+        return f"Learned {kind} over the {over}" if kind else f"{self.title} over the {self.variables}"
+
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json: an effect that claims no name, so that all of its weight is outside the catalogue."""
         return {

@@ -102,7 +102,7 @@ def explanation(
     if location.place and verdict != "adequate":
         sentences.append(f"The mismatch sits at the {location.place}.")
     if learned:
-        curves = " and ".join(f"a {_lower(part.title)} over the {part.variables}" for part in learned)
+        curves = " and ".join(f"a {_lower(part.name)}" for part in learned)
         inexact = ": what the laws above have inexactly, or something that has no name here" if found else ""
         sentences.append(f"The improved simulation {'also ' if found else ''}holds {curves}{inexact}.")
         sentences.append(f"What is left beside it is {'still structured' if structured else 'noise'}.")

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, Decision, chance, p_value
 from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
@@ -20,22 +22,21 @@ from camid.diagnosis.simplest_effects import LEAST_EXPLAINED, leaving_out
 from camid.diagnosis.watch import Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.learned_law import LearnedLaw, blank_laws, learn
+from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
 from camid.fitting.problem import Problem
 
 # Natural logarithm of the evidence for a law against none from which it is learned: a thousand and more to one, beyond
 # the choice among four.
 LEAST_EVIDENCE = 10.0
-MOST_LAWS = 2
 # Laws that are fitted, of those that first order says are likeliest, and how much less evidence they may have there.
 MOST_FITTED = 2
-GAP = 0.5
+GAP = 0.1
 # Effects that are looked for beside the learned laws.
 MOST_BESIDE = 2
 
 
 def with_learned_laws(problem: Problem, decision: Decision, known: int, watch: Watch) -> Decision:
-    """The decision with learned laws, and with effects of the catalogue that show beside them.
+    """The decision with learned laws, and with effects of the catalogue beside them where only noise is left then.
 
     Parameters
     ----------
@@ -46,84 +47,92 @@ def with_learned_laws(problem: Problem, decision: Decision, known: int, watch: W
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
     """
-    laws: tuple[LearnedLaw, ...] = ()
-    for _ in range(MOST_LAWS + MOST_BESIDE):
-        if watch.no_time_for("a law without a name"):
+    first = _with_another_law(problem, decision, watch)
+    if first is decision:
+        return decision
+    left = _structure(problem, first)
+    if left == 0.0:
+        return first
+    # Where no name completes the account, it would only stand for a part of what no curve carries.
+    complete = first
+    for _ in range(MOST_BESIDE):
+        found = _with_effect_beside(problem, complete, left, known, watch)
+        if found is None:
             break
-        if laws:
-            left = [t.share for t in places(problem, laws[-1].fitted) if t.p_value < STRUCTURE_P_VALUE]
-            if not left:
-                break
-            found = _with_effect_beside(problem, decision, laws, max(left), known, watch)
-            if found is not None:
-                decision, laws = found
-                continue
-        watch.say("learning a law without a name")
-        law = _likeliest(problem, laws[-1].fitted if laws else decision.fitted) if len(laws) < MOST_LAWS else None
-        if law is None:
-            break
-        laws = (*laws, law)
-    return replace(decision, laws=laws)
+        complete, left = found, _structure(problem, found)
+        if left == 0.0:
+            return complete
+    return _with_another_law(problem, first, watch)
+
+
+def _structure(problem: Problem, decision: Decision) -> float:
+    """Share of what a decision leaves that a fault at some place explains; zero where that may be chance."""
+    left = places(problem, decision.improved)
+    return max((test.share for test in left if test.p_value < STRUCTURE_P_VALUE), default=0.0)
+
+
+def _with_another_law(problem: Problem, decision: Decision, watch: Watch) -> Decision:
+    """The decision with the likeliest law beside it; the same where none has enough evidence."""
+    if watch.no_time_for("a law without a name"):
+        return decision
+    watch.say("learning a law without a name")
+    law = _likeliest(problem, decision.improved)
+    return decision if law is None else replace(decision, laws=(*decision.laws, law))
 
 
 def _likeliest(problem: Problem, fitted: Fitted) -> LearnedLaw | None:
     """The law of most evidence beside a model; None where none has enough."""
-    first = {name: _learned(problem, fitted, law, 0) for name, law in blank_laws(problem, fitted).items()}
-    judged = {name: law for name, law in first.items() if law is not None}
-    if not judged:
-        return None
-    gains = {name: law.log_evidence - law.without for name, law in judged.items()}
-    without = next(iter(judged.values())).without
+    blank = blank_laws(problem, fitted)
+    gains = judged_to_first_order(problem, fitted, blank)
     ordered = sorted(gains, key=lambda name: -gains[name])
-    likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
-    if gains[ordered[0]] < LEAST_EVIDENCE:
+    if not ordered or gains[ordered[0]] < LEAST_EVIDENCE:
         return None
-    found = [_learned(problem, fitted, judged[name].law) for name in likely]
+    likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
+    found = [_learned(problem, fitted, blank[name]) for name in likely]
     best = max((law for law in found if law is not None), key=lambda law: law.log_evidence, default=None)
     if best is None:
         return None
     # Where the noise has a colour, or more than this law is missing, a direction in which it varies more says less.
     inflation = best.fitted.inflation(fitted.residual - best.fitted.residual)
-    return best if (best.log_evidence - without) / inflation >= LEAST_EVIDENCE else None
+    freedom = len(fitted.residual) - len(fitted.packing.names)
+    gain = best.log_evidence + 0.5 * freedom * float(np.log(fitted.cost))
+    return best if gain / inflation >= LEAST_EVIDENCE else None
 
 
-def _learned(problem: Problem, fitted: Fitted, law: LearnedEffect, rounds: int | None = None) -> LearnedLaw | None:
+def _learned(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw | None:
     try:
-        return learn(problem, fitted, law) if rounds is None else learn(problem, fitted, law, rounds)
+        return learn(problem, fitted, law)
     except (ValueError, ArithmeticError):
         return None
 
 
 def _with_effect_beside(
-    problem: Problem,
-    decision: Decision,
-    laws: tuple[LearnedLaw, ...],
-    structured: float,
-    known: int,
-    watch: Watch,
-) -> tuple[Decision, tuple[LearnedLaw, ...]] | None:
+    problem: Problem, decision: Decision, structured: float, known: int, watch: Watch
+) -> Decision | None:
     """The decision with an effect that explains most of what learned laws leave, and the laws beside it, if any hold.
 
     ``structured`` is the share of what they leave that is no noise.
     """
+    if watch.no_time_for("an effect beside a law without a name"):
+        return None
     watch.say("looking for an effect beside a law without a name")
-    ranked = _called_for(problem, laws[-1].fitted, watch)
+    ranked = _called_for(problem, decision.improved, watch)
     if not ranked:
         return None
     effect = ranked[0].fitted.model.effects[-1]
     fitted = fit(problem, decision.fitted.model.plus(effect), steps=ALL_STEPS)
-    again = _relearned(problem, fitted, laws)
-    before, after = laws[-1].fitted.cost, (again[-1].fitted if again else fitted).cost
+    laws = _relearned(problem, fitted, decision.laws)
+    before, after = decision.improved.cost, (laws[-1].fitted if laws else fitted).cost
     if before - after < LEAST_EXPLAINED * structured * before:
         return None
-    decision = replace(
+    return replace(
         decision,
         fitted=fitted,
         rivals=[*decision.rivals, ranked],
         without=leaving_out(problem, decision.base, fitted, known),
+        laws=laws,
         certain=decision.certain | {effect.identifier},
     )
-    return decision, again
 
 
 def _called_for(problem: Problem, fitted: Fitted, watch: Watch) -> list[Hypothesis]:

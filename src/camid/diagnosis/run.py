@@ -18,6 +18,7 @@ from camid.diagnosis.evidence import (
     errors_without,
     removed_shares,
     signals_of,
+    simulated_error,
     tests_of,
 )
 from camid.diagnosis.explanation import explanation
@@ -243,7 +244,10 @@ def _simplified(
     if decision.rivals:
         decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
-    decision = with_learned_laws(problem, decision, setting.known, watch)
+    learned = with_learned_laws(problem, decision, setting.known, watch)
+    errors_of = [simulated_error(problem, d.improved.model, setting.judging) for d in (learned, decision)]
+    # A curve that follows the fitted rows and errs more on others is no law.
+    decision = learned if errors_of[0] < errors_of[1] else decision
     return decision, _residue(setting, decision, decision.fitted, before)
 
 

@@ -95,28 +95,46 @@ class LearnedEffect(Effect):
         return type(self)(**{**self.values, "values": [float(h) for h in heights]})
 
 
+# What a learned force depends on, and what its values at the knots are multiplied with: nothing, velocity or input.
+FORCES = {
+    "position": ("position", None),
+    "velocity": ("velocity", None),
+    "damping over position": ("position", "velocity"),
+    "gain over position": ("position", "input"),
+    "gain over velocity": ("velocity", "input"),
+}
+
+
 class LearnedForce(LearnedEffect):
-    """A force that depends on position or velocity; beyond the knots it stays what it is at the last one."""
+    """A force over position or velocity, or a damping or a loss of gain over one; beyond the knots as at the last."""
 
     identifier = "learned-force"
     place = "plant"
     title = "Learned force"
-    equation = r"f = f(y)\quad\mathrm{or}\quad f = f(\dot y),\quad \mathrm{linear\ between\ the\ knots}"
+    equation = r"f = f(y),\ f(\dot y),\ d(y)\,\dot y,\ g(y)\,u\ \mathrm{or}\ g(\dot y)\,u"
     reference = "Wahba (1990), Spline Models for Observational Data, SIAM"
     parameters = (
-        Parameter("variables", "", "what the force depends on", choices=("position", "velocity")),
+        Parameter("variables", "", "what the force depends on", choices=tuple(FORCES)),
         Parameter("knots", "", "where it is given, in y or y/s", sequence=True),
-        Parameter("values", "u", "force f there, against the motion", sequence=True),
+        Parameter(
+            "values", "", "force there, against the motion, in u, or what is multiplied with u or ẏ", sequence=True
+        ),
     )
 
     def __init__(self, **values: Any) -> None:
         super().__init__(**values)
-        self.uses_velocity = self.values["variables"] == "velocity"
+        self.over, self.times = FORCES[self.values["variables"]]
+        self.uses_velocity = "velocity" in (self.over, self.times)
 
     @property
     def knot_unit(self) -> str:
         """That of position or velocity."""
-        return "y/s" if self.uses_velocity else "y"
+        return "y/s" if self.over == "velocity" else "y"
+
+    @property
+    def unit(self) -> str:
+        """That of a force, a damping or a pure number."""
+        return {None: "u", "velocity": "u s/y", "input": ""}[self.times]
 
     def blank(self) -> Self:
         """No force."""
@@ -125,17 +143,24 @@ class LearnedForce(LearnedEffect):
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         at = velocity if values[0] > 0.0 else position
-        return interpolated(at, values, 2, int(values[1]))
+        height = interpolated(at, values, 3, int(values[2]))
+        return height * velocity if values[1] == 1.0 else height * signal if values[1] == 2.0 else height
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """Whether it depends on the velocity, how many knots there are, the knots, and the values along the input."""
-        heights = motion_sign(plant) * self.heights
-        return [float(self.uses_velocity), float(len(self.knots)), *self.knots, *heights]
+        """What it is over, what it is multiplied with, how many knots there are, the knots, and values along u."""
+        times = {None: 0.0, "velocity": 1.0, "input": 2.0}[self.times]
+        # A loss of gain has the sign of the input already.
+        heights = self.heights if self.times == "input" else motion_sign(plant) * self.heights
+        return [float(self.over == "velocity"), times, float(len(self.knots)), *self.knots, *heights]
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the steepest part of the law."""
+        if self.times == "input":
+            return 0.0
+        if self.times == "velocity":
+            return mobility(plant) * float(np.max(np.abs(self.heights)))
         slope = float(np.max(np.abs(np.diff(self.heights) / np.diff(self.knots)), initial=0.0))
-        return mobility(plant) * slope if self.uses_velocity else sqrt(mobility(plant) * slope)
+        return mobility(plant) * slope if self.over == "velocity" else sqrt(mobility(plant) * slope)
 
 
 class LearnedCurve(LearnedEffect):

@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 # Share of the largest speed below which friction that acts with a lag grows in proportion to the speed.
 SLIP = 0.01
 
+# Numbers that a compiled part may read: zeros behind those that it gets.
+FEWEST_VALUES = 10
+
 
 class NotApplicable(ValueError):  # noqa: N818 - it says what the effect is here
     """An effect that has no meaning with this plant."""
@@ -215,7 +218,7 @@ def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) ->
     count = len(chain.effects)
     addresses = np.zeros((5, count), np.int64)
     numbers = [effect.beside(chain.effects).force_values(chain.plant) for effect in chain.effects]
-    values = np.zeros((count, max((len(n) for n in numbers), default=1) or 1))
+    values = np.zeros((count, max([FEWEST_VALUES, *(len(n) for n in numbers)])))
     for i, effect in enumerate(chain.effects):
         parts = (effect.force, effect.friction_level, effect.memory_after, effect.switch, effect.actuated)
         for kind, part in enumerate(parts):

@@ -9,13 +9,14 @@ often the motion is where, is zero wherever a free coefficient stands for it (Pl
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.effects.learned import LearnedCurve, LearnedEffect, LearnedForce
+from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect, LearnedForce
 from camid.fitting.fit import Fitted, evaluate, sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
@@ -24,17 +25,19 @@ from camid.fitting.smoothness import SmoothCurve, smooth_curve
 
 Array = NDArray[np.float64]
 
-KNOTS = 21
+KNOTS = 17
 # Rounds of smoothing and least squares, evaluations in each, and the fall of the sum of squares, as a share, and the
 # gain of log evidence that end them.
-ROUNDS = 3
-MOST_STEPS = 6
+ROUNDS = 2
+MOST_STEPS = 4
 SETTLED = 1e-5
 LEAST_GAIN = 0.1
 # Residual of a simulation that diverged.
 RUNAWAY = 1e12
 # Step of the differences by the law's values, in what they are measured by.
 DIFFERENCE = 1e-4
+# Values of a signal, among its first ones, from which a curve over it says more than a straight line.
+FEW_ROWS, FEWEST_VALUES = 1000, 4
 # Prior precision of a slope that no free coefficient stands for, beside that of a curve.
 LEAST_ROUGHNESS = 1e-6
 
@@ -78,29 +81,52 @@ class _Curve:
 
 def blank_laws(problem: Problem, fitted: Fitted) -> dict[str, LearnedEffect]:
     """Laws that do nothing, on knots over what the recordings visit, by what they depend on."""
-    motions = problem.motion(fitted.model)
-    used = [e.used for e in problem.experiments]
-    position, velocity = (np.concatenate([m[i][u] for m, u in zip(motions, used, strict=True)]) for i in (0, 1))
-    signal = problem.fitted([e.signal for e in problem.experiments])
-    reading = problem.output - fitted.residual
     found: dict[str, LearnedEffect] = {}
-    hidden = problem.kind.hidden_places
-    for name, values in {"position": position, "velocity": velocity, "input": signal, "reading": reading}.items():
-        low, high = float(np.min(values)), float(np.max(values))
-        if not np.isfinite(high - low) or high <= low or len(np.unique(values[:1000])) < 4:
-            continue  # a curve through fewer values than this says nothing that a straight line does not
+    seen = _visited(problem, fitted)
+    for name in (*FORCES, "input", "reading"):
+        over, times = FORCES.get(name, (name, None))
+        low, high = float(np.min(seen[over])), float(np.max(seen[over]))
+        if not np.isfinite(high - low) or high <= low or (times and not np.any(seen[times])):
+            continue
+        if len(np.unique(seen[over][:FEW_ROWS])) < FEWEST_VALUES:
+            continue
         knots = np.linspace(low, high, KNOTS).tolist()
         law: LearnedEffect
-        if name in ("position", "velocity"):
+        if name in FORCES:
             law = LearnedForce(variables=name, knots=knots, values=[0.0] * KNOTS)
         else:
             law = LearnedCurve(variables=name, knots=knots, values=knots)
-        if law.place not in hidden:
+        if law.place not in problem.kind.hidden_places:
             found[name] = law
     return found
 
 
-def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, rounds: int = ROUNDS) -> LearnedLaw:
+def judged_to_first_order(problem: Problem, fitted: Fitted, laws: Mapping[str, LearnedEffect]) -> dict[str, float]:
+    """Logarithms of the evidence for laws against none, of the chain linearised about the model without them.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+    laws : dict of str to LearnedEffect
+        As :func:`blank_laws` gives them.
+    """
+    table: Array | None = None
+    found = {}
+    for name, law in laws.items():
+        curve = _curve(problem, fitted, law)
+        try:
+            start = np.zeros(curve.directions.shape[1])
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, table)
+        except (ValueError, ArithmeticError):
+            continue
+        # A law that does nothing changes nothing of the other derivatives.
+        table = step.table if law.place == "plant" else table
+        found[name] = step.smooth.log_evidence - step.smooth.without
+    return found
+
+
+def learn(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw:
     """Fit a law and everything that the model holds beside it.
 
     Parameters
@@ -110,8 +136,6 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, rounds: int = RO
         The model without the law.
     law : LearnedEffect
         As :func:`blank_laws` gives it.
-    rounds : int
-        How often the smoothing is chosen and the law fitted with it; after none it is judged to first order.
 
     Raises
     ------
@@ -120,7 +144,7 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, rounds: int = RO
     """
     curve = _curve(problem, fitted, law)
     step = _Step.about(problem, fitted.model.plus(law), np.zeros(curve.directions.shape[1]), curve)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         following = step.fitted()
         settled = following.smooth.log_evidence < step.smooth.log_evidence + LEAST_GAIN
         step = following
@@ -134,39 +158,53 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, rounds: int = RO
 def _curve(problem: Problem, fitted: Fitted, law: LearnedEffect) -> _Curve:
     """Laws on the same knots that no coefficient can imitate."""
     name, knots = str(law.values["variables"]), law.knots
-    visits = np.concatenate(
-        [_visited(problem, fitted, name, i)[e.used] for i, e in enumerate(problem.experiments) if e.used.any()]
-    )
-    counts = np.histogram(visits, np.concatenate([[-np.inf], 0.5 * (knots[1:] + knots[:-1]), [np.inf]]))[0]
-    middle = np.array([np.interp(0.0, knots, row) for row in np.eye(len(knots))])
-    constraints = [middle] if knots[0] < 0.0 < knots[-1] else [counts / counts.sum()]
-    if _slope_is_free(problem, name):
-        mean = float(counts @ knots) / counts.sum()
-        constraints.append(counts * (knots - mean) / max(float(counts @ (knots - mean) ** 2), 1e-300))
-    directions = _null_space(np.array(constraints))
+    over, times = FORCES.get(name, (name, None))
+    seen = _visited(problem, fitted)
+    edges = np.concatenate([[-np.inf], 0.5 * (knots[1:] + knots[:-1]), [np.inf]])
+    counts = np.histogram(seen[over], edges, weights=None if times is None else seen[times] ** 2)[0].astype(float)
+    counts /= max(float(counts.sum()), 1e-300)
+    constraints = []
+    if times is None:
+        middle = np.array([np.interp(0.0, knots, row) for row in np.eye(len(knots))])
+        constraints.append(middle if knots[0] < 0.0 < knots[-1] else counts)
+    if _coefficient_is_free(problem, name):
+        # What a coefficient does is a straight line through zero, or where the law multiplies a signal a constant.
+        spread = knots - float(counts @ knots) if times is None else np.ones(len(knots))
+        constraints.append(counts * spread / max(float(counts @ spread**2), 1e-300))
+    directions = _null_space(np.array(constraints)) if constraints else np.eye(len(knots))
     second = np.diff(np.eye(len(knots)), 2, axis=0) @ directions
     roughness = second.T @ second
     roughness += LEAST_ROUGHNESS * float(np.trace(roughness)) / len(roughness) * np.eye(len(roughness))
-    origin = law.heights
-    unit = float(np.ptp(knots)) if isinstance(law, LearnedCurve) else problem.situation(fitted.model).largest("signal")
-    return _Curve(directions, roughness, origin, unit)
+    unit = float(np.ptp(knots)) if isinstance(law, LearnedCurve) else _largest(seen["input"], problem, fitted)
+    if times is not None:
+        unit /= float(np.max(np.abs(seen[times])))
+    return _Curve(directions, roughness, law.heights, unit)
 
 
-def _visited(problem: Problem, fitted: Fitted, name: str, index: int) -> Array:
-    """Values that a law depends on, all rows of a recording, shape (N,)."""
-    if name == "input":
-        return problem.experiments[index].signal
-    if name == "reading":
-        return problem.simulate_one(fitted.model, index)
-    return problem.motion(fitted.model)[index][0 if name == "position" else 1]
+def _largest(signal: Array, problem: Problem, fitted: Fitted) -> float:
+    """The largest input, or without one the force that would hold the plant where it moves."""
+    return float(np.max(np.abs(signal), initial=0.0)) or problem.situation(fitted.model).largest("signal")
 
 
-def _slope_is_free(problem: Problem, name: str) -> bool:
-    """Whether a free coefficient does what a straight line in the law's place would."""
+def _visited(problem: Problem, fitted: Fitted) -> dict[str, Array]:
+    """Values of what a law may depend on, on the fitted rows, shapes (M,)."""
+    motions = problem.motion(fitted.model)
+    return {
+        "position": problem.fitted([m[0] for m in motions]),
+        "velocity": problem.fitted([m[1] for m in motions]),
+        "input": problem.fitted([e.signal for e in problem.experiments]),
+        "reading": problem.output - fitted.residual,
+    }
+
+
+def _coefficient_is_free(problem: Problem, name: str) -> bool:
+    """Whether a free coefficient does what a straight line, or a constant factor, in the law's place would."""
     free, structure = problem.structure.free, problem.structure
-    if name in ("input", "reading"):
-        return bool(np.any(free[: structure.degree + 1]))
-    return bool(free[-1] if name == "position" else len(free) > structure.degree + 2 and free[-2])
+    if name == "position":
+        return bool(free[-1])
+    if name in ("velocity", "damping over position"):
+        return bool(len(free) > structure.degree + 2 and free[-2])
+    return bool(np.any(free[: structure.degree + 1]))
 
 
 def _null_space(rows: Array) -> Array:
@@ -195,13 +233,15 @@ class _Step:
     smooth: SmoothCurve
 
     @classmethod
-    def about(cls, problem: Problem, model: Model, weights: Array, curve: _Curve) -> _Step:
+    def about(cls, problem: Problem, model: Model, weights: Array, curve: _Curve, table: Array | None = None) -> _Step:
+        """With the derivatives by the packed numbers, where they are known."""
         pinned = problem.pinned(model, finest=True)
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
             raise ValueError("the simulation diverges with this law")
-        table = sensitivities(pinned, packing, packing.pack(model), simulated)
+        if table is None:
+            table = sensitivities(pinned, packing, packing.pack(model), simulated)
         columns = _derivatives(pinned, model, curve, weights, simulated)
         residual = problem.output - simulated
         basis = _orthonormal(table)

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.effects import known_effects
+from camid.effects.base import declarable_effects
 from camid.identification.experiment import Experiment
 from camid.simulation.model import Simulation
 
@@ -63,7 +63,7 @@ def _unsaid(believed: Simulation, constant: float | str | None) -> bool:
     """Whether a constant of a linear plant in an open loop is unknown."""
     if believed.pendulum is not None or believed.controller is not None or isinstance(constant, float):
         return False
-    return not any(known_effects()[effect.identifier].is_constant for effect in believed.effects)
+    return not any(declarable_effects()[effect.identifier].is_constant for effect in believed.effects)
 
 
 def _constant_input(experiments: Sequence[Experiment], believed: Simulation) -> bool:

@@ -184,10 +184,11 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
             words.append(f"`{effect}` ({', '.join(numbers)})" if numbers else f"`{effect}`")
         return ", ".join(words) or "nothing"
 
-    def corrections(name: str) -> str:
+    def learned(name: str) -> str:
+        """What stands in an improved simulation without a name, as words."""
         known = quantities[name]["quantity"]
-        found = [q.removeprefix("correction_") for q in known if q.startswith("correction_")]
-        return ", ".join(f"`{effect}`" for effect in found) or "nothing"
+        found = [q.replace("-", " ").replace("_", " ") for q in known if q.startswith("learned-")]
+        return " and ".join(f"a {law}" for law in found) or "nothing else"
 
     def suspicion_confirmed(name: str) -> bool:
         return f"named_{SUSPECTED[name]}" in set(quantities[name]["quantity"])
@@ -196,7 +197,7 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
         "value": value,
         "table": lambda name: table(name, quantities[name]),
         "effects": effects,
-        "corrections": corrections,
+        "learned": learned,
         "suspicion_confirmed": suspicion_confirmed,
     }
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False)

@@ -130,10 +130,12 @@ def _common(results: Results) -> Iterable[Row]:
     for model in MODELS[1:]:
         error = _root_mean_square(residuals[f"residual_{model}"][fitted])
         yield f"fitted_error_{model}", 100.0 * error / spread, None, "%"
-    yield "effects", float(len(diagnosis["effects"])), None, ""
-    for correction in diagnosis["corrections"]:
-        yield f"correction_{correction['id']}", 1.0, None, ""
-    for effect in diagnosis["effects"]:
+    learned = [effect for effect in diagnosis["effects"] if "knots" in effect]
+    named = [effect for effect in diagnosis["effects"] if "knots" not in effect]
+    yield "effects", float(len(named)), None, ""
+    for law in learned:
+        yield f"{law['id']}_over_the_{law['variables']}", 1.0, None, ""
+    for effect in named:
         yield f"named_{effect['id']}", 1.0, None, ""
         for name, parameter in effect["parameters"].items():
             if isinstance(parameter["value"], str):
@@ -141,7 +143,7 @@ def _common(results: Results) -> Iterable[Row]:
             else:
                 unit = re.sub(r"\b[uy]\b", lambda match: UNITS[results.name][match[0]], parameter["unit"])
                 yield f"{effect['id']}_{name}", parameter["value"], parameter["std"], unit
-    unlisted = [a["weight"] for e in diagnosis["effects"] for a in e["alternatives"] if a["id"] == "unlisted"]
+    unlisted = [a["weight"] for e in named for a in e["alternatives"] if a["id"] == "unlisted"]
     yield "weight_outside_catalogue", 100.0 * max(unlisted, default=0.0), None, "%"
     yield "structure_left", float(diagnosis["verdict"] in {"partly-explained", "unexplained"}), None, ""
     yield "again_adequate", float(results.again["verdict"] == "adequate"), None, ""

@@ -15,30 +15,39 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SIGNIFICANCE = 2.0
-NAMES = {"position": "position", "velocity": "velocity", "input": "input", "reading": "what the sensor sees"}
+# Axes of a law: what it is over, and what its values are.
+AXES = {
+    "position": ("position", "force"),
+    "velocity": ("velocity", "force"),
+    "damping over position": ("position", "damping"),
+    "gain over position": ("position", "loss of gain"),
+    "gain over velocity": ("velocity", "loss of gain"),
+    "input": ("input", "bent by"),
+    "reading": ("what the sensor sees", "bent by"),
+}
 
 
 def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     """A panel for each law, from the knots and values that diagnosis.json holds."""
     for part in diagnosis.learned:
-        across = "force" if part.identifier == "learned-force" else "bent by"
-        title = f"{part.title} over the {part.variables}"
+        title = part.name
         caption = "The band is two standard deviations. Beyond its ends the recording says nothing: the plant is alone."
-        yield Panel(title, caption, inline_svg(_curve(part, across, diagnosis), title))
+        yield Panel(title, caption, inline_svg(_curve(part, diagnosis), title))
 
 
-def _curve(part: LearnedPart, across: str, diagnosis: Diagnosis) -> Axes:
+def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
     from camid import plotting as style
 
     names = diagnosis.improved.symbols
     knots, values = np.array(part.knots), np.array(part.values)
-    heights = values - knots if across == "bent by" else values
+    over, across = AXES[part.variables]
+    heights = values - knots if part.identifier == "learned-curve" else values
     band = SIGNIFICANCE * np.array(part.standard_deviations)
     axes = new_panel(top=28.0)
     axes.fill_between(knots, heights - band, heights + band, color=style.BLUE, alpha=0.25, linewidth=0, label="± 2 σ")
     axes.plot(knots, heights, "-o", color=style.BLUE, linewidth=2.0, markersize=3.5, label="learned")
     axes.axhline(0.0, color=style.BLACK, linewidth=0.8)
     unit, knot_unit = (printable(unit_of(u, *names)) for u in (part.unit, part.knot_unit))
-    axes.set(xlim=(knots[0], knots[-1]), xlabel=f"{NAMES[part.variables]}, {knot_unit}", ylabel=f"{across}, {unit}")
+    axes.set(xlim=(knots[0], knots[-1]), xlabel=f"{over}, {knot_unit}", ylabel=f"{across}, {unit}" if unit else across)
     legend_above(axes, 2)
     return axes

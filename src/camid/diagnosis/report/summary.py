@@ -178,7 +178,8 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
     for part in diagnosis.learned:
         range_shown = span((part.knots[0], part.knots[-1]), unit_of(part.knot_unit, *names))
         values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.values)), unit=unit_of(part.unit, *names))}"
-        table.add_row(f"{part.title} (no name)", "–", part.place, f"{part.variables} {range_shown}", values, "–")
+        over = part.variables.rpartition(" over ")[2]
+        table.add_row(part.name, "–", part.place, f"{over} {range_shown}", values, "–")
     return table
 
 
