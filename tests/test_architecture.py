@@ -18,6 +18,7 @@ NAMES_EFFECTS = {"effects", "proof", "paper", "ablations", "real_recordings"}
 DECLARED = {field.name for field in fields(Acquisition)}
 LONGEST_FUNCTION = 60
 LONG_FUNCTIONS = {
+    "proof/second_author/integrator.integrate": "one compiled loop over samples and substeps",
     "engine/smooth_step.smooth_step": "compiled as one: the compiler made slower code of its parts",
     "identification/safeguarded._iterate": "its steps share more variables than a call can return",
 }

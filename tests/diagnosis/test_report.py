@@ -12,7 +12,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from camid.diagnosis.diagnosis import Correction, Location, NormalisedErrors, ParameterEstimate, Undetectable
+from camid.diagnosis.diagnosis import LearnedPart, Location, NormalisedErrors, ParameterEstimate, Undetectable
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
 from camid.effects import known_effects
@@ -314,14 +314,43 @@ def test_an_effect_without_a_number_that_would_have_shown_is_not_called_invisibl
     assert "would not have shown" not in Page(report.render(diagnosis)).text
 
 
-def test_a_correction_is_shown_and_not_claimed(capsys):
-    correction = Correction(
-        "quadratic-drag", "plant", "Quadratic drag", {"coefficient": ParameterEstimate(0.5, 0.1, "u")}
-    )
-    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), corrections=[correction])
+LEARNED = LearnedPart(
+    "learned-force",
+    "plant",
+    "Learned force",
+    "damping over position",
+    [-1.5, 0.0, 1.5],
+    [0.31, 0.0, 0.33],
+    [0.02, 0.0, 0.03],
+    "y",
+    "u s/y",
+    123.0,
+    0.04,
+)
+
+
+def test_a_law_without_a_name_is_shown_and_not_claimed(capsys):
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED])
     for text in texts(diagnosis, capsys):
-        assert "0.50 ± 0.10" in text
-        assert "correction" in text.lower()
+        assert "Learned" in text
+    entry = diagnosis.to_mapping()["effects"][-1]
+    assert (entry["id"], entry["weight"], entry["alternatives"]) == (
+        "learned-force",
+        0.0,
+        [{"id": "unlisted", "weight": 1.0}],
+    )
+    assert (entry["knots"], entry["values"], entry["standard_deviations"]) == (
+        LEARNED.knots,
+        LEARNED.values,
+        LEARNED.standard_deviations,
+    )
+    assert "Learned damping over the position" in report.render(diagnosis)
+
+
+@pytest.mark.parametrize(("structured", "left"), [(True, "something remains"), (False, "what is left is noise")])
+def test_what_a_learned_law_leaves_is_said(structured, left):
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED], structured=structured)
+    assert left in summary.verdict_words(diagnosis)[2]
 
 
 MEASURE = """<script>

@@ -1,6 +1,5 @@
 """Hold what the sealed proof measured against its targets."""
 
-import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,31 +9,19 @@ from camid.plotting import rounded
 from camid.proof.rates import coverage
 from camid.proof.targets import lines, quantities, to_markdown
 from camid.workflow.job import logged
+from camid.workflow.revision import revision
 from camid.writing import write_whole
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import snakemake
 
 
-def revision() -> str:
-    """The commit that is checked out, with a word where the sources were changed since; "unknown" outside a clone."""
-    sources = ["Snakefile", "config", "src", "workflow"]
-    try:
-        head, changes = (
-            subprocess.run(["git", *command], capture_output=True, text=True, check=True).stdout.strip()
-            for command in (["rev-parse", "--short=10", "HEAD"], ["status", "--porcelain", "--", *sources])
-        )
-    except (OSError, subprocess.CalledProcessError):
-        return "unknown"
-    return f"{head} + changes" if changes else head
-
-
 def main() -> None:
     """Hold what the sealed proof measured against its targets."""
-    scores, parameters, run_times = (
-        pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters", "run_times")
+    scores, parameters, run_times, weights = (
+        pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters", "run_times", "weights")
     )
-    found = lines(scores, parameters, run_times)
+    found = lines(scores, parameters, run_times, weights)
     seed = snakemake.params.seed
     salt = Path(snakemake.input.salt).read_text(encoding="utf-8").strip()
     override = "" if snakemake.params.configured else f" --config concealed_seed={seed}"

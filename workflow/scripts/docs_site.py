@@ -99,6 +99,11 @@ def proof() -> str:
     return (RESULTS / "concealed.md").read_text(encoding="utf-8").strip()
 
 
+def second_proof() -> str:
+    """The table of the second proof."""
+    return (RESULTS / "second_author.md").read_text(encoding="utf-8").strip()
+
+
 def catalogue() -> str:
     """Every effect from its class: equation, parameters, source and picture, in the order of the chain."""
     drawn = {path.stem for path in PICTURES.glob("*.png")}
@@ -131,6 +136,7 @@ GENERATED: dict[str, Callable[[], str]] = {
     "monte_carlo": monte_carlo,
     "open_questions": open_questions,
     "proof": proof,
+    "second_proof": second_proof,
 }
 
 

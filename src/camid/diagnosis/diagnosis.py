@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import exp
 from typing import Any
 
 import numpy as np
@@ -130,6 +131,8 @@ class LearnedPart:
         In u, y and s.
     log_evidence : float
         Natural logarithm of the evidence for the law against none.
+    share : float
+        Of the refitted sum of squares that it removes, fitted rows.
     formula : str or None
         A short formula that says as much; None where none is known.
     """
@@ -144,6 +147,7 @@ class LearnedPart:
     knot_unit: str
     unit: str
     log_evidence: float
+    share: float
     formula: str | None = None
 
     @property
@@ -167,7 +171,13 @@ class LearnedPart:
                 "knots": {"value": self.knots, "std": None, "unit": self.knot_unit},
                 "values": {"value": self.values, "std": self.standard_deviations, "unit": self.unit},
             },
-            "evidence": {"log_evidence": self.log_evidence},
+            "evidence": {
+                "share": self.share,
+                "validation_gain": None,
+                # Where there is nothing, evidence of x to one turns up with a probability of at most 1/x (Markov).
+                "false_alarm_probability": min(exp(-self.log_evidence), 1.0),
+                "log_evidence": self.log_evidence,
+            },
             "weight": 0.0,
             "alternatives": [{"id": UNLISTED, "weight": 1.0}],
             "separating_experiment": None,

@@ -119,21 +119,27 @@ def findings(
 
 def learned_parts(decision: Decision) -> list[LearnedPart]:
     """The laws without a name that the improved model holds behind the effects that are named."""
-    return [
-        LearnedPart(
-            learned.law.identifier,
-            learned.law.place,
-            learned.law.title,
-            str(learned.law.values["variables"]),
-            learned.law.knots.tolist(),
-            learned.law.heights.tolist(),
-            learned.deviations.tolist(),
-            learned.law.knot_unit,
-            learned.law.unit,
-            learned.log_evidence - learned.without,
+    result = []
+    before, total = decision.fitted.cost, max(decision.base.cost, 1e-300)
+    for learned in decision.laws:
+        law = learned.law
+        result.append(
+            LearnedPart(
+                law.identifier,
+                law.place,
+                law.title,
+                str(law.values["variables"]),
+                law.knots.tolist(),
+                law.heights.tolist(),
+                learned.deviations.tolist(),
+                law.knot_unit,
+                law.unit,
+                learned.log_evidence - learned.without,
+                min(max((before - learned.fitted.cost) / total, 0.0), 1.0),
+            )
         )
-        for learned in decision.laws
-    ]
+        before = learned.fitted.cost
+    return result
 
 
 def recognised(recognition: Recognition) -> Finding:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from camid.proof.scoring import COVERAGE
 
 STRENGTHS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)  # edges of the bins, multiples of the detectable size
-WEIGHTS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)  # edges of the bins of stated weights
+WEIGHTS = tuple(i / 10.0 for i in range(11))  # edges of the bins of stated weights
 
 
 def rate(successes: int, trials: int) -> tuple[float, float, float]:

@@ -42,7 +42,7 @@ def score_cases(
         truth = read_truth(index, truths)
         file = diagnoses / str(index) / DIAGNOSIS
         diagnosis = json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
-        modelled = truth["kind"] in {"single", "several"} and truth["repeatable"] and diagnosis is not None
+        modelled = truth["kind"] in {"single", "several", "outside"} and truth["repeatable"] and diagnosis is not None
         shares = recovered_shares(index, recordings, held_out, diagnoses) if modelled else _NO_SHARES
         scores.append({"index": index, **score(truth, diagnosis), **shares})
         parameters += [{"index": index, **row} for row in parameter_rows(truth, diagnosis)]

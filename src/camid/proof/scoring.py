@@ -99,7 +99,8 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
     -------
     dict
         ``kind``, ``truth`` (ids joined by " + "), ``place``, ``multiple`` (of the strongest), ``snr_db``, ``verdict``,
-        ``named`` (the strongest entry's id or ""), ``names`` (all of them), ``named_place``; and what was right:
+        ``inexact`` (whether a law is not that of the catalogue), ``named`` (the strongest entry's id or ""), ``names``
+        (all of them), ``named_place``; and what was right:
 
         ``detected``; ``false_alarm`` (kinds none and invisible, and coloured noise alone: something else named);
         ``top`` and ``in_class`` (all true effects named); ``place_top``, ``place_in_class``; ``strong`` (true effects
@@ -127,6 +128,7 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
         "snr_db": float(truth["snr_db"]),
         "repeatable": bool(truth["repeatable"]),
         "images": bool(truth["images"]),
+        "inexact": any(e["law"] != "catalogue" for e in true_effects),
         "verdict": verdict,
         "named": next((e["id"] for e in effects if e["id"] != UNLISTED), ""),
         "names": " + ".join(e["id"] for e in effects),

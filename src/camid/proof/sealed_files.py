@@ -22,21 +22,23 @@ DIAGNOSIS, IMPROVED, FAILURE = "diagnosis.json", "improved.yaml", "failure.txt"
 
 def write_case(index: int, made: ConcealedRecording, recordings: Path, held_out: Path, truths: Path) -> None:
     """Write what the diagnosis may see, what is held out and what is concealed into three folders."""
-    _write_table(made.recording, recordings / str(index) / RECORDING)
-    _write_yaml(made.simulation, recordings / str(index) / SIMULATION)
+    write_table(made.recording, recordings / str(index) / RECORDING)
+    write_yaml(made.simulation, recordings / str(index) / SIMULATION)
     for name in HELD_OUT:
-        _write_table(getattr(made, name), held_out / str(index) / f"{name}.csv")
+        write_table(getattr(made, name), held_out / str(index) / f"{name}.csv")
     truths.mkdir(parents=True, exist_ok=True)
     text = json.dumps(made.truth, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
     write_whole(truths / f"{index}.json", lambda path: path.write_text(text + "\n", encoding="utf-8"))
 
 
-def _write_table(table: pd.DataFrame, path: Path) -> None:
+def write_table(table: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, lambda temporary: table.to_csv(temporary, index=False, lineterminator="\n"))
 
 
-def _write_yaml(content: Mapping[str, Any], path: Path) -> None:
+def write_yaml(content: Mapping[str, Any], path: Path) -> None:
+    """Write a simulation file, whole or not at all."""
     from ruamel.yaml import YAML
 
     yaml = YAML(typ="safe", pure=True)

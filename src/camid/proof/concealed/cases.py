@@ -115,7 +115,7 @@ INVISIBLE = ("dead-zone", "saturation", "backlash", "end-stop", "clipping")
 TWO_LEVELS_HIDE = ("dead-zone", "saturation", "backlash")
 
 # Shares of the kinds in percent; what is left are single effects.
-SHARES = {"none": 40.0, "several": 12.0, "outside-20": 6.0, "outside-40": 6.0, "invisible": 4.0}
+SHARES = {"none": 40.0, "several": 15.0, "outside-20": 8.0, "outside-40": 8.0, "invisible": 4.0}
 SMALL_SHARES = {"none": 25.0, "several": 12.5, "outside-20": 8.3, "outside-40": 8.3, "invisible": 4.2}
 LARGE_PLAN = 500
 

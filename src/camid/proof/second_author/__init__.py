@@ -1,0 +1,1 @@
+"""A second, independent generator of recordings with concealed physics; it imports nothing of camid."""

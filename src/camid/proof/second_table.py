@@ -1,0 +1,133 @@
+"""The second proof: recordings by an author who has read the documentation alone, diagnosed and scored like the first.
+
+The generator in :mod:`camid.proof.second_author` was written without a look at the tool's code or at the first
+generator: other rigs, integrator, excitations and strengths. What both proofs say does not rest on one author's idea of
+a rig.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from camid.errors import InputError
+from camid.proof.diagnoses import diagnose_all
+from camid.proof.score_table import PARAMETER_COLUMNS, WEIGHT_COLUMNS, nrmse
+from camid.proof.scoring import STRONG, parameter_rows, score, weight_rows
+from camid.proof.sealed_files import DIAGNOSIS, IMPROVED, RECORDING, SIMULATION, write_table, write_yaml
+from camid.proof.second_author.recordings import Made, make
+from camid.proof.targets import ABOVE, Line, calibration, median_line, naming, run_time_lines, share_line
+
+SMALLEST_GAIN = 1e-3
+
+
+def diagnose_and_score(
+    indices: list[int], seed: int, count: int, folder: Path
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Make, diagnose and score some of the recordings.
+
+    Parameters
+    ----------
+    indices : list of int
+    seed, count : int
+        Of all of them.
+    folder : Path
+        Gets recordings and diagnoses.
+
+    Returns
+    -------
+    tuple of DataFrame
+        One row per recording (:func:`camid.proof.scoring.score`, ``recovered`` and ``seconds``), per parameter and per
+        member of a class, all with ``index``.
+    """
+    recordings, diagnoses = folder / "recordings", folder / "diagnoses"
+    made: dict[int, Made] = {}
+    for index in indices:
+        made[index] = make(seed, index, count)
+        write_table(made[index].recording, recordings / str(index) / RECORDING)
+        write_yaml(made[index].simulation, recordings / str(index) / SIMULATION)
+    seconds = diagnose_all(indices, recordings, diagnoses).set_index("index")["seconds"]
+    scores: list[dict[str, Any]] = []
+    parameters: list[dict[str, Any]] = []
+    weights: list[dict[str, Any]] = []
+    for index, case in made.items():
+        file = diagnoses / str(index) / DIAGNOSIS
+        diagnosis = json.loads(file.read_text(encoding="utf-8")) if file.exists() else None
+        truth = {**case.truth, "snr_db": np.nan, "repeatable": case.again is not None, "images": False}
+        recovered = np.nan if diagnosis is None else recovered_share(case, diagnoses / str(index) / IMPROVED)
+        words = {key: case.truth[key] for key in ("rig", "excitation", "noise")}
+        row = {"index": index, **score(truth, diagnosis), **words}
+        scores.append({**row, "recovered": recovered, "seconds": float(seconds[index])})
+        parameters += [{"index": index, **row} for row in parameter_rows(truth, diagnosis)]
+        weights += [{"index": index, **row} for row in weight_rows(truth, diagnosis)]
+    return (
+        pd.DataFrame(scores),
+        pd.DataFrame(parameters, columns=PARAMETER_COLUMNS).astype({"covered": bool}),
+        pd.DataFrame(weights, columns=WEIGHT_COLUMNS).astype({"right": bool, "weight": float}),
+    )
+
+
+def recovered_share(case: Made, improved: Path) -> float:
+    """Share of the avoidable error that the improved model avoids on another recording of the rig.
+
+    NaN where there is no other recording, where nothing is to be gained, in a closed loop and where the simulation
+    declares units.
+    """
+    from camid.commands.identify import identify
+    from camid.commands.simulate import simulate
+
+    if case.again is None or _declares_units(case.simulation) or "controller" in case.simulation:
+        return float("nan")
+    recorded = case.again["y"].to_numpy(float)
+    table = case.again.drop(columns="clean")
+    try:
+        refitted = identify(case.recording, case.simulation).simulation
+        errors = [nrmse(simulate(table, m)["simulated"].to_numpy(float), recorded) for m in (refitted, improved)]
+    except InputError:
+        return float("nan")
+    floor = nrmse(case.again["clean"].to_numpy(float), recorded)
+    if errors[0] - floor <= SMALLEST_GAIN * floor:
+        return float("nan")
+    return (errors[0] - errors[1]) / (errors[0] - floor)
+
+
+def _declares_units(simulation: Mapping[str, Any]) -> bool:
+    return any("unit" in part for part in simulation.values() if isinstance(part, Mapping))
+
+
+def second_lines(scores: pd.DataFrame, parameters: pd.DataFrame, weights: pd.DataFrame) -> list[Line]:
+    """Every measured rate beside the target of the first proof."""
+    strong = scores[scores["multiple"] >= STRONG]
+    named = strong["kind"].isin(["single", "several"])
+    groups = {
+        "": (strong[named & ~strong["inexact"]], ", laws of the catalogue", 0.95),
+        "_inexact": (strong[named & strong["inexact"]], ", law not exact", 0.9),
+        "_outside": (strong[strong["kind"] == "outside"], ", outside the catalogue", None),
+    }
+    return [
+        *(line for line in naming(scores) if not line.quantity.endswith("invisible")),
+        *(
+            median_line(
+                f"recovered_share{group}",
+                f"{ABOVE}{which}: share of the error recovered on another recording (median)",
+                "1",
+                part["recovered"],
+                **({} if target is None else {"at_least": target}),
+            )
+            for group, (part, which, target) in groups.items()
+        ),
+        share_line(
+            "coverage",
+            "95 % intervals of parameters that hold the truth",
+            parameters["covered"],
+            at_least=92.0,
+            at_most=98.0,
+        ),
+        *calibration(weights),
+        *run_time_lines(scores["seconds"]),
+    ]

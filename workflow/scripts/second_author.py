@@ -1,0 +1,38 @@
+"""Hold what the second proof measured against the targets of the first."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from camid.plotting import rounded
+from camid.proof.second_table import second_lines
+from camid.proof.targets import quantities, to_markdown
+from camid.workflow.job import logged
+from camid.workflow.revision import revision
+from camid.writing import write_whole
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Hold what the second proof measured against the targets of the first."""
+    scores, parameters, weights = (
+        pd.concat([pd.read_parquet(file) for file in snakemake.input[name]], ignore_index=True)
+        for name in ("scores", "parameters", "weights")
+    )
+    found = second_lines(scores, parameters, weights)
+    stamp = (
+        f"{snakemake.params.number} recordings of seed {snakemake.params.seed}, made, diagnosed and scored by\n"
+        f"`.venv/bin/snakemake -c2 second_author` at commit {revision()}."
+    )
+    target = Path(snakemake.output.markdown)
+    write_whole(target, lambda path: path.write_text(to_markdown(found, stamp), encoding="utf-8"))
+    table = rounded(quantities(found, "second_author"))
+    table.to_csv(snakemake.output.quantities, index=False, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()
