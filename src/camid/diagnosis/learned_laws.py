@@ -26,11 +26,14 @@ from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_or
 from camid.fitting.problem import Problem
 
 # Natural logarithm of the evidence for a law against none from which it is learned: a thousand and more to one, beyond
-# the choice among four.
+# the choice among seven.
 LEAST_EVIDENCE = 10.0
 # Laws that are fitted, of those that first order says are likeliest, and how much less evidence they may have there.
 MOST_FITTED = 2
 GAP = 0.1
+# How often the knots may be doubled, and the gain of log evidence that each time has to bring.
+MOST_REFINED = 2
+LEAST_GAIN = 1.0
 # Effects that are looked for beside the learned laws.
 MOST_BESIDE = 2
 
@@ -77,7 +80,18 @@ def _with_another_law(problem: Problem, decision: Decision, watch: Watch) -> Dec
         return decision
     watch.say("learning a law without a name")
     law = _likeliest(problem, decision.improved)
-    return decision if law is None else replace(decision, laws=(*decision.laws, law))
+    if law is None:
+        return decision
+    found = replace(decision, laws=(*decision.laws, law))
+    for _ in range(MOST_REFINED):
+        # What is narrower than the knots are apart shows as structure.
+        if _structure(problem, found) == 0.0:
+            break
+        finer = _learned(problem, decision.improved, found.laws[-1].law.refined())
+        if finer is None or finer.log_evidence < found.laws[-1].log_evidence + LEAST_GAIN:
+            break
+        found = replace(decision, laws=(*decision.laws, finer))
+    return found
 
 
 def _likeliest(problem: Problem, fitted: Fitted) -> LearnedLaw | None:

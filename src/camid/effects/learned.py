@@ -90,6 +90,12 @@ class LearnedEffect(Effect):
         """The law on the same knots that does nothing."""
         raise NotImplementedError
 
+    def refined(self) -> Self:
+        """The law that does nothing on twice as many knots."""
+        middle = 0.5 * (self.knots[1:] + self.knots[:-1])
+        knots = np.sort(np.concatenate([self.knots, middle])).tolist()
+        return type(self)(**{**self.values, "knots": knots, "values": [0.0] * len(knots)}).blank()
+
     def with_heights(self, heights: Sequence[float] | Array) -> Self:
         """The same law with other values at its knots."""
         return type(self)(**{**self.values, "values": [float(h) for h in heights]})
