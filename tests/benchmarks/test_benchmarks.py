@@ -116,3 +116,12 @@ def test_numbers_and_names():
         "0", "–", "12 300", "0.988", "0.0000616", "1.00e-12", "262",
     ]  # fmt: skip
     assert run.main(["no-such-benchmark"]) == 2
+
+
+def test_the_profile_of_a_diagnosis_replaces_its_part_of_the_page():
+    from benchmarks.diagnosis import TITLE, put_in
+
+    page = "# Benchmarks\n\ntext\n"
+    once = put_in(page, f"{TITLE}\n\none\n")
+    assert once == f"# Benchmarks\n\ntext\n\n{TITLE}\n\none\n"
+    assert put_in(once, f"{TITLE}\n\ntwo\n") == once.replace("one", "two")
