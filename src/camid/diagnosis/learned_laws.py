@@ -7,12 +7,14 @@ has most evidence. What is left beside it is searched again, with all that the c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, Decision, chance, p_value
+from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
 from camid.diagnosis.mismatch_location import places
@@ -38,19 +40,30 @@ LEAST_GAIN = 1.0
 MOST_BESIDE = 2
 
 
-def with_learned_laws(problem: Problem, decision: Decision, known: int, watch: Watch) -> Decision:
+def with_learned_laws(
+    problem: Problem, decision: Decision, judging: Sequence[NDArray[np.bool_]], known: int, watch: Watch
+) -> Decision:
     """The decision with learned laws, and with effects of the catalogue beside them where only noise is left then.
+
+    A curve that follows the fitted rows and errs more on others than the model without it is no law.
 
     Parameters
     ----------
     problem : Problem
     decision : Decision
         Which leaves structure.
+    judging : sequence of ndarray of bool
+        Rows of each recording that are not fitted.
     known : int
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
     """
-    first = _with_another_law(problem, decision, watch)
+
+    def holds(found: Decision, before: Decision) -> bool:
+        errors = [simulated_error(problem, d.improved.model, judging) for d in (found, before)]
+        return errors[0] < errors[1]
+
+    first = _with_another_law(problem, decision, holds, watch)
     if first is decision:
         return decision
     left = _structure(problem, first)
@@ -63,9 +76,9 @@ def with_learned_laws(problem: Problem, decision: Decision, known: int, watch: W
         if found is None:
             break
         complete, left = found, _structure(problem, found)
-        if left == 0.0:
+        if left == 0.0 and holds(complete, first):
             return complete
-    return _with_another_law(problem, first, watch)
+    return _with_another_law(problem, first, holds, watch)
 
 
 def _structure(problem: Problem, decision: Decision) -> float:
@@ -74,24 +87,31 @@ def _structure(problem: Problem, decision: Decision) -> float:
     return max((test.share for test in left if test.p_value < STRUCTURE_P_VALUE), default=0.0)
 
 
-def _with_another_law(problem: Problem, decision: Decision, watch: Watch) -> Decision:
-    """The decision with the likeliest law beside it; the same where none has enough evidence."""
+def _with_another_law(
+    problem: Problem, decision: Decision, holds: Callable[[Decision, Decision], bool], watch: Watch
+) -> Decision:
+    """The decision with the likeliest law beside it; the same where none has enough evidence, or it does not hold."""
     if watch.no_time_for("a law without a name"):
         return decision
     watch.say("learning a law without a name")
     law = _likeliest(problem, decision.improved)
     if law is None:
         return decision
-    found = replace(decision, laws=(*decision.laws, law))
+    best = replace(decision, laws=(*decision.laws, law))
+    if not holds(best, decision):
+        return decision
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure.
-        if _structure(problem, found) == 0.0:
+        if _structure(problem, best) == 0.0:
             break
-        finer = _learned(problem, decision.improved, found.laws[-1].law.refined())
-        if finer is None or finer.log_evidence < found.laws[-1].log_evidence + LEAST_GAIN:
+        finer = _learned(problem, decision.improved, best.laws[-1].law.refined())
+        if finer is None or finer.log_evidence < best.laws[-1].log_evidence + LEAST_GAIN:
             break
         found = replace(decision, laws=(*decision.laws, finer))
-    return found
+        if not holds(found, best):
+            break
+        best = found
+    return best
 
 
 def _likeliest(problem: Problem, fitted: Fitted) -> LearnedLaw | None:

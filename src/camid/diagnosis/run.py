@@ -18,7 +18,6 @@ from camid.diagnosis.evidence import (
     errors_without,
     removed_shares,
     signals_of,
-    simulated_error,
     tests_of,
 )
 from camid.diagnosis.explanation import explanation
@@ -244,10 +243,7 @@ def _simplified(
     if decision.rivals:
         decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
-    learned = with_learned_laws(problem, decision, setting.known, watch)
-    errors_of = [simulated_error(problem, d.improved.model, setting.judging) for d in (learned, decision)]
-    # A curve that follows the fitted rows and errs more on others is no law.
-    decision = learned if errors_of[0] < errors_of[1] else decision
+    decision = with_learned_laws(problem, decision, setting.judging, setting.known, watch)
     return decision, _residue(setting, decision, decision.fitted, before)
 
 

@@ -3,8 +3,9 @@
 The law is values at knots (:mod:`camid.effects.learned`) with a prior for smooth ones
 (:mod:`camid.fitting.smoothness`); how smooth is chosen for the chain linearised about the last estimate, again and
 again. The law holds nothing that the plant's coefficients can do: it is zero at zero, and its slope, weighted by how
-often the motion is where, is zero wherever a free coefficient stands for it (Plumlee 2017, J. Am. Stat. Assoc. 112,
-1274–1285).
+often the motion is where, is zero wherever a free coefficient stands for it. Nor does it hold, to first order, what the
+parameters of the effects beside it do to the output, which so keep their meaning (Plumlee 2017, J. Am. Stat. Assoc.
+112, 1274–1285).
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ RUNAWAY = 1e12
 DIFFERENCE = 1e-4
 # Values of a signal, among its first ones, from which a curve over it says more than a straight line.
 FEW_ROWS, FEWEST_VALUES = 1000, 4
+# Weights that a law keeps where the parameters of effects take others away; with fewer, it shares with them.
+FEWEST_WEIGHTS = 5
 # Prior precision of a slope that no free coefficient stands for, beside that of a curve.
 LEAST_ROUGHNESS = 1e-6
 
@@ -117,7 +120,7 @@ def judged_to_first_order(problem: Problem, fitted: Fitted, laws: Mapping[str, L
         curve = _curve(problem, fitted, law)
         try:
             start = np.zeros(curve.directions.shape[1])
-            step = _Step.about(problem, fitted.model.plus(law), start, curve, table)
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, table).apart_from_effects()
         except (ValueError, ArithmeticError):
             continue
         # A law that does nothing changes nothing of the other derivatives.
@@ -144,6 +147,8 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw:
     """
     curve = _curve(problem, fitted, law)
     step = _Step.about(problem, fitted.model.plus(law), np.zeros(curve.directions.shape[1]), curve)
+    step = step.apart_from_effects()
+    curve = step.curve
     for _ in range(ROUNDS):
         following = step.fitted()
         settled = following.smooth.log_evidence < step.smooth.log_evidence + LEAST_GAIN
@@ -244,11 +249,21 @@ class _Step:
             table = sensitivities(pinned, packing, packing.pack(model), simulated)
         columns = _derivatives(pinned, model, curve, weights, simulated)
         residual = problem.output - simulated
-        basis = _orthonormal(table)
-        target = residual + columns @ weights
-        left, target = (rows - basis @ (basis.T @ rows) for rows in (columns, target))
-        smooth = smooth_curve(left, target, curve.roughness, len(residual) - basis.shape[1])
+        smooth = _smoothed(residual, table, columns, weights, curve)
         return cls(problem, pinned, model, weights, curve, packing, residual, table, columns, smooth)
+
+    def apart_from_effects(self) -> _Step:
+        """The same with laws that do nothing, to first order, that the parameters of the model's effects do."""
+        named = [i for i, name in enumerate(self.packing.names) if name[0].isdigit()]
+        effects = _orthonormal(self.table[:, named]) if named else np.zeros((len(self.residual), 0))
+        if effects.shape[1] == 0 or effects.shape[1] > len(self.weights) - FEWEST_WEIGHTS:
+            return self
+        kept = _null_space(effects.T @ self.columns)
+        roughness = kept.T @ self.curve.roughness @ kept
+        curve = replace(self.curve, directions=self.curve.directions @ kept, roughness=roughness)
+        columns, weights = self.columns @ kept, self.weights @ kept
+        smooth = _smoothed(self.residual, self.table, columns, weights, curve)
+        return replace(self, curve=curve, columns=columns, weights=weights, smooth=smooth)
 
     def fitted(self) -> _Step:
         """The chain linearised about the least squares with this smoothing."""
@@ -298,6 +313,13 @@ class _Step:
         """Derivatives by the law, measured so that its prior has the precision one, shape (M, m)."""
         factor = np.linalg.cholesky(self.curve.roughness)
         return np.asarray(np.linalg.solve(factor, self.columns.T).T * np.sqrt(self.smooth.ratio))
+
+
+def _smoothed(residual: Array, table: Array, columns: Array, weights: Array, curve: _Curve) -> SmoothCurve:
+    """The curve of most evidence, of the chain linearised about weights."""
+    basis = _orthonormal(table)
+    left, target = (rows - basis @ (basis.T @ rows) for rows in (columns, residual + columns @ weights))
+    return smooth_curve(left, target, curve.roughness, len(residual) - basis.shape[1])
 
 
 def _derivatives(pinned: Problem, model: Model, curve: _Curve, weights: Array, simulated: Array) -> Array:
