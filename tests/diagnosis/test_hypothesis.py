@@ -37,9 +37,17 @@ def test_another_law_of_the_same_special_case_is_compared_with_that():
 
 def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
     ranked = [hypothesis(COULOMB, 10.0)]
-    assert [m.identifier for m in members_of(ranked, WITHOUT, {"coulomb-friction", "sensor-offset"})] == [
+    assert [m.identifier for m in members_of(ranked, WITHOUT, {"coulomb-friction", "quadratic-drag"})] == [
         "coulomb-friction"
     ]
     _coulomb, asymmetric = members_of(ranked, WITHOUT, {"coulomb-friction", "input-bias"})
     assert asymmetric.identifier == "asymmetric-friction"
     assert (asymmetric.gap, asymmetric.left) == (general_law_penalty(), 0.0)
+
+
+def test_a_constant_that_is_estimated_stands_for_a_bias():
+    ranked = [hypothesis(COULOMB, 10.0)]
+    for named, constant in (({"coulomb-friction"}, True), ({"coulomb-friction", "sensor-offset"}, False)):
+        found = [m.identifier for m in members_of(ranked, WITHOUT, named, constant=constant)]
+        assert found == ["coulomb-friction", "asymmetric-friction"]
+    assert len(members_of([hypothesis(DRAG, 10.0)], WITHOUT, {"quadratic-drag"}, constant=True)) == 1

@@ -266,3 +266,28 @@ def test_noise_parameters_are_right():
     assert found["quantisation"].effect.values["step"] == pytest.approx(4.0 * np.std(given.residual))
     jitter = found["timestamp-jitter"]
     assert abs(jitter.effect.values["std"] - 0.004) < 4.0 * jitter.standard_deviations["std"]
+
+
+def test_clipped_values_are_no_outliers():
+    """A weak clipping leaves few, isolated and large residuals, all read at the edge and expected beyond it."""
+    generator = np.random.default_rng(np.random.SeedSequence(8))
+    position = np.sin(np.arange(600) * 1.1) + 0.02 * generator.standard_normal(600)
+    recorded = np.minimum(position, 0.985) + 0.001 * generator.standard_normal(600)
+    clipped = replace(
+        situation(),
+        time=0.02 * np.arange(600),
+        signal=np.ones(600),
+        recorded=recorded,
+        position=position,
+        velocity=np.gradient(position, 0.02),
+        residual=recorded - position,
+        used=np.ones(600, bool),
+    )
+    assert known_effects()["outliers"].recognise(clipped) is None
+    rows = np.arange(5, 600, 60)
+    struck = recorded.copy()
+    struck[rows] += 0.5 * np.where(np.arange(len(rows)) % 2, 1.0, -1.0)
+    struck = np.where(np.isin(np.arange(600), rows), struck, position + 0.001 * generator.standard_normal(600))
+    found = known_effects()["outliers"].recognise(replace(clipped, recorded=struck, residual=struck - position))
+    assert found is not None
+    assert set(rows) <= set(np.flatnonzero(found.spoiled))

@@ -59,7 +59,9 @@ def in_order(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
     return sorted(hypotheses, key=lambda h: h.beyond(closest))
 
 
-def members_of(ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = frozenset()) -> tuple[Member, ...]:
+def members_of(
+    ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = frozenset(), *, constant: bool = False
+) -> tuple[Member, ...]:
     """The names of a class, for :func:`camid.diagnosis.weights.weights`.
 
     Parameters
@@ -70,6 +72,8 @@ def members_of(ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = 
         The model without that effect.
     named : set of str, optional
         All effects of the model, this one among them: some together may have another name.
+    constant : bool
+        Whether the model holds a constant at input or sensor that is estimated, which stands for the other.
     """
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
@@ -88,8 +92,23 @@ def members_of(ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = 
             sibling,
         )
 
-    sums = [e for e in known_effects().values() if lead.identifier in e.sum_of and named >= set(e.sum_of)]
+    constant = constant or any(_is_constant(name) for name in named)
+
+    def holds(part: str) -> bool:
+        return part in named or (constant and _is_constant(part))
+
+    sums = [
+        effect
+        for effect in known_effects().values()
+        if all(holds(part) for part in effect.sum_of)
+        and any(part == lead.identifier or _is_constant(part, lead.identifier) for part in effect.sum_of)
+    ]
     return (*(member(h) for h in ranked), *(Member(e.identifier, general_law_penalty(), 0.0) for e in sums))
+
+
+def _is_constant(*names: str) -> bool:
+    """Whether effects add a constant to a signal."""
+    return all(name in known_effects() and known_effects()[name].is_constant for name in names)
 
 
 def _special_case(hypothesis: Hypothesis) -> str | None:

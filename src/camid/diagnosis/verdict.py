@@ -76,7 +76,7 @@ def findings(
     for i, effect in enumerate(effects):
         ranked = decision.rivals[i]
         comparison = Comparison(
-            members_of(ranked, decision.without[i], named),
+            members_of(ranked, decision.without[i], named, constant=problem.kind.offset_free or problem.kind.bias_free),
             float(removed[i]),
             beside_laws if effect.identifier in decision.certain else left,
             i == strongest,

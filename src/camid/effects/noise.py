@@ -16,6 +16,8 @@ from camid.effects.situation import Situation
 NEGLIGIBLE_ROUNDING = 0.02
 # Residuals beyond this many robust standard deviations are outliers: one in 16,000 and 1.7 million of Gaussian noise.
 OUTLYING = (4.0, 5.0, 7.0)
+# Share of the readings at either end, and of outlying rows among them whose expected values lie beyond.
+EDGE, AT_AN_EDGE = 0.05, 0.7
 FEWEST_REPEATED = 1
 # Chance of so few repeated frames in fast motion below which it is the sensor's step that repeats them.
 LEAST_CHANCE_OF_LOSS = 1e-3
@@ -183,6 +185,14 @@ def _spread_over_speed(residual: Array, velocity: Array) -> Array:
     return np.asarray(np.sqrt((base + slope * speed) / (base + slope * float(np.median(speed)))))
 
 
+def _at_an_edge(situation: Situation, rows: NDArray[np.bool_]) -> int:
+    """How many rows are read at an end of what is ever read, and expected beyond: a clipping, no outlier."""
+    low, high = np.quantile(situation.recorded[situation.used], [EDGE, 1.0 - EDGE])
+    above = (situation.recorded >= high) & (situation.residual < 0.0)
+    below = (situation.recorded <= low) & (situation.residual > 0.0)
+    return int(np.count_nonzero(rows & (above | below)))
+
+
 class Outliers(Effect):
     """Single frames in which something else than the marker was found."""
 
@@ -226,6 +236,8 @@ class Outliers(Effect):
         neighbours[1:] |= far[:-1]
         neighbours[:-1] |= far[1:]
         if np.sum(far & ~neighbours) < 0.7 * count or count > 0.2 * len(far):
+            return None
+        if _at_an_edge(situation, far) >= AT_AN_EDGE * count:
             return None
         share = count / total
         return Recognition(

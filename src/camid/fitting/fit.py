@@ -66,8 +66,9 @@ class Fitted:
 
     @property
     def cost(self) -> float:
-        """Sum of squared residuals."""
-        return float(self.residual @ self.residual)
+        """Sum of squared residuals; infinite where the simulation diverges."""
+        cost = float(self.residual @ self.residual)
+        return cost if np.isfinite(cost) else np.inf
 
     def criterion_beyond(self, other: Fitted) -> float:
         """By how much Bayes's criterion of this model exceeds that of another one of the same rows.
@@ -88,7 +89,7 @@ class Fitted:
     def inflation(self, change: Array) -> float:
         """Variance of the residual along a direction of the output over that of white noise, but at least 1."""
         length = float(change @ change)
-        if len(self.noise.whitening) == 1 or length <= 0.0:
+        if len(self.noise.whitening) == 1 or length <= 0.0 or not np.isfinite(length):
             return 1.0
         from scipy.signal import lfilter
 

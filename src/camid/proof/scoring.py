@@ -42,7 +42,8 @@ def class_of(effect: Mapping[str, Any]) -> list[str]:
 
 def own_weight(effect: Mapping[str, Any]) -> float:
     """Weight of the entry's own id: what its alternatives leave of one."""
-    return 1.0 - sum(float(a["weight"]) for a in effect.get("alternatives") or [])
+    # A weight that is no number says nothing.
+    return 1.0 - sum(float(a["weight"] or 0.0) for a in effect.get("alternatives") or [])
 
 
 def _offers(effect: Mapping[str, Any], identifier: str, in_class: bool) -> bool:
