@@ -12,7 +12,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from camid.diagnosis.diagnosis import LearnedPart, Location, NormalisedErrors, ParameterEstimate, Undetectable
+from camid.diagnosis.diagnosis import Location, NormalisedErrors, ParameterEstimate, Undetectable
+from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
 from camid.effects import known_effects

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camid.diagnosis.diagnosis import UNLISTED, Coefficient, Finding, LearnedPart, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import Coefficient, Finding, Location, NormalisedErrors
+from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.weights import UNLISTED
 from camid.effects import known_effects
 from camid.number_text import SPACE, number, percentage, plain, with_deviation
 

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import UNLISTED, Finding, Location
+from camid.diagnosis.diagnosis import Finding, Location
 from camid.diagnosis.screening import Metric, metrics
+from camid.diagnosis.weights import UNLISTED
 from camid.effects import known_effects
 from camid.effects.base import PLACES
 from camid.fitting.fit import Fitted

@@ -9,10 +9,11 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import UNLISTED, Finding, LearnedPart, ParameterEstimate
+from camid.diagnosis.diagnosis import Finding, ParameterEstimate
 from camid.diagnosis.effect_selection import Decision, p_value
 from camid.diagnosis.hypothesis import members_of
-from camid.diagnosis.weights import Comparison, Member, weights
+from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.weights import UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition
 from camid.effects.separating_experiment import advice

@@ -19,6 +19,7 @@ from functools import cache
 from importlib.resources import files
 from math import exp, log
 
+UNLISTED = "unlisted"  # alternative of a finding that stands for physics outside the catalogue
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
 LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camid.diagnosis.diagnosis import Diagnosis, LearnedPart
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.report.panel import Panel, inline_svg, legend_above, new_panel
 from camid.number_text import printable, unit_of
 

@@ -7,9 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camid.diagnosis.diagnosis import UNLISTED, Diagnosis, Finding, ParameterEstimate, Undetectable
+from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
+from camid.diagnosis.weights import UNLISTED
 from camid.number_text import number, percentage, plain, printable, probability, span, unit_of, with_deviation
 
 if TYPE_CHECKING:
