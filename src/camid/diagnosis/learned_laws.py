@@ -36,6 +36,8 @@ GAP = 0.1
 # How often the knots may be doubled, and the gain of log evidence that each time has to bring.
 MOST_REFINED = 2
 LEAST_GAIN = 1.0
+# Share of the refitted sum of squares that named effects may leave for the coefficients to keep their values.
+LEAST_LEFT = 0.1
 # Effects that are looked for beside the learned laws.
 MOST_BESIDE = 2
 
@@ -94,7 +96,8 @@ def _with_another_law(
     if watch.no_time_for("a law without a name"):
         return decision
     watch.say("learning a law without a name")
-    law = _likeliest(problem, decision.improved)
+    coefficients = _coefficients_hold(decision)
+    law = _likeliest(problem, decision.improved, coefficients)
     if law is None:
         return decision
     best = replace(decision, laws=(*decision.laws, law))
@@ -104,7 +107,7 @@ def _with_another_law(
         # What is narrower than the knots are apart shows as structure.
         if _structure(problem, best) == 0.0:
             break
-        finer = _learned(problem, decision.improved, best.laws[-1].law.refined())
+        finer = _learned(problem, decision.improved, best.laws[-1].law.refined(), coefficients)
         if finer is None or finer.log_evidence < best.laws[-1].log_evidence + LEAST_GAIN:
             break
         found = replace(decision, laws=(*decision.laws, finer))
@@ -114,15 +117,20 @@ def _with_another_law(
     return best
 
 
-def _likeliest(problem: Problem, fitted: Fitted) -> LearnedLaw | None:
+def _coefficients_hold(decision: Decision) -> bool:
+    """Whether named effects explain so much that the coefficients beside them are not bent by what they leave."""
+    return bool(decision.rivals) and decision.fitted.cost <= LEAST_LEFT * decision.base.cost
+
+
+def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> LearnedLaw | None:
     """The law of most evidence beside a model; None where none has enough."""
     blank = blank_laws(problem, fitted)
-    gains = judged_to_first_order(problem, fitted, blank)
+    gains = judged_to_first_order(problem, fitted, blank, coefficients=coefficients)
     ordered = sorted(gains, key=lambda name: -gains[name])
     if not ordered or gains[ordered[0]] < LEAST_EVIDENCE:
         return None
     likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
-    found = [_learned(problem, fitted, blank[name]) for name in likely]
+    found = [_learned(problem, fitted, blank[name], coefficients) for name in likely]
     best = max((law for law in found if law is not None), key=lambda law: law.log_evidence, default=None)
     if best is None:
         return None
@@ -133,9 +141,9 @@ def _likeliest(problem: Problem, fitted: Fitted) -> LearnedLaw | None:
     return best if gain / inflation >= LEAST_EVIDENCE else None
 
 
-def _learned(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw | None:
+def _learned(problem: Problem, fitted: Fitted, law: LearnedEffect, coefficients: bool) -> LearnedLaw | None:
     try:
-        return learn(problem, fitted, law)
+        return learn(problem, fitted, law, coefficients=coefficients)
     except (ValueError, ArithmeticError):
         return None
 
@@ -155,7 +163,7 @@ def _with_effect_beside(
         return None
     effect = ranked[0].fitted.model.effects[-1]
     fitted = fit(problem, decision.fitted.model.plus(effect), steps=ALL_STEPS)
-    laws = _relearned(problem, fitted, decision.laws)
+    laws = _relearned(problem, fitted, decision.laws, _coefficients_hold(decision))
     before, after = decision.improved.cost, (laws[-1].fitted if laws else fitted).cost
     if before - after < LEAST_EXPLAINED * structured * before:
         return None
@@ -181,11 +189,13 @@ def _called_for(problem: Problem, fitted: Fitted, watch: Watch) -> list[Hypothes
     return found
 
 
-def _relearned(problem: Problem, fitted: Fitted, laws: Sequence[LearnedLaw]) -> tuple[LearnedLaw, ...]:
+def _relearned(
+    problem: Problem, fitted: Fitted, laws: Sequence[LearnedLaw], coefficients: bool
+) -> tuple[LearnedLaw, ...]:
     """The same laws learned again, one after the other, beside another model; those that still have evidence."""
     found: tuple[LearnedLaw, ...] = ()
     for law in laws:
-        again = _learned(problem, found[-1].fitted if found else fitted, law.law.blank())
+        again = _learned(problem, found[-1].fitted if found else fitted, law.law.blank(), coefficients)
         if again is not None and again.log_evidence - again.without >= LEAST_EVIDENCE:
             found = (*found, again)
     return found

@@ -4,8 +4,7 @@ The law is values at knots (:mod:`camid.effects.learned`) with a prior for smoot
 (:mod:`camid.fitting.smoothness`); how smooth is chosen for the chain linearised about the last estimate, again and
 again. The law holds nothing that the plant's coefficients can do: it is zero at zero, and its slope, weighted by how
 often the motion is where, is zero wherever a free coefficient stands for it. Nor does it hold, to first order, what the
-parameters of the effects beside it do to the output, which so keep their meaning (Plumlee 2017, J. Am. Stat. Assoc.
-112, 1274–1285).
+parameters of effects do to the output, which so keep their meaning (Plumlee 2017, J. Am. Stat. Assoc. 112, 1274–1285).
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ RUNAWAY = 1e12
 DIFFERENCE = 1e-4
 # Values of a signal, among its first ones, from which a curve over it says more than a straight line.
 FEW_ROWS, FEWEST_VALUES = 1000, 4
-# Weights that a law keeps where the parameters of effects take others away; with fewer, it shares with them.
+# Weights that a law keeps where other parameters take some away; with fewer, it shares with them.
 FEWEST_WEIGHTS = 5
 # Prior precision of a slope that no free coefficient stands for, beside that of a curve.
 LEAST_ROUGHNESS = 1e-6
@@ -104,7 +103,9 @@ def blank_laws(problem: Problem, fitted: Fitted) -> dict[str, LearnedEffect]:
     return found
 
 
-def judged_to_first_order(problem: Problem, fitted: Fitted, laws: Mapping[str, LearnedEffect]) -> dict[str, float]:
+def judged_to_first_order(
+    problem: Problem, fitted: Fitted, laws: Mapping[str, LearnedEffect], *, coefficients: bool = False
+) -> dict[str, float]:
     """Logarithms of the evidence for laws against none, of the chain linearised about the model without them.
 
     Parameters
@@ -113,6 +114,8 @@ def judged_to_first_order(problem: Problem, fitted: Fitted, laws: Mapping[str, L
     fitted : Fitted
     laws : dict of str to LearnedEffect
         As :func:`blank_laws` gives them.
+    coefficients : bool
+        See :func:`learn`.
     """
     table: Array | None = None
     found = {}
@@ -120,7 +123,7 @@ def judged_to_first_order(problem: Problem, fitted: Fitted, laws: Mapping[str, L
         curve = _curve(problem, fitted, law)
         try:
             start = np.zeros(curve.directions.shape[1])
-            step = _Step.about(problem, fitted.model.plus(law), start, curve, table).apart_from_effects()
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, table).apart(coefficients)
         except (ValueError, ArithmeticError):
             continue
         # A law that does nothing changes nothing of the other derivatives.
@@ -129,7 +132,7 @@ def judged_to_first_order(problem: Problem, fitted: Fitted, laws: Mapping[str, L
     return found
 
 
-def learn(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw:
+def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients: bool = False) -> LearnedLaw:
     """Fit a law and everything that the model holds beside it.
 
     Parameters
@@ -139,6 +142,9 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw:
         The model without the law.
     law : LearnedEffect
         As :func:`blank_laws` gives it.
+    coefficients : bool
+        Whether the law holds, to first order, nothing that the coefficients do to the output, so that these stay what
+        they are; else that holds for the parameters of effects alone.
 
     Raises
     ------
@@ -147,7 +153,7 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect) -> LearnedLaw:
     """
     curve = _curve(problem, fitted, law)
     step = _Step.about(problem, fitted.model.plus(law), np.zeros(curve.directions.shape[1]), curve)
-    step = step.apart_from_effects()
+    step = step.apart(coefficients)
     curve = step.curve
     for _ in range(ROUNDS):
         following = step.fitted()
@@ -252,13 +258,20 @@ class _Step:
         smooth = _smoothed(residual, table, columns, weights, curve)
         return cls(problem, pinned, model, weights, curve, packing, residual, table, columns, smooth)
 
-    def apart_from_effects(self) -> _Step:
-        """The same with laws that do nothing, to first order, that the parameters of the model's effects do."""
-        named = [i for i, name in enumerate(self.packing.names) if name[0].isdigit()]
-        effects = _orthonormal(self.table[:, named]) if named else np.zeros((len(self.residual), 0))
-        if effects.shape[1] == 0 or effects.shape[1] > len(self.weights) - FEWEST_WEIGHTS:
+    def apart(self, coefficients: bool) -> _Step:
+        """The same with laws that do nothing, to first order, that the effects' parameters (and coefficients) do.
+
+        Where that would leave too few laws, the effects' parameters alone keep their meaning, or none does.
+        """
+        named = [i for i, name in enumerate(self.packing.names) if not name.startswith("initial")]
+        effects = [i for i in named if self.packing.names[i][0].isdigit()]
+        for kept_apart in (named, effects) if coefficients else (effects,):
+            basis = _orthonormal(self.table[:, kept_apart]) if kept_apart else np.zeros((len(self.residual), 0))
+            if 0 < basis.shape[1] <= len(self.weights) - FEWEST_WEIGHTS:
+                break
+        else:
             return self
-        kept = _null_space(effects.T @ self.columns)
+        kept = _null_space(basis.T @ self.columns)
         roughness = kept.T @ self.curve.roughness @ kept
         curve = replace(self.curve, directions=self.curve.directions @ kept, roughness=roughness)
         columns, weights = self.columns @ kept, self.weights @ kept

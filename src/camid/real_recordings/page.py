@@ -187,7 +187,7 @@ def page(template: Path, quantities: Mapping[str, pd.DataFrame]) -> str:
     def learned(name: str) -> str:
         """What stands in an improved simulation without a name, as words."""
         known = quantities[name]["quantity"]
-        found = [q.replace("-", " ").replace("_", " ") for q in known if q.startswith("learned-")]
+        found = [q.replace("_", " ").replace(" over ", " over the ") for q in known if q.startswith("learned_")]
         return " and ".join(f"a {law}" for law in found) or "nothing else"
 
     def suspicion_confirmed(name: str) -> bool:

@@ -134,7 +134,8 @@ def _common(results: Results) -> Iterable[Row]:
     named = [effect for effect in diagnosis["effects"] if "knots" not in effect]
     yield "effects", float(len(named)), None, ""
     for law in learned:
-        yield f"{law['id']}_over_the_{law['variables']}", 1.0, None, ""
+        kind = "" if " over " in law["variables"] else f"{law['id'].removeprefix('learned-')} over "
+        yield f"learned_{kind}{law['variables']}".replace(" ", "_"), 1.0, None, ""
     for effect in named:
         yield f"named_{effect['id']}", 1.0, None, ""
         for name, parameter in effect["parameters"].items():

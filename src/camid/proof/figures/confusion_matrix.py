@@ -8,22 +8,18 @@ import numpy as np
 import pandas as pd
 
 from camid import plotting as style
+from camid.effects import PLACES as EFFECT_PLACES
+from camid.effects import known_effects
 from camid.proof.scoring import STRONG
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# The catalogue of the design, place by place.
+# The catalogue, place by place.
 PLACES = {
-    "actuator": "dead-zone saturation backlash rate-limit actuator-lag gain-asymmetry input-hold input-bias",
-    "plant": "coulomb-friction stribeck-friction quadratic-drag cubic-stiffness quadratic-stiffness pendulum-gravity "
-    "end-stop hysteresis extra-mode parameter-drift",
-    "disturbance": "periodic-disturbance step-disturbance impulse-disturbance",
-    "sensor": "exposure delay rolling-shutter clock-skew timestamp-jitter lens-distortion clipping quantisation "
-    "sensor-offset sensor-drift dropped-frames outliers absolute-value speed-weighted-centroid",
-    "noise": "coloured-noise",
+    place: [name for name, kind in sorted(known_effects().items()) if kind.place == place] for place in EFFECT_PLACES
 }
-CATALOGUE = {identifier: place for place, words in PLACES.items() for identifier in words.split()}
+CATALOGUE = {identifier: place for place, names in PLACES.items() for identifier in names}
 NOTHING, OUTSIDE, OTHER, NO_NAME = "nothing missing", "outside the catalogue", "another name", "detected, no name"
 
 
@@ -84,7 +80,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         text = "–" if not total else f"{right[i]}/{total}" if rows[i] in CATALOGUE else f"{total}"
         axes.text(len(columns) - 0.3, i, text, va="center", fontsize=5.5)
     axes.text(len(columns) - 0.3, -1.1, "named or\nin class", va="bottom", fontsize=5.5)
-    edges = np.cumsum([len(words.split()) for words in PLACES.values()]) - 0.5
+    edges = np.cumsum([len(names) for names in PLACES.values()]) - 0.5
     for edge in edges:
         axes.axhline(edge, color=style.GREY, linewidth=0.6)
         axes.axvline(edge, color=style.GREY, linewidth=0.6)
