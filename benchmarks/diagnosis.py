@@ -124,7 +124,9 @@ def table(earlier: str) -> pd.DataFrame:
 
 def put_in(page: str, fragment: str) -> str:
     """The page with the part on diagnoses at its end."""
-    return re.sub(rf"\n*{re.escape(TITLE)}.*\Z", "", page, flags=re.DOTALL).rstrip() + "\n\n" + fragment
+    return re.sub(rf"\n*{re.escape(TITLE)}.*\Z", "", page, flags=re.DOTALL).rstrip() + (
+        "\n\n" + fragment if fragment else "\n"
+    )
 
 
 def main(arguments: list[str]) -> int:

@@ -126,7 +126,8 @@ def main(arguments: list[str]) -> int:
     if [report.name for report in reports] == list(NAMES):
         DOCUMENT.parent.mkdir(exist_ok=True)
         # The profile of a diagnosis has a command of its own: it needs idle cores and an earlier state of the package.
-        DOCUMENT.write_text(put_in(markdown(reports), FRAGMENT.read_text(encoding="utf-8")), encoding="utf-8")
+        fragment = FRAGMENT.read_text(encoding="utf-8") if FRAGMENT.exists() else ""
+        DOCUMENT.write_text(put_in(markdown(reports), fragment), encoding="utf-8")
         importlib.import_module("benchmarks.figure").save(reports[0].table, FIGURE)
         print(f"written: {DOCUMENT.relative_to(ROOT)} and {FIGURE.name}, tables in {TABLES.relative_to(ROOT)}")
     return 0
