@@ -4,7 +4,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from camid.compiled import njit
 
 from .quantities import Actuator
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from .integrator import integrate
 from .laws import Chain, Law, Sensing, build
 from .quantities import Actuator, Force
 from .rigs import Matrices, Rig
-from .stored import integrate
 from .trajectory import Trajectory
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -2,7 +2,7 @@
 
 import math
 
-from numba import njit
+from camid.compiled import njit
 
 from .actuator import Array
 from .quantities import Force, Friction

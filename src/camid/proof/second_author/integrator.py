@@ -8,7 +8,8 @@ located by bisection, and then sticks as long as the friction that holds it is w
 import math
 
 import numpy as np
-from numba import njit
+
+from camid.compiled import njit
 
 from .actuator import STATES, Array, act
 from .forces import MEMORIES, differentiate, friction_level
