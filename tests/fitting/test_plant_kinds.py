@@ -71,9 +71,9 @@ def test_a_closed_loop_shows_nothing_of_the_camera():
 
 def test_a_known_gain_follows_the_natural_frequency():
     coefficients = np.array([1.0, 2.0, 8.0])
-    np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).completed(coefficients), [4.0, 2.0, 8.0])
-    np.testing.assert_array_equal(PendulumKind(0.0).completed(coefficients), coefficients)
-    np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).all_fixed().completed(coefficients), coefficients)
+    np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).completed(coefficients, {}), [4.0, 2.0, 8.0])
+    np.testing.assert_array_equal(PendulumKind(0.0).completed(coefficients, {}), coefficients)
+    np.testing.assert_array_equal(PendulumKind(0.0, True, 0.5).all_fixed().completed(coefficients, {}), coefficients)
 
 
 def test_re_estimated_coefficients_are_never_worse_than_the_given_ones(monkeypatch):

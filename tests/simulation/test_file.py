@@ -168,7 +168,7 @@ def test_unknown_keys_are_named_with_line_and_nearest_match(tmp_path, old, new, 
         (
             "sensor:\n",
             "  pendulum: {natural_frequency: 3, damping: 0}\nsensor:\n",
-            "line 6, plant: a transfer function",
+            "line 6, plant: the plant is declared twice",
         ),
         ("plant:\n", "plant:\n  free: {numerator: [true]}\n", "plant.free: the key 'denominator' is missing"),
         (

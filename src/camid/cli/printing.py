@@ -25,6 +25,11 @@ def print_identification(result: Identification, written: list[Path]) -> None:
     table.add_column("unit")
     for name, value, deviation, unit in model.coefficient_rows():
         table.add_row(name, with_deviation(value, deviation), unit)
+    combinations = result.combinations()
+    if combinations:
+        table.add_section()
+        for row in combinations:
+            table.add_row(row["expression"], with_deviation(row["value"], row["standard_deviation"]), "")
     if not model.states_characteristics:
         table.add_section()
         for found in result.characteristics():

@@ -88,7 +88,8 @@ def _identified(
             f"no estimate: {error}", where=recordings[0].source, hint="try another order, or check the units"
         ) from None
     why = why_no_offset(experiments, believed)
-    return replace(found, recording_warnings=warnings_of(recordings), notes=() if why is None else (why,))
+    notes = (*(() if why is None else (why,)), *problem.kind.remarks())
+    return replace(found, recording_warnings=warnings_of(recordings), notes=notes)
 
 
 def _refuse_undetermined(

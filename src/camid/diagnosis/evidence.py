@@ -71,32 +71,14 @@ def errors_without(problem: Problem, decision: Decision, validation: Sequence[ND
     return [simulated_error(problem, each.model, validation) for each in fitted]
 
 
-def free_covariance(problem: Problem, fitted: Fitted) -> Array:
-    """Covariance of the free coefficients."""
-    count = int(np.count_nonzero(problem.structure.free))
-    return fitted.covariance[:count, :count]
-
-
 def coefficients_of(problem: Problem, nominal: Model, base: Fitted, final: Fitted) -> list[Coefficient]:
     """How far the coefficients had been bent by what was left out."""
-    degree, order = problem.structure.degree, problem.structure.order
-    names = [f"b{degree - i}" for i in range(degree + 1)] + [f"a{order - 1 - i}" for i in range(order)]
-    free = np.flatnonzero(problem.structure.free)
-    spreads = []
-    for fitted in (base, final):
-        deviation = np.zeros(len(names))
-        deviation[free] = np.sqrt(np.diag(free_covariance(problem, fitted)))
-        spreads.append(deviation)
+    kind, structure = problem.kind, problem.structure
+    believed = kind.estimates(structure, nominal, None)
+    bent, improved = (kind.estimates(structure, fitted.model, fitted) for fitted in (base, final))
     return [
-        Coefficient(
-            name,
-            float(nominal.coefficients[i]),
-            float(base.model.coefficients[i]),
-            float(spreads[0][i]),
-            float(final.model.coefficients[i]),
-            float(spreads[1][i]),
-        )
-        for i, name in enumerate(names)
+        Coefficient(name, value, bent[i][1], bent[i][2], improved[i][1], improved[i][2])
+        for i, (name, value, _) in enumerate(believed)
     ]
 
 

@@ -59,7 +59,9 @@ def models_around(problem: Problem, nominal: Model) -> list[Model]:
         if gain <= 0.0:
             continue
         error = recorded - gain * simulated
-        judged.append((float(error @ error), len(judged), replace(model, coefficients=_scaled(problem, model, gain))))
+        judged.append(
+            (float(error @ error), len(judged), problem.kind.with_coefficients(model, _scaled(problem, model, gain)))
+        )
     return [model for _, _, model in sorted(judged, key=lambda item: item[:2])[:KEPT]]
 
 
@@ -67,7 +69,7 @@ def _scaled(problem: Problem, model: Model, gain: float) -> Array:
     """Coefficients whose numerator is larger by a gain."""
     coefficients = model.coefficients.copy()
     coefficients[: problem.structure.degree + 1] *= gain
-    return problem.kind.completed(coefficients)
+    return coefficients
 
 
 def _moved(problem: Problem, coefficients: Array) -> list[Array]:

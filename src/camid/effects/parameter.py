@@ -27,6 +27,8 @@ class Parameter:
     scale : str
         What a small change of it is measured by: the ``value`` itself, the sampling ``period``, ``one``, or the
         ``resolution`` in frequency that the length of the recording allows.
+    size : float
+        What it is measured by where its value is zero; 0 where nothing is known.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Parameter:
     choices: tuple[str, ...] = ()
     sequence: bool = False
     scale: str = "value"
+    size: float = 0.0
 
 
 def checked(identifier: str, parameter: Parameter, value: Any) -> Any:

@@ -16,6 +16,7 @@ from camid.fitting.plants.closed_loop import ClosedLoop
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
 from camid.fitting.plants.pendulum import PendulumKind
+from camid.fitting.plants.physical import PhysicalFreeDecay, PhysicalKind
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
@@ -66,7 +67,11 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
         gain_free = bool(_free_numerator(believed)[0])
         fixed_gain = None if gain_free else pendulum.gain
         return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain)
-    kind = FreeDecay if believed.input_column is None else LinearPlant
+    driven = believed.input_column is not None
+    if believed.physical is not None:
+        named = PhysicalKind if driven else PhysicalFreeDecay
+        return named(physical=believed.physical, structure=structure_of(believed), offset=believed.known_offset)
+    kind = LinearPlant if driven else FreeDecay
     return kind(offset=believed.known_offset)
 
 

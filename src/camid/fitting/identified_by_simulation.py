@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.fitting.fit import Fitted
 from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
-from camid.identification.estimate import Estimate
+from camid.identification.estimate import Constant, Estimate
 from camid.identification.identification import Identification
 
 
@@ -17,8 +18,7 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
     structure, kind = problem.structure, problem.kind
     nominal = Model(structure.coefficients(), constants=kind.constants())
     fitted = kind.refit(problem, problem.with_initial_states(nominal))
-    count = int(np.count_nonzero(structure.free))
-    covariance = structure.full_covariance(fitted.covariance[:count, :count])
+    covariance = kind.coefficient_covariance(structure, fitted)
     residuals = [e.output - s for e, s in zip(problem.experiments, problem.simulate(fitted.model), strict=True)]
     spread = float(np.std(problem.output)) or 1.0
 
@@ -37,6 +37,7 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
         structure.free,
         [],
         [],
+        **_constants(fitted),
     )
     return Identification(
         simulation=kind.written_back(task.believed, structure, fitted),
@@ -49,3 +50,15 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
         acquisition=problem.acquisition,
         method=kind.method,
     )
+
+
+def _constants(fitted: Fitted) -> dict[str, Constant]:
+    """Bias and offset where they were fitted, as an estimate holds them."""
+    found: dict[str, Constant] = {}
+    names = fitted.packing.names
+    for name in ("bias", "offset"):
+        if name in names:
+            variance = float(fitted.covariance[names.index(name), names.index(name)])
+            deviation = float(np.sqrt(variance)) if np.isfinite(variance) else np.inf
+            found[name] = Constant(float(fitted.model.constants[name]), deviation)
+    return found

@@ -25,7 +25,7 @@ def identify_exactly(problem: Problem, task: IdentificationTask) -> Identificati
     structure, experiments, progress = problem.structure, problem.experiments, task.progress
     result = estimate(structure, experiments, nominal=task.nominal, method=task.method, progress=progress)
     identification = _identification(task, result, experiments)
-    return _analysed(identification, structure, experiments, progress)
+    return analysed(identification, structure, experiments, progress)
 
 
 def _identification(task: IdentificationTask, result: Estimate, experiments: list[Experiment]) -> Identification:
@@ -87,7 +87,7 @@ def _constants(result: Estimate) -> dict[str, Any]:
     return found
 
 
-def _analysed(
+def analysed(
     identification: Identification,
     wanted: Structure,
     experiments: list[Experiment],

@@ -162,7 +162,9 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
         if settled:
             break
     deviations = np.sqrt(np.maximum(np.diag(curve.directions @ step.smooth.covariance @ curve.directions.T), 0.0))
-    result = replace(evaluate(problem, step.model), nuisance=step.nuisance())
+    # An earlier law was fitted beside the packed numbers, too.
+    beside = [step.nuisance()] if fitted.nuisance is None else [fitted.nuisance, step.nuisance()]
+    result = replace(evaluate(problem, step.model), nuisance=np.hstack(beside))
     return LearnedLaw(result, deviations, step.smooth.log_evidence, step.smooth.without)
 
 

@@ -34,7 +34,7 @@ class Packing:
 
         The first ``fixed`` effects keep their values.
         """
-        free = problem.structure.free
+        free = problem.kind.packed(problem.structure)
         scale = np.array(
             [problem.unit**-(power) for power in _powers(problem)]
         )  # a coefficient that is zero is measured by what would be of the order of one
@@ -53,7 +53,7 @@ class Packing:
                 names.append(f"{i} {parameter.name}")
         constants = problem.kind.free_constants()
         for constant in constants:
-            units.append(_measure(problem, constant.scale, float(model.constants[constant.name])))
+            units.append(_measure(problem, constant.scale, float(model.constants[constant.name]) or constant.size))
             lower.append(constant.lower)
             upper.append(constant.upper)
             names.append(constant.name)
@@ -81,7 +81,6 @@ class Packing:
         coefficients = self.template.coefficients.copy()
         position = int(np.count_nonzero(self.free))
         coefficients[self.free] = values[:position]
-        coefficients = self.problem.kind.completed(coefficients)
         effects = list(self.template.effects[: self.fixed])
         for effect in self.template.effects[self.fixed :]:
             size = len(effect.numeric())
@@ -91,6 +90,7 @@ class Packing:
         for constant in self.constants:
             constants[constant.name] = float(values[position])
             position += 1
+        coefficients = self.problem.kind.completed(coefficients, constants)
         initial: list[Array | None] = []
         for state in self.template.initial:
             if state is None:

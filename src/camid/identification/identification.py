@@ -84,6 +84,39 @@ class Identification:
         """Static gain, natural frequencies, damping ratios and real poles with their standard deviations."""
         return characteristics(self.estimate.plant, self.estimate.covariance)
 
+    def parameters(self) -> list[dict[str, Any]]:
+        """Named constants of the plant: ``name``, ``value``, ``standard_deviation``, ``unit`` and ``state``.
+
+        The state is ``estimated``, ``fixed``, or ``undetermined`` where the recording does not tell them apart.
+        """
+        physical = self.simulation.physical
+        if physical is None:
+            return []
+        left_open = () if physical.left_open is None else physical.left_open.open
+        deviations = physical.standard_deviations or {}
+        return [
+            {
+                "name": name,
+                "value": float(value),
+                "standard_deviation": deviations.get(name),
+                "unit": physical.units.get(name, ""),
+                "state": "undetermined"
+                if name in left_open
+                else "estimated"
+                if name in deviations
+                else "fixed"
+                if name in physical.fixed
+                else "undetermined",
+            }
+            for name, value in physical.parameters.items()
+        ]
+
+    def combinations(self) -> list[dict[str, Any]]:
+        """What is determined where constants are not: ``expression``, ``value`` and ``standard_deviation``."""
+        physical = self.simulation.physical
+        rows = () if physical is None else physical.combination_rows()
+        return [{"expression": e, "value": value, "standard_deviation": deviation} for e, value, deviation in rows]
+
     def constants(self) -> list[dict[str, Any]]:
         """Offset and bias where they were estimated: ``name``, ``value``, ``standard_deviation`` and ``unit``."""
         rows = []
@@ -158,6 +191,8 @@ class Identification:
             "denominator": list(plant.denominator),
             "standard_deviations": self.simulation.standard_deviations,
             "covariance": self.simulation.covariance,
+            "parameters": self.parameters(),
+            "combinations": self.combinations(),
             "characteristics": self.characteristics(),
             "constants": self.constants(),
             "noise_standard_deviation": float(np.sqrt(self.estimate.noise_variance)),

@@ -1,4 +1,4 @@
-"""The plant of a simulation file: a transfer function or a pendulum, with what is known of its accuracy."""
+"""The plant of a simulation file: a transfer function, a pendulum or named constants, with its accuracy."""
 
 from __future__ import annotations
 
@@ -9,21 +9,23 @@ import numpy as np
 from camid.chain.pendulum import PARAMETERS, Pendulum
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
+from camid.simulation.declared_physical import declared_physical
 from camid.simulation.model import default_freedom
+from camid.simulation.refused_plant import refuse_table, refuse_unstable
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
-    from camid.simulation.schema import PendulumPart, TransferFunctionPart
+    from camid.simulation.schema import PendulumPart, PhysicalPart, TransferFunctionPart
 
 POLYNOMIALS = ("numerator", "denominator")
 
 
-def declared_plant(written: TransferFunctionPart | PendulumPart, where: Where) -> dict[str, Any]:
+def declared_plant(written: TransferFunctionPart | PendulumPart | PhysicalPart, where: Where) -> dict[str, Any]:
     """What a file says about the plant, as arguments of :class:`camid.simulation.model.Simulation`.
 
     Parameters
     ----------
-    written : TransferFunctionPart or PendulumPart
+    written : TransferFunctionPart, PendulumPart or PhysicalPart
         The key ``plant``.
     where : callable
         Gives file, line and key of a path of keys.
@@ -33,9 +35,13 @@ def declared_plant(written: TransferFunctionPart | PendulumPart, where: Where) -
     InputError
         If the plant is improper or unstable, or accuracies have another shape than it.
     """
-    from camid.simulation.schema import PendulumPart
+    from camid.simulation.schema import PendulumPart, PhysicalPart
 
-    return _pendulum(written, where) if isinstance(written, PendulumPart) else _transfer_function(written, where)
+    if isinstance(written, PendulumPart):
+        return _pendulum(written, where)
+    if isinstance(written, PhysicalPart):
+        return declared_physical(written, where)
+    return _transfer_function(written, where)
 
 
 def _pendulum(written: PendulumPart, where: Where) -> dict[str, Any]:
@@ -43,7 +49,7 @@ def _pendulum(written: PendulumPart, where: Where) -> dict[str, Any]:
         raise InputError("gain = 0: no input moves it", where=where("plant", "pendulum", "gain"), hint="give it")
     if written.covariance is not None:
         rows = f"it has one row for each of {', '.join(PARAMETERS)}"
-        _check_square(written.covariance, len(PARAMETERS), rows, where)
+        refuse_table(written.covariance, len(PARAMETERS), rows, where)
     deviations = written.standard_deviations
     pendulum = Pendulum(
         **written.pendulum.model_dump(),
@@ -78,7 +84,7 @@ def _transfer_function(written: TransferFunctionPart, where: Where) -> dict[str,
     covariance = written.covariance
     if covariance is not None:
         rows = "it has one row per coefficient, except the leading one of the denominator"
-        _check_square(covariance, len(raw.numerator) + len(raw.denominator) - 1, rows, where)
+        refuse_table(covariance, len(raw.numerator) + len(raw.denominator) - 1, rows, where)
         covariance = [row[leading_zeros:] for row in covariance[leading_zeros:]]
     return {
         "plant": plant,
@@ -102,14 +108,7 @@ def _stable_plant(written: TransferFunctionPart, where: Where) -> TransferFuncti
         raise InputError(
             str(error), where=where("plant", "transfer_function"), hint="coefficients are in descending powers of s"
         ) from None
-    unstable = plant.unstable_poles()
-    if unstable.size:
-        shown = ", ".join(f"{p.real:.4g}{p.imag:+.4g}j" if p.imag else f"{p.real:.4g}" for p in unstable)
-        raise InputError(
-            f"the transfer function is unstable: poles at {shown} rad/s",
-            where=where("plant", "transfer_function", "denominator"),
-            hint="all poles need a real part of at most zero; check the signs",
-        )
+    refuse_unstable(plant, where("plant", "transfer_function", "denominator"))
     return plant
 
 
@@ -122,10 +121,3 @@ def _check_shape(written: TransferFunctionPart, key: str, where: Where) -> None:
                 where=where("plant", key),
                 hint="give one value per coefficient",
             )
-
-
-def _check_square(table: list[list[float]], size: int, rows: str, where: Where) -> None:
-    if [len(row) for row in table] != [size] * size:
-        raise InputError(
-            f"this is not a table of {size} by {size} numbers", where=where("plant", "covariance"), hint=rows
-        )

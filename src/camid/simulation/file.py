@@ -83,8 +83,10 @@ def _refuse_several(content: Mapping[str, Any], name: str) -> None:
                 hint=f"name one column, and identify one {word} at a time with the others at zero",
             )
     plant = content.get("plant")
-    if isinstance(plant, Mapping) and "transfer_function" in plant and "pendulum" in plant:
-        raise InputError("a transfer function and a pendulum", where=place(name, content, ["plant"]), hint="keep one")
+    kinds = [k for k in ("transfer_function", "pendulum", "physical") if isinstance(plant, Mapping) and k in plant]
+    if len(kinds) > 1:
+        both = " and ".join(kinds)
+        raise InputError(f"the plant is declared twice: {both}", where=place(name, content, ["plant"]), hint="keep one")
 
 
 def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simulation:

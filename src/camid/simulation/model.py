@@ -15,6 +15,7 @@ from camid.chain.pendulum import Pendulum
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
 from camid.number_text import plain, printable
+from camid.physical.plant import PhysicalPlant
 from camid.recording.options import Reading
 from camid.simulation.control_systems import continuous_plant
 
@@ -92,6 +93,8 @@ class Simulation:
         Name for messages.
     pendulum : Pendulum or None
         Where the plant is one; ``plant`` is then that of small motions, and the pendulum has the accuracies.
+    physical : PhysicalPlant or None
+        Where the plant is written by named constants; ``plant`` follows from them, and they have the accuracies.
     controller : Controller or None
         Of a closed loop; its output is the input column.
     remainder : float or None
@@ -122,6 +125,7 @@ class Simulation:
     effects: tuple[DeclaredEffect, ...] = ()
     source: str = "simulation"
     pendulum: Pendulum | None = None
+    physical: PhysicalPlant | None = None
     controller: Controller | None = None
     remainder: float | None = None
     reading: Reading = field(default_factory=Reading)
@@ -204,7 +208,8 @@ class Simulation:
             sensor["exposure"] = float(self.exposure)
         sensor["latency"] = float(self.latency)
         sensor |= _constant("offset", self.offset, self.offset_deviation)
-        plant = self._transfer_function() if self.pendulum is None else self.pendulum.to_mapping()
+        named = self.pendulum or self.physical
+        plant = self._transfer_function() if named is None else named.to_mapping()
         time: dict[str, Any] = {"column": self.time_column, **reading.time.to_mapping()}
         driven = {"column": self.input_column, "hold": self.hold, **reading.input.to_mapping()}
         driven |= _constant("bias", self.bias, self.bias_deviation)
@@ -236,8 +241,9 @@ class Simulation:
 
     def coefficient_rows(self) -> Iterator[tuple[str, float, float | None, str]]:
         """Name, value, standard deviation where there is one, and unit of what describes the plant."""
-        if self.pendulum is not None:
-            yield from self.pendulum.coefficient_rows()
+        named = self.pendulum or self.physical
+        if named is not None:
+            yield from named.coefficient_rows()
             return
         deviations = self.standard_deviations
         for name, letter, coefficients in (

@@ -58,13 +58,14 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
     kind, value = error["type"], error["input"]
     path: list[Any] = list(error["loc"])
     if path[0] == "plant":
-        del path[1:2]  # pydantic names the kind of plant there
+        del path[1:2]  # pydantic names the kind of plant there, and that of an expression at the end
+        path = path[:-1] if len(path) > 1 and path[-1] in ("text", "number") and isinstance(path[-2], int) else path
     if kind in _UNKNOWN_KEY:
         key = path[-1]
         hint = nearest_match(key, _fields(path[:-1]))
         return InputError(f"unknown key '{key}'", where=place(source, content, path), hint=hint)
     if kind == "missing":
-        hint = "add it, or a pendulum" if path == ["plant", "transfer_function"] else "add it"
+        hint = "add it, or a pendulum, or physical" if path == ["plant", "transfer_function"] else "add it"
         return InputError(f"the key '{path[-1]}' is missing", where=place(source, content, path[:-1]), hint=hint)
     where = place(source, content, path)
     if path == ["schema"]:

@@ -42,6 +42,12 @@ def _no_truth_value(value: Any) -> Any:
     return value
 
 
+def _number_or_text(value: Any) -> str:
+    """Which of the two an expression is; its errors are those of text."""
+    plain = plain_truth_value(value)
+    return "number" if isinstance(plain, int | float) and not isinstance(plain, bool) else "text"
+
+
 NotNull = Annotated[Value | None, _NotNull]
 Text = StrictStr
 NonEmptyText = Annotated[StrictStr, StringConstraints(min_length=1)]
@@ -267,13 +273,65 @@ class PendulumPart(Part):
     )
 
 
+Expression = Annotated[
+    Annotated[Number, Tag("number")] | Annotated[NonEmptyText, Tag("text")], Discriminator(_number_or_text)
+]
+Expressions = Annotated[list[Expression], Field(min_length=1)]
+
+
+class RationalExpressions(Part):
+    """B(s)/A(s), coefficients in descending powers of s, as expressions of the constants."""
+
+    numerator: Expressions = Field(description="Expressions of the coefficients of B.")
+    denominator: Expressions = Field(description="Expressions of the coefficients of A.")
+
+
+class StateSpaceExpressions(Part):
+    """ẋ = A x + B u, y = C x, entries as expressions of the constants."""
+
+    state_matrix: Annotated[list[Expressions], Field(min_length=1)] = Field(description="Rows of A.")
+    input_vector: Expressions = Field(description="Entries of B.")
+    output_row: Expressions = Field(description="Entries of C.")
+
+
+class PhysicalParameters(Part):
+    """Named constants and how the plant follows from them; see docs/physical_plants.md."""
+
+    parameters: Annotated[dict[Text, Number], Field(min_length=1)] = Field(description="Values of the constants.")
+    units: NotNull[dict[Text, Text]] = Field(default=None, description="Units of the constants, for people.")
+    transfer_function: NotNull[RationalExpressions] = Field(
+        default=None, description="B(s)/A(s), coefficients in descending powers of s, as expressions of the constants."
+    )
+    state_space: NotNull[StateSpaceExpressions] = Field(
+        default=None, description="ẋ = A x + B u, y = C x, entries as expressions of the constants."
+    )
+    fixed: list[Text] = Field(default=[], description="Constants that are known and keep their values.")
+
+
+class PhysicalPart(Part):
+    """A plant of named constants."""
+
+    physical: PhysicalParameters = Field(description="Named constants and how the plant follows from them.")
+    standard_deviations: NotNull[dict[Text, NonNegative]] = Field(
+        default=None, description="Standard deviations of the constants, by name, where they were estimated."
+    )
+    covariance: NotNull[list[list[Number]]] = Field(
+        default=None, description="Covariance of all constants, in the order in which they are written."
+    )
+
+
+PLANTS = ("transfer_function", "pendulum", "physical")
+
+
 def _kind_of_plant(written: Any) -> str:
-    pendulum = isinstance(written, Mapping) and "pendulum" in written and "transfer_function" not in written
-    return "pendulum" if pendulum else "transfer_function"
+    named = [kind for kind in PLANTS if isinstance(written, Mapping) and kind in written]
+    return named[0] if named else "transfer_function"
 
 
 Plant = Annotated[
-    Annotated[TransferFunctionPart, Tag("transfer_function")] | Annotated[PendulumPart, Tag("pendulum")],
+    Annotated[TransferFunctionPart, Tag("transfer_function")]
+    | Annotated[PendulumPart, Tag("pendulum")]
+    | Annotated[PhysicalPart, Tag("physical")],
     Discriminator(_kind_of_plant),
 ]
 
@@ -309,7 +367,7 @@ class SimulationFile(Part):
     )
     input: InputPart | None = Field(description="The input column and its hold; null for a free decay.")
     plant: Plant = Field(
-        description="Exactly one of transfer_function and pendulum, and what is known of its accuracy."
+        description="Exactly one of transfer_function, pendulum and physical, and what is known of its accuracy."
     )
     controller: NotNull[ControllerPart] = Field(
         default=None, description="Closed loop: u = clip(velocity_gain (position_gain (reference − y) − ẏ))."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -71,9 +71,29 @@ class ClosedLoop(PlantKind):
         """Those of what is controlled."""
         return self.plant.free_constants()
 
-    def completed(self, coefficients: Array) -> Array:
+    def packed(self, structure: Structure) -> NDArray[np.bool_]:
+        """Those of what is controlled."""
+        return self.plant.packed(structure)
+
+    def completed(self, coefficients: Array, constants: Mapping[str, float]) -> Array:
         """As what is controlled completes them."""
-        return self.plant.completed(coefficients)
+        return self.plant.completed(coefficients, constants)
+
+    def with_coefficients(self, model: Model, coefficients: Array) -> Model:
+        """As what is controlled takes them."""
+        return self.plant.with_coefficients(model, coefficients)
+
+    def coefficient_covariance(self, structure: Structure, fitted: Fitted) -> Array:
+        """That of what is controlled."""
+        return self.plant.coefficient_covariance(structure, fitted)
+
+    def estimates(self, structure: Structure, model: Model, fitted: Fitted | None) -> list[tuple[str, float, float]]:
+        """Those of what is controlled."""
+        return self.plant.estimates(structure, model, fitted)
+
+    def remarks(self) -> tuple[str, ...]:
+        """Those of what is controlled."""
+        return self.plant.remarks()
 
     def all_fixed(self) -> Self:
         """The same with nothing to be re-estimated."""

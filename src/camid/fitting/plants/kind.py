@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar, Self
@@ -110,9 +110,31 @@ class PlantKind:
         """Those of them that are re-estimated; ``scale`` says what each is measured by."""
         return (OFFSET,) * self.offset_free + (BIAS,) * self.bias_free
 
-    def completed(self, coefficients: Array) -> Array:
-        """Coefficients, shape (m + 1 + n,), with those set that follow from others."""
+    def packed(self, structure: Structure) -> NDArray[np.bool_]:
+        """Which coefficients are fitted as such, shape (m + 1 + n,); others follow from constants, or stay."""
+        return structure.free
+
+    def completed(self, coefficients: Array, constants: Mapping[str, float]) -> Array:
+        """Coefficients, shape (m + 1 + n,), with those set that follow from others, or from constants."""
         return coefficients
+
+    def with_coefficients(self, model: Model, coefficients: Array) -> Model:
+        """The model with other coefficients, shape (m + 1 + n,), or the nearest ones that its constants can make."""
+        return replace(model, coefficients=self.completed(coefficients, model.constants))
+
+    def coefficient_covariance(self, structure: Structure, fitted: Fitted) -> Array:
+        """Covariance of all coefficients, shape (m + 1 + n, m + 1 + n), zero for those that are not free."""
+        count = int(np.count_nonzero(structure.free))
+        return structure.full_covariance(fitted.covariance[:count, :count])
+
+    def estimates(self, structure: Structure, model: Model, fitted: Fitted | None) -> list[tuple[str, float, float]]:
+        """Name, value and standard deviation of what describes the plant; zero deviations without a fit."""
+        degree, order = structure.degree, structure.order
+        names = [f"b{degree - i}" for i in range(degree + 1)] + [f"a{order - 1 - i}" for i in range(order)]
+        deviations = np.zeros(len(names))
+        if fitted is not None:
+            deviations = np.sqrt(np.diag(self.coefficient_covariance(structure, fitted)))
+        return [*zip(names, map(float, model.coefficients), map(float, deviations), strict=True)]
 
     def all_fixed(self) -> Self:
         """The same with nothing of the plant to be re-estimated; unknown offsets and biases stay unknown."""
@@ -284,22 +306,31 @@ class PlantKind:
         """The plant identified."""
         return identify_by_simulation(problem, task)
 
+    def remarks(self) -> tuple[str, ...]:
+        """What a recording of this kind leaves open of the plant, a sentence each."""
+        return ()
+
     # -- how it is written -------------------------------------------------------------------------------------------
 
     def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:
         """The simulation with the plant of a fit, and its accuracy where the data determine it."""
         lead, model = believed.plant.denominator[0], fitted.model
         plant = structure.plant(model.coefficients)
-        count = int(np.count_nonzero(structure.free))
-        covariance = np.square(lead) * fitted.covariance[:count, :count]
+        covariance = np.square(lead) * self.coefficient_covariance(structure, fitted)
         finite = bool(np.all(np.isfinite(covariance)))
+        deviations, split = np.sqrt(np.abs(np.diag(covariance))), structure.degree + 1
         return replace(
             self._with_constants(believed, fitted),
             plant=TransferFunction(
                 tuple(lead * b for b in plant.numerator), tuple(lead * a for a in plant.denominator)
             ),
-            standard_deviations=_in_shape(structure, np.sqrt(np.abs(np.diag(covariance)))) if finite else None,
-            covariance=structure.full_covariance(covariance).tolist() if finite else None,
+            standard_deviations={
+                "numerator": deviations[:split].tolist(),
+                "denominator": [0.0, *deviations[split:].tolist()],
+            }
+            if finite
+            else None,
+            covariance=covariance.tolist() if finite else None,
         )
 
     def _with_constants(self, believed: Simulation, fitted: Fitted) -> Simulation:
@@ -312,10 +343,3 @@ class PlantKind:
                 found[constant.name] = float(fitted.model.constants[constant.name])
                 found[f"{constant.name}_deviation"] = float(np.sqrt(variance)) if np.isfinite(variance) else None
         return replace(believed, **found)  # type: ignore[arg-type]
-
-
-def _in_shape(structure: Structure, deviations: Array) -> dict[str, list[float]]:
-    every = np.zeros(len(structure.free))
-    every[structure.free] = deviations
-    split = structure.degree + 1
-    return {"numerator": every[:split].tolist(), "denominator": [0.0, *every[split:].tolist()]}

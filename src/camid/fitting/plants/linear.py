@@ -74,17 +74,19 @@ class LinearPlant(PlantKind):
         parameters = predictor.with_fitted_initial_states(model.coefficients)
         polynomials = predictor.split(parameters)[2]
         initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
-        found = replace(model, initial=initial, constants=self._fitted_constants(problem, predictor, parameters))
+        found = replace(model, initial=initial, constants=self._fitted_constants(problem, model, predictor, parameters))
         if not model.effects:
             return found
         # Effects may have bent the motion so far from the linear one that its best state is none; the recording shows
         # it.
-        return min((found, recorded_start(problem, model)), key=lambda start: _misfit(problem, start))
+        return min((found, recorded_start(problem, model)), key=lambda start: misfit(problem, start))
 
-    def _fitted_constants(self, problem: Problem, predictor: Predictor, parameters: Array) -> dict[str, float]:
-        """The plant's constants, those that are unknown as a fit found them."""
+    def _fitted_constants(
+        self, problem: Problem, model: Model, predictor: Predictor, parameters: Array
+    ) -> dict[str, float]:
+        """The plant's constants, offset and bias as a fit found them where they are unknown."""
         bias, offset = predictor.bias_and_offset(parameters)
-        found = self.constants()
+        found = {**self.constants(), **model.constants}
         if self.offset_free:
             found[OFFSET.name] = problem.experiments[0].offset + offset
         if self.bias_free:
@@ -109,7 +111,7 @@ class FreeDecay(LinearPlant):
         return fit_growing(problem, start)
 
 
-def _misfit(problem: Problem, model: Model) -> float:
+def misfit(problem: Problem, model: Model) -> float:
     """Sum of squared residuals; infinite where the simulation fails."""
     try:
         residual = problem.output - problem.simulate_fitted(model)

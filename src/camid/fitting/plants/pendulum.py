@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -57,7 +58,7 @@ class PendulumKind(PlantKind):
         """The angle at rest, unless it is known."""
         return (*super().free_constants(), REST) if self.rest_free else super().free_constants()
 
-    def completed(self, coefficients: Array) -> Array:
+    def completed(self, coefficients: Array, constants: Mapping[str, float]) -> Array:
         """Coefficients with the numerator that a known gain prescribes."""
         if self.fixed_gain is None:
             return coefficients
@@ -95,7 +96,7 @@ class PendulumKind(PlantKind):
         if self.rest_free:
             angle = float(np.arctan2(solution[2], solution[1]))
             constants[REST.name] = angle + 2.0 * np.pi * round((constants[REST.name] - angle) / (2.0 * np.pi))
-        suggested = replace(model, coefficients=self.completed(coefficients), constants=constants)
+        suggested = replace(model, coefficients=self.completed(coefficients, constants), constants=constants)
         return [recorded_start(problem, suggested)]
 
     def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:

@@ -1,0 +1,119 @@
+"""A plant of named constants in a simulation file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from camid.errors import InputError, nearest_match
+from camid.physical.expressions import refuse_name
+from camid.physical.linear_form import LinearForm, RationalForm, StateSpaceForm
+from camid.physical.plant import PhysicalPlant
+from camid.simulation.refused_plant import refuse_table, refuse_unstable
+from camid.simulation.yaml_file import Where
+
+if TYPE_CHECKING:
+    from camid.simulation.schema import PhysicalParameters, PhysicalPart
+
+FORMS = ("transfer_function", "state_space")
+
+
+def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
+    """What a file says about a plant of named constants, as arguments of :class:`camid.simulation.model.Simulation`.
+
+    Raises
+    ------
+    InputError
+        If an expression is none, a name is not known, or the constants make no stable proper plant.
+    """
+    constants = written.physical
+    names = _names(constants, where)
+    form = _form(constants, names, where)
+    for key, given in (("fixed", constants.fixed), ("units", constants.units or {})):
+        _refuse_strangers(given, names, where("plant", "physical", key))
+    deviations = written.standard_deviations
+    _refuse_strangers(deviations or {}, names, where("plant", "standard_deviations"))
+    if written.covariance is not None:
+        refuse_table(written.covariance, len(names), f"it has one row for each of {', '.join(names)}", where)
+    physical = PhysicalPlant(
+        dict(zip(names, map(float, constants.parameters.values()), strict=True)),
+        form,
+        tuple(map(str, constants.fixed)),
+        {str(k): str(v) for k, v in (constants.units or {}).items()},
+        None if not deviations else {str(k): float(v) for k, v in deviations.items()},
+        None if written.covariance is None else [[float(v) for v in row] for row in written.covariance],
+    )
+    place = where("plant", "physical")
+    try:
+        plant = physical.transfer_function()
+        _ = plant.monic
+        free_numerator, free_denominator = physical.freedom()
+    except ValueError as error:
+        raise InputError(str(error), where=place, hint="correct the expressions or the constants") from None
+    refuse_unstable(plant, place)
+    used = {name for name in names if _depends_on(physical, name)}
+    for name in names:
+        if name not in used:
+            raise InputError(
+                f"no coefficient depends on '{name}'",
+                where=where("plant", "physical", "parameters", name),
+                hint="use it in an expression, or leave it out",
+            )
+    return {
+        "plant": plant,
+        "physical": physical,
+        "free_numerator": free_numerator,
+        "free_denominator": free_denominator,
+    }
+
+
+def _depends_on(physical: PhysicalPlant, name: str) -> bool:
+    column = physical.names.index(name)
+    return bool((physical.coefficients.sensitive(physical.values)[:, column] != 0.0).any())
+
+
+def _names(constants: PhysicalParameters, where: Where) -> tuple[str, ...]:
+    for name in constants.parameters:
+        try:
+            refuse_name(name)
+        except ValueError as error:
+            raise InputError(
+                str(error), where=where("plant", "physical", "parameters", name), hint="for instance mass"
+            ) from None
+    return tuple(map(str, constants.parameters))
+
+
+def _form(constants: PhysicalParameters, names: tuple[str, ...], where: Where) -> LinearForm:
+    """How the plant follows from the constants, as it is written."""
+    given = [key for key in FORMS if getattr(constants, key) is not None]
+    if len(given) != 1:
+        said = f"{' and '.join(given)} are both given" if given else "nothing says how the plant follows from them"
+        raise InputError(said, where=where("plant", "physical"), hint=f"write one of {', '.join(FORMS)}")
+    rational, states = constants.transfer_function, constants.state_space
+    form: LinearForm
+    if rational is not None:
+        form = RationalForm(names, _texts(rational.numerator), _texts(rational.denominator))
+    else:
+        assert states is not None
+        rows = tuple(_texts(row) for row in states.state_matrix)
+        form = StateSpaceForm(names, rows, _texts(states.input_vector), _texts(states.output_row))
+    try:
+        form.polynomials()
+    except ValueError as error:
+        raise InputError(
+            str(error),
+            where=where("plant", "physical", given[0]),
+            hint="expressions hold names of parameters, numbers, + - * / ^ and functions such as sqrt",
+        ) from None
+    return form
+
+
+def _texts(expressions: Sequence[str | float]) -> tuple[str, ...]:
+    """Expressions as text; a number is one that is read back as it is."""
+    return tuple(repr(float(e)) if isinstance(e, int | float) else str(e) for e in expressions)
+
+
+def _refuse_strangers(given: Any, names: Sequence[str], where: str) -> None:
+    for name in given:
+        if name not in names:
+            raise InputError(f"'{name}' is not among the parameters", where=where, hint=nearest_match(name, names))
