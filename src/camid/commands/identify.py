@@ -104,7 +104,7 @@ def _refuse_undetermined(
             where=recordings[0].source,
             hint="record longer, or choose a lower order",
         )
-    if not structure.free.any():
+    if not structure.free.any() and believed.physical is None:
         raise InputError("no coefficient is free", where=believed.source, hint="free one under plant.free")
 
 

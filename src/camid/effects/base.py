@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,14 @@ class Recognition:
     standard_deviations: dict[str, float]
     p_value: float
     spoiled: NDArray[np.bool_]
+
+
+class LimitedState(NamedTuple):
+    """A level that runs over an edge; ``share`` of what does reaches the state that it feeds."""
+
+    state: str
+    edge: float
+    share: float
 
 
 _catalogue: dict[str, type[Effect]] = {}
@@ -173,9 +181,10 @@ class Effect:
         self.values: dict[str, Any] = {}
         self._neutral: tuple[float, ...] | None = None
         for parameter in self.parameters:
-            if parameter.name not in values:
+            if parameter.name not in values and parameter.default is None:
                 raise ValueError(f"{self.identifier} needs the parameter '{parameter.name}'")
-            self.values[parameter.name] = checked(self.identifier, parameter, values[parameter.name])
+            value = values.get(parameter.name, parameter.default)
+            self.values[parameter.name] = checked(self.identifier, parameter, value)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
@@ -185,7 +194,7 @@ class Effect:
     @classmethod
     def numeric(cls) -> tuple[Parameter, ...]:
         """Parameters that are numbers, in order."""
-        return tuple(p for p in cls.parameters if not p.choices and not p.sequence)
+        return tuple(p for p in cls.parameters if p.is_number)
 
     @property
     def vector(self) -> Array:
@@ -276,6 +285,10 @@ class Effect:
     def impulses(self) -> tuple[tuple[float, float], ...]:
         """Times in seconds and sizes (u·s) of impulses at the plant's input."""
         return ()
+
+    def limited_state(self) -> LimitedState | None:
+        """The state of a plant's equations that the effect limits."""
+        return None
 
     def declare(self, acquisition: Acquisition) -> Acquisition:
         """Another declaration of hold, sensor, exposure or latency."""

@@ -56,12 +56,18 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
     name = f"{declared.identifier}, {parameter.name}"
     unit = f" in {parameter.unit}" if parameter.unit else ""
     if parameter.name not in declared.parameters:
+        if parameter.default is not None:
+            return
         raise InputError(
             f"{declared.identifier} needs the parameter '{parameter.name}'",
             where=declared.where,
             hint=f"add it: {parameter.meaning}{unit}",
         )
     value = declared.parameters[parameter.name]
+    if parameter.is_name:
+        if not isinstance(value, str):
+            raise InputError(f"{name}: {value!r} is not a name", where=declared.where, hint=parameter.meaning)
+        return
     if parameter.choices:
         if value not in parameter.choices:
             raise InputError(

@@ -27,6 +27,10 @@ class Parameter:
     scale : str
         What a small change of it is measured by: the ``value`` itself, the sampling ``period``, ``one``, or the
         ``resolution`` in frequency that the length of the recording allows.
+    is_name : bool
+        Whether it is a name and not a number: that of a state of the plant's equations.
+    default : str or float or None
+        Its value where nothing is said; None where it has to be.
     size : float
         What it is measured by where its value is zero; 0 where nothing is known.
     """
@@ -39,11 +43,22 @@ class Parameter:
     choices: tuple[str, ...] = ()
     sequence: bool = False
     scale: str = "value"
+    is_name: bool = False
+    default: str | float | None = None
     size: float = 0.0
+
+    @property
+    def is_number(self) -> bool:
+        """Whether its value is one number."""
+        return not (self.choices or self.sequence or self.is_name)
 
 
 def checked(identifier: str, parameter: Parameter, value: Any) -> Any:
     """Value of a parameter of the effect with this identifier; ValueError where it must not have it."""
+    if parameter.is_name:
+        if not isinstance(value, str):
+            raise ValueError(f"{identifier}, {parameter.name}: {value!r} is not a name")
+        return str(value)
     if parameter.choices:
         if value not in parameter.choices:
             raise ValueError(f"{identifier}, {parameter.name}: '{value}' is not one of {', '.join(parameter.choices)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,6 +29,8 @@ class Situation:
     acquisition : Acquisition
     used : ndarray of bool, shape (N,)
         Rows that are fitted; on the others the residual is zero.
+    rest : callable, optional
+        Of a plant of equations, its states at rest, by name, at an output; None where it rests nowhere.
     """
 
     time: Array
@@ -39,6 +42,7 @@ class Situation:
     plant: TransferFunction
     acquisition: Acquisition
     used: NDArray[np.bool_]
+    rest: Callable[[float], dict[str, float] | None] | None = None
 
     def until(self, rows: int) -> Situation:
         """The begin of the recording, at most so many rows."""

@@ -31,7 +31,7 @@ import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
-from camid.effects.base import Effect
+from camid.effects.base import Effect, LimitedState
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
@@ -143,6 +143,7 @@ class SquareRootOutflow(_Storage, AgainstMotion):
             "",
             "storage below another with it: none, the faster or the slower",
             choices=("none", "fast", "slow"),
+            default="none",
         ),
     )
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
@@ -215,7 +216,18 @@ class Overflow(_Storage):
         Parameter("height", "y", "level h of the edge: the output at rest with the storage just full"),
         Parameter("share", "", "share of the excess that reaches the storage below", 0.0, 1.0),
         Parameter(
-            "below", "", "storage below the full one: none, the faster or the slower", choices=("none", "fast", "slow")
+            "below",
+            "",
+            "storage below the full one: none, the faster or the slower",
+            choices=("none", "fast", "slow"),
+            default="none",
+        ),
+        Parameter(
+            "state",
+            "",
+            "state of the plant's equations that runs over, in whose unit the height is; none of a linear plant",
+            is_name=True,
+            default="",
         ),
     )
     separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
@@ -223,6 +235,19 @@ class Overflow(_Storage):
     # At the edge of a single storage the force follows from the speed that it leaves.
     uses_velocity = True
     _outflow: SquareRootOutflow | None = None
+
+    def __init__(self, **values: Any) -> None:
+        super().__init__(**values)
+        if self.values["state"]:
+            # The engine limits the state itself: nothing of a force that would stand for it is left.
+            for part in ("force", "switch"):
+                setattr(self, part, None)
+            self.uses_velocity = False
+
+    def limited_state(self) -> LimitedState | None:
+        """The state that runs over."""
+        name = str(self.values["state"])
+        return LimitedState(name, self.values["height"], self.values["share"]) if name else None
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
@@ -296,9 +321,11 @@ class Overflow(_Storage):
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of a full storage above another one."""
+        constants = time_constants(plant)
+        if self.values["state"]:
+            return STEP_SHARE * STEEPNESS / constants[0] if constants else 0.0
         if plant.order == 1:
             return 0.0
-        constants = time_constants(plant)
         if not constants:
             return sqrt(mobility(plant) * STEEPNESS * abs(static_stiffness(plant)))
         return STEP_SHARE * STEEPNESS / (constants[0] if self.values["below"] != "fast" else constants[-1])
@@ -306,9 +333,24 @@ class Overflow(_Storage):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Several heights on both sides, of the storage itself or of the upper one of two."""
+        if situation.rest is not None:
+            yield from cls._of_states(situation)
+            return
         count = len(time_constants(situation.plant))
         belows = ("fast", "slow") if count == 2 else ("none",) * count
         for edge in (float(np.max(situation.position)), float(np.min(situation.position))):
             for share in (0.9, 0.7, 0.4) if edge != 0.0 else ():
                 for below in belows:
                     yield cls(height=share * edge, share=0.0, below=below).measured_from(BEYOND * edge, 0.0)
+
+    @classmethod
+    def _of_states(cls, situation: Situation) -> Iterator[Effect]:
+        """Several heights of each state of the plant's equations, where it rests at a part of the largest output."""
+        assert situation.rest is not None
+        highest = float(np.max(situation.position))
+        full = situation.rest(highest) or {}
+        for share in (0.9, 0.7, 0.4):
+            levels = situation.rest(share * highest) or {}
+            for name, level in levels.items():
+                if level > 0.0 and full.get(name, 0.0) > 0.0:
+                    yield cls(height=level, share=0.0, state=name).measured_from(BEYOND * full[name], 0.0)

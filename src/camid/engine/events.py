@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from camid.compiled import kernel
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, friction_level, remember, switches
+from camid.engine.plant_equations import entering, held_rates, plant_rates, project
 from camid.engine.workspace import Kinds, Workspace, copy
 
 Array = NDArray[np.float64]
@@ -33,6 +34,8 @@ def _slope(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, stuck: bool, result: Array
 ) -> None:
     """Derivative of the state by the scaled time; a stuck body keeps its velocity."""
+    if m.equations.function != 0:
+        project(m.equations, state)
     force = force_in(m, time, state, signal, memory, 0.0 if stuck else direction)
     size = len(state)
     for i in range(size):
@@ -40,6 +43,13 @@ def _slope(
         for j in range(size):
             total += m.state_matrix[i, j] * state[j]
         result[i] = total
+    if m.equations.function != 0:
+        driven = entering(m.equations, state, signal, force)
+        if stuck:
+            held_rates(m.equations, state, driven, result)
+        else:
+            plant_rates(m.equations, state, driven, result)
+        return
     if stuck:
         hold = dot(m.velocity, result) / dot(m.velocity, m.force_vector)
         for i in range(size):
@@ -49,12 +59,16 @@ def _slope(
 @kernel
 def _holding_force(m: Mechanics, time: float, state: Array, signal: float, memory: Array, work: Array) -> float:
     """Force along the input that a body at rest would have to overcome to keep from accelerating."""
+    if m.equations.function != 0:
+        project(m.equations, state)
+        force = force_in(m, time, state, signal, memory, 0.0)
+        return held_rates(m.equations, state, entering(m.equations, state, signal, force), work)
     _slope(m, time, state, signal, memory, 0.0, False, work)
     return dot(m.velocity, work) / dot(m.velocity, m.force_vector)
 
 
 @kernel
-def _runge_kutta(
+def runge_kutta(
     m: Mechanics,
     time: float,
     step: float,
@@ -76,11 +90,15 @@ def _runge_kutta(
         for i in range(size):
             work[4, i] = state[i] + (share * step * work[stage - 1, i] if stage > 0 else 0.0)
         now = time + share * step * m.time_unit
+        if m.equations.function != 0:
+            project(m.equations, work[4, :size])
         remember(m.forces, now, dot(m.position, work[4, :size]) - origin, memory, remembered)
         signal = first + share * (last - first)
         _slope(m, now, work[4, :size], signal, remembered, direction, stuck, work[stage, :size])
     for i in range(size):
         result[i] = state[i] + step / 6.0 * (work[0, i] + 2.0 * work[1, i] + 2.0 * work[2, i] + work[3, i])
+    if m.equations.function != 0:
+        project(m.equations, result)
     remember(m.forces, time + step * m.time_unit, dot(m.position, result) - origin, memory, remembered)
 
 
@@ -226,7 +244,7 @@ def _first_event(
 @kernel(inline="always")
 def _advance(m: Mechanics, part: _Part, room: Workspace) -> None:
     """Step over a part from state and memory of ``room`` to those that follow."""
-    _runge_kutta(
+    runge_kutta(
         m, part.time, part.length, room.state, room.memory, part.first, part.last, part.direction, part.stuck,
         room.following, room.remembered, room.work,
     )  # fmt: skip

@@ -16,6 +16,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from camid.compiled import kernel
+from camid.engine.plant_equations import PlantEquations
 
 Array = NDArray[np.float64]
 
@@ -76,7 +77,9 @@ class Mechanics(NamedTuple):
         Whether a force at the plant's input acts on the acceleration at once, so that friction can hold the body.
     forces : Forces
     time_unit : float
-        Seconds.
+        Seconds; one where the plant has equations.
+    equations : PlantEquations
+        Of a nonlinear plant, whose part of the matrix is that of the plant linearised at its start.
     """
 
     state_matrix: Array
@@ -89,6 +92,7 @@ class Mechanics(NamedTuple):
     sticks: bool
     forces: Forces
     time_unit: float
+    equations: PlantEquations
 
 
 def _call_by_address(

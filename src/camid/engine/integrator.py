@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
-from camid.engine.events import careful_step
+from camid.engine.events import careful_step, runge_kutta
 from camid.engine.feedback import Feedback, actuated, controlled, samples_at
-from camid.engine.forces import Mechanics, dot, force_in, switches, switches_at
+from camid.engine.forces import Mechanics, dot, force_in, free_velocity, switches, switches_at
+from camid.engine.plant_equations import doubt_of, project, remember_extremes
 from camid.engine.smooth_step import SmoothStep, linear_step, smooth_step, smooth_step_of
 from camid.engine.workspace import Kinds, Workspace, copy, kinds_of, workspace_of
 
@@ -93,6 +94,8 @@ def _begin(m: Mechanics, room: Workspace, kinds: Kinds) -> tuple[_Direct, float]
     for j in range(size):
         for i in range(size):
             room.derivative[j] += row[i] * m.state_matrix[i, j]
+    if m.equations.function != 0:
+        project(m.equations, room.state)
     direct = _Direct(dot(row, m.input_vector), dot(row, m.force_vector) if kinds.forced else 0.0)
     velocity = dot(m.velocity, room.state)
     if not kinds.dry or velocity == 0.0:
@@ -124,6 +127,22 @@ def _record_rates(
             record.rate_end[node - 1] = slope + _direct_rate(m, time, state, before, memory, direction, direct)
 
 
+@kernel
+def _equations_step(
+    m: Mechanics, room: Workspace, time: float, step: float, first: float, last: float, direction: float
+) -> tuple[float, float]:
+    """Step of a plant of equations without events; position and velocity in its middle."""
+    runge_kutta(
+        m, time, step, room.state, room.memory, first, last, direction, False,
+        room.following, room.remembered, room.work,
+    )  # fmt: skip
+    remember_extremes(m.equations, room.following, room.work[1], room.work[2], step)
+    start, end = dot(m.position, room.state), dot(m.position, room.following)
+    slope, slope_end = free_velocity(m, room.state, first), free_velocity(m, room.following, last)
+    halfway = 0.5 * (start + end) + 0.125 * step * (slope - slope_end)
+    return halfway, 1.5 * (end - start) / step - 0.25 * (slope + slope_end)
+
+
 @kernel(inline="always")
 def _step_unless_event(
     m: Mechanics,
@@ -148,9 +167,13 @@ def _step_unless_event(
     """
     state, following, memory, remembered = room.state, room.following, room.memory, room.remembered
     before, between, after = room.before, room.between, room.after
-    halfway, speed, largest, doubt = smooth_step(
-        m, c, time, step, state, memory, first, last, direction, kinds.remembers, remembered, following
-    )
+    if m.equations.function != 0:
+        halfway, speed = _equations_step(m, room, time, step, first, last, direction)
+        largest, doubt = abs(first), 0.0
+    else:
+        halfway, speed, largest, doubt = smooth_step(
+            m, c, time, step, state, memory, first, last, direction, kinds.remembers, remembered, following
+        )
     event = kinds.dry and direction * dot(m.velocity, following) < 0.0
     twice = kinds.dry and not event and direction * speed < 0.0
     if kinds.kinks:
@@ -226,6 +249,14 @@ def _step_in_parts(
             return direction, stuck, next_break, next_impulse
 
 
+@kernel(inline="always")
+def _doubt_about(m: Mechanics, doubt: float, largest: float) -> float:
+    """How coarse the steps were, from the largest difference of forces and the largest force or input."""
+    if m.equations.function != 0:
+        return doubt_of(m.equations)
+    return doubt / largest if largest > 0.0 else 0.0
+
+
 @kernel
 def _integrate(
     m: Mechanics, c: SmoothStep, grid: _Grid, shocks: _Shocks, feedback: Feedback, room: Workspace, record: _Record
@@ -268,7 +299,7 @@ def _integrate(
         largest = max(largest, abs(first))
         breaking = next_break < len(shocks.breaks) and shocks.breaks[next_break] <= time + step
         striking = next_impulse < len(shocks.impulse_times) and shocks.impulse_times[next_impulse] < time + step
-        if not (kinds.forced or breaking or striking):
+        if not (kinds.stepwise or breaking or striking):
             linear_step(c, state, first, last, room.following)
             copy(room.following, state)
             continue
@@ -286,7 +317,7 @@ def _integrate(
         direction, stuck, next_break, next_impulse = _step_in_parts(
             m, kinds, room, shocks, time, step, first, last, direction, stuck, tried, twice, next_break, next_impulse
         )
-    return doubt / largest if largest > 0.0 else 0.0
+    return _doubt_about(m, doubt, largest)
 
 
 @njit(nogil=True)

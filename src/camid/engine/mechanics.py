@@ -20,11 +20,16 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.plant_force import motion_sign
 from camid.engine.forces import Forces, Mechanics
+from camid.engine.nonlinear_plant import NonlinearPlant
+from camid.engine.plant_equations import PlantEquations, no_equations
 
 Array = NDArray[np.float64]
 
 # Share of the largest speed below which friction that acts with a lag grows in proportion to the speed.
 SLIP = 0.01
+
+# Time of the difference of velocities that is an acceleration of a plant of equations, in radians of its fastest pole.
+PROBE = 1e-5
 
 # Numbers that a compiled part may read: zeros behind those that it gets.
 FEWEST_VALUES = 10
@@ -45,6 +50,7 @@ class Chain:
     Attributes
     ----------
     plant : TransferFunction
+        Of a plant of equations, that of small motions about its start.
     acquisition : Acquisition
         As declared; effects may declare another.
     effects : tuple of Effect
@@ -60,6 +66,8 @@ class Chain:
         A controller that makes the input; the recorded one then says nothing.
     known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional
         A force at the plant's input that is a function of time, and how it goes on between the samples.
+    equations : NonlinearPlant, optional
+        Of a nonlinear plant; ``initial_state`` is then its states.
 
     Raises
     ------
@@ -77,6 +85,7 @@ class Chain:
     steps: int | None = None
     loop: Loop | None = None
     known_force: tuple[Array, str] | None = None
+    equations: NonlinearPlant | None = None
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""
@@ -125,8 +134,9 @@ def companion_block(plant: TransferFunction, unit: float) -> tuple[Array, Array,
 class _Line(NamedTuple):
     """Linear dynamics before the plant, the plant with those beside it, and those after, as one system in scaled time.
 
-    ``plant`` says where the plant's states lie; ``measured`` and ``position`` are rows for the motion that the sensor
-    sees and for that of the plant, before the integral of the measured motion is added as the last state.
+    ``plant`` says where the plant's states lie, ``driving`` and ``driving_input`` what enters it; ``measured`` and
+    ``position`` are rows for the motion that the sensor sees and for that of the plant, before the integral of the
+    measured motion is added as the last state.
     """
 
     state_matrix: Array
@@ -135,13 +145,17 @@ class _Line(NamedTuple):
     measured: Array
     position: Array
     plant: tuple[int, int]
+    driving: Array
+    driving_input: float
 
 
 def _line(chain: Chain, unit: float) -> _Line:
     before = [p for e in chain.effects if (p := e.before_plant()) is not None]
     beside = [p for e in chain.effects if (p := e.beside_plant()) is not None]
     after = [p for e in chain.effects if (p := e.after_plant()) is not None]
-    blocks = [companion_block(p, unit) for p in (*before, chain.plant, *beside, *after)]
+    blocks = [_block(p, unit) for p in (*before, chain.plant, *beside, *after)]
+    if chain.equations is not None:
+        blocks[len(before)] = chain.equations.block()
     first, last = len(before), len(before) + len(beside)
     size = sum(len(b[0]) for b in blocks)
     matrix = np.zeros((size + 1, size + 1))
@@ -150,7 +164,8 @@ def _line(chain: Chain, unit: float) -> _Line:
     # Row and direct input of the signal that enters the next block.
     row, direct_input, direct_force = np.zeros(size + 1), 1.0, 0.0
     offset, where = 0, (0, 0)
-    for i, (block, output, direct) in enumerate(blocks):
+    driving, driving_input = row.copy(), direct_input
+    for i, (block, enters, output, direct) in enumerate(blocks):
         order = len(block)
         if i == first:
             where, direct_force = (offset, offset + order), 1.0
@@ -161,9 +176,9 @@ def _line(chain: Chain, unit: float) -> _Line:
             row, direct_input, direct_force = driving, driving_input, 1.0
         if order:
             matrix[offset : offset + order, offset : offset + order] = block
-            matrix[offset] += row
-            input_vector[offset] = direct_input
-            force_vector[offset] = direct_force
+            matrix[offset : offset + order] += np.outer(enters, row)
+            input_vector[offset : offset + order] = enters * direct_input
+            force_vector[offset : offset + order] = enters * direct_force
         through = float(direct[0])
         row, direct_input, direct_force = row * through, direct_input * through, direct_force * through
         row[offset : offset + order] += output
@@ -176,7 +191,13 @@ def _line(chain: Chain, unit: float) -> _Line:
     if direct_input or direct_force:
         raise MotionJumps("the input passes the plant without delay: its motion jumps")
     matrix[size] = row
-    return _Line(matrix, input_vector, force_vector, row, position, where)
+    return _Line(matrix, input_vector, force_vector, row, position, where, driving, driving_input)
+
+
+def _block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array, Array]:
+    """Companion matrix, where the input enters, output row, and whether the input passes at once, in scaled time."""
+    matrix, row, direct = companion_block(plant, unit)
+    return matrix, np.eye(1, len(matrix))[0], row, direct
 
 
 def mechanics_of(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int]]:
@@ -187,7 +208,7 @@ def mechanics_of(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int
     NotApplicable
         If an effect has no meaning with this plant.
     """
-    unit = time_scale(chain.plant.monic.denominator)
+    unit = 1.0 if chain.equations is not None else time_scale(chain.plant.monic.denominator)
     line = _line(chain, unit)
     velocity = line.position @ line.state_matrix
     at_once = np.array([line.position @ line.input_vector, line.position @ line.force_vector]) / unit
@@ -209,8 +230,22 @@ def mechanics_of(chain: Chain, signal: Array) -> tuple[Mechanics, tuple[int, int
         bool(sticks),
         forces,
         unit,
+        _equations(chain, line, dry=bool(dry and sticks)),
     )
     return mechanics, line.plant
+
+
+def _equations(chain: Chain, line: _Line, *, dry: bool) -> PlantEquations:
+    """The plant's equations as compiled code takes them."""
+    if chain.equations is None:
+        for effect in chain.effects:
+            if effect.limited_state() is not None:
+                raise NotApplicable(f"{effect.identifier} limits a state, and the plant has no equations")
+        return no_equations()
+    fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0)) or 1.0
+    limited = [limit for effect in chain.effects if (limit := effect.limited_state()) is not None]
+    entering = (line.plant[0], line.driving, line.driving_input)
+    return chain.equations.compiled(entering, PROBE / fastest, limited, dry=dry)
 
 
 def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) -> Forces:

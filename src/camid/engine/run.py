@@ -101,7 +101,7 @@ def _acts_on_motion(effect: Effect) -> bool:
 
 def _exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
     """Output of a linear chain with a held or straight input, or None."""
-    if chain.loop is not None or chain.known_force is not None:
+    if chain.loop is not None or chain.known_force is not None or chain.equations is not None:
         return None
     if any(_acts_on_motion(e) or _overrides(e, "windows", "measure") for e in chain.effects):
         return None
@@ -139,8 +139,11 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     before = chain.initial_state is not None and chain.state_before_record and chain.loop is None
     delay = acquisition.window()[0] if before else 0
     initial = np.zeros(len(mechanics.input_vector))
-    if chain.initial_state is not None:
-        initial[order[0] : order[1]] = chain.initial_state
+    state = chain.initial_state
+    if state is None and chain.equations is not None:
+        state = chain.equations.start
+    if state is not None:
+        initial[order[0] : order[0] + len(state)] = state
     start_time = float(time[0]) - delay * period
     breaks = np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float)
     impulses = sorted(i for e in chain.effects for i in e.impulses())

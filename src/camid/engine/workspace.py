@@ -58,12 +58,21 @@ def workspace_of(m: Mechanics, initial: Array) -> Workspace:
 
 
 class Kinds(NamedTuple):
-    """Whether a chain holds dry friction that can hold the body, kinks, forces that remember, and forces at all."""
+    """What the forces of a chain ask of a step.
+
+    Attributes
+    ----------
+    dry, kinks, remembers, forced : bool
+        Whether there is dry friction that can hold the body, a kink, a force that remembers, or any force.
+    stepwise : bool
+        Whether a step is more than that of a linear system.
+    """
 
     dry: bool
     kinks: bool
     remembers: bool
     forced: bool
+    stepwise: bool
 
 
 @kernel(inline="always")
@@ -76,7 +85,7 @@ def kinds_of(m: Mechanics) -> Kinds:
         kinks = kinks or functions[3, i] != 0
         remembers = remembers or functions[2, i] != 0
         forced = forced or functions[0, i] != 0 or functions[1, i] != 0
-    return Kinds(dry, kinks, remembers, forced)
+    return Kinds(dry, kinks, remembers, forced, forced or m.equations.function != 0)
 
 
 @kernel(inline="always")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,10 @@ from camid.effects.base import Effect
 from camid.errors import InputError
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.closed_loop import ClosedLoop
+from camid.fitting.plants.equations import EquationsKind
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
+from camid.fitting.plants.named_constants import NamedConstants
 from camid.fitting.plants.pendulum import PendulumKind
 from camid.fitting.plants.physical import PhysicalFreeDecay, PhysicalKind
 from camid.fitting.problem import Problem
@@ -69,7 +72,9 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
         return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain)
     driven = believed.input_column is not None
     if believed.physical is not None:
-        named = PhysicalKind if driven else PhysicalFreeDecay
+        named: type[NamedConstants] = EquationsKind
+        if believed.physical.equations is None:
+            named = PhysicalKind if driven else PhysicalFreeDecay
         return named(physical=believed.physical, structure=structure_of(believed), offset=believed.known_offset)
     kind = LinearPlant if driven else FreeDecay
     return kind(offset=believed.known_offset)
@@ -80,7 +85,7 @@ def problem_of(
 ) -> Problem:
     """What is fitted and diagnosed."""
     kind = kind_of(believed, recordings).with_unknown(experiments)
-    return Problem(
+    problem = Problem(
         structure,
         kind.compared(experiments),
         [r.time for r in recordings],
@@ -88,6 +93,7 @@ def problem_of(
         time_scale(tuple(structure.denominator)),
         remainder=believed.remainder,
     )
+    return replace(problem, kind=kind.prepared(problem))
 
 
 def model_of(problem: Problem, effects: Sequence[Effect]) -> Model:

@@ -185,6 +185,7 @@ class Problem:
             self.kind.state_before_record(experiment),
             None if self.steps is None else self.steps[index],
             self.kind.loop(index),
+            equations=self.kind.nonlinear(model),
         )
 
     def simulate_one(self, model: Model, index: int) -> Array:

@@ -63,8 +63,14 @@ def _at_rest(
     """The chain at rest before the first sample, and its input."""
     free = simulation.input_column is None
     signal = np.zeros(len(recording)) if free else recording.columns[str(simulation.input_column)]
-    forces = kind.forces(Model(np.zeros(0), constants=kind.constants()))
-    chain = Chain(simulation.plant, acquisition_of(recording, simulation), (*forces, *effects), loop=kind.loop(0))
+    model = Model(np.zeros(0), constants=kind.constants())
+    chain = Chain(
+        simulation.plant,
+        acquisition_of(recording, simulation),
+        (*kind.forces(model), *effects),
+        loop=kind.loop(0),
+        equations=kind.nonlinear(model),
+    )
     return chain, signal
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
+from camid.physical.equations import Equations, sensitive_to, transfer_function_of
 from camid.physical.expressions import parsed, symbols
 from camid.physical.linear_form import Coefficients, LinearForm, coefficients_of
 from camid.physical.undetermined import Undetermined, undetermined
@@ -28,7 +29,7 @@ class PhysicalPlant:
     ----------
     parameters : dict of str to float
         Values, in the order in which they were written.
-    form : LinearForm
+    form : LinearForm or Equations
         How the plant depends on them.
     fixed : tuple of str
         Constants that keep their values.
@@ -43,7 +44,7 @@ class PhysicalPlant:
     """
 
     parameters: Mapping[str, float]
-    form: LinearForm
+    form: LinearForm | Equations
     fixed: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     standard_deviations: Mapping[str, float] | None = None
@@ -66,19 +67,31 @@ class PhysicalPlant:
         return tuple(name for name in self.parameters if name not in self.fixed)
 
     @property
+    def equations(self) -> Equations | None:
+        """The nonlinear equations, where it has some."""
+        return self.form if isinstance(self.form, Equations) else None
+
+    @property
     def coefficients(self) -> Coefficients:
-        """How the coefficients of the monic plant follow from the constants."""
+        """How the coefficients of the monic linear plant follow from the constants."""
+        assert not isinstance(self.form, Equations)
         return coefficients_of(self.form)
 
     def transfer_function(self) -> TransferFunction:
-        """The plant as it is written; ValueError where the constants make none."""
+        """The plant as it is written, nonlinear equations about their start; ValueError where there is none."""
+        if self.equations is not None:
+            return transfer_function_of(self.equations, self.values)
         return self.coefficients.written(self.values)
 
     def freedom(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Which coefficients of the monic plant depend on a constant that is free."""
         columns = [self.names.index(name) for name in self.free]
-        varies = np.any(self.coefficients.sensitive(self.values)[:, columns] != 0.0, axis=1)
-        split = self.coefficients.degree + 1
+        if self.equations is not None:
+            varies = np.any(sensitive_to(self.equations, self.values)[:, columns] != 0.0, axis=1)
+            split = len(self.transfer_function().numerator)
+        else:
+            varies = np.any(self.coefficients.sensitive(self.values)[:, columns] != 0.0, axis=1)
+            split = self.coefficients.degree + 1
         return varies[:split], np.concatenate([[False], varies[split:]])
 
     def undetermined(self, rows: NDArray[np.bool_]) -> Undetermined:

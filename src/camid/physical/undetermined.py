@@ -8,9 +8,10 @@ coefficients say what is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +22,23 @@ Array = NDArray[np.float64]
 
 # Points about the nominal one at which the null space is looked at, as factors of the constants.
 POINTS = ((1.0, 1.0), (1.31, 0.83), (0.77, 1.19), (1.13, 1.47))
-# Singular values below this share of the largest are zero.
-ZERO = 1e-7
-# Agreement of null spaces at different points, and of their entries with fractions.
-AGREEMENT = 1e-4
 LARGEST_DENOMINATOR = 6
+
+
+class Accuracy(NamedTuple):
+    """How exactly changes are known.
+
+    ``zero`` is the share of the largest singular value below which one is zero, and ``agreement`` that of null spaces
+    at different points, and of their entries with fractions.
+    """
+
+    zero: float
+    agreement: float
+
+
+# Of coefficients, and of simulations.
+EXACT = Accuracy(1e-7, 1e-4)
+SIMULATED = Accuracy(1e-5, 1e-2)
 
 
 @dataclass(frozen=True)
@@ -64,10 +77,11 @@ class Undetermined:
         if not self.open:
             return None
         kept = _listed([f"{name} at {values[name]:g}" for name in self.held])
-        known = _listed([combination.text for combination in self.combinations])
+        known = [combination.text for combination in self.combinations]
+        said = f"determines {_listed(known)}, but not each of" if known else "does not tell apart"
         return (
-            f"the recording determines {known}, but not each of {_listed(list(self.open))}: the others are given with "
-            f"{kept}; put what you know under fixed"
+            f"the recording {said} {_listed(list(self.open))}: the others are given with {kept}; put what you know "
+            "under fixed"
         )
 
 
@@ -91,48 +105,76 @@ def undetermined(
         Which coefficients of the monic plant a recording determines.
     """
     columns = np.array([names.index(name) for name in free], dtype=int)
-    if not len(columns):
-        return Undetermined()
-    tables = []
+    tables, points = [], []
     for odd, even in POINTS:
         moved = values * np.where(np.arange(len(values)) % 2, even, odd)
         table = coefficients.sensitive(moved)[rows][:, columns]
         if np.all(np.isfinite(table)):
             # As relative changes, so that the unit of a coefficient does not count.
             sizes = np.max(np.abs(table), axis=1, keepdims=True, initial=0.0)
-            tables.append((table / np.where(sizes == 0.0, 1.0, sizes), moved[columns]))
-    spaces = [(_null_space(table), point) for table, point in tables]
-    if not spaces:
-        return Undetermined()
-    smallest = min(len(space) for space, _ in spaces)
+            tables.append(table / np.where(sizes == 0.0, 1.0, sizes))
+            points.append(moved[columns])
+
+    def of_coefficients(touched: NDArray[np.intp]) -> list[str]:
+        sensitive = coefficients.sensitive(values)[:, columns]
+        touching = [int(i) for i in np.flatnonzero(rows) if np.any(sensitive[i][touched])]
+        return [coefficients.texts[i] for i in _independent(sensitive, touching)]
+
+    return undetermined_by(free, tables, points, EXACT, of_coefficients)
+
+
+def undetermined_by(
+    free: Sequence[str],
+    tables: Sequence[Array],
+    points: Sequence[Array],
+    accuracy: Accuracy,
+    otherwise: Callable[[NDArray[np.intp]], list[str]] | None = None,
+) -> Undetermined:
+    """What is left open of constants by quantities whose changes are known.
+
+    Parameters
+    ----------
+    free : sequence of str
+        Names of the p constants.
+    tables : sequence of ndarray, shapes (m, p)
+        Changes of m quantities by relative changes of the constants, at several points.
+    points : sequence of ndarray, shapes (p,)
+        Values of the constants there.
+    accuracy : Accuracy
+        Of the tables.
+    otherwise : callable, optional
+        Expressions that are determined where neither products nor sums of the constants say it, for those constants
+        (their indices) that are not determined each.
+    """
+    spaces = [(_null_space(table, accuracy), point) for table, point in zip(tables, points, strict=True) if table.size]
+    smallest = min((len(space) for space, _ in spaces), default=0)
     spaces = [(space, point) for space, point in spaces if len(space) == smallest]
     if smallest == 0:
         return Undetermined()
     relative = [space for space, _ in spaces]
     # A constant of zero is measured by one; its logarithm is none.
-    absolute = [_reduced(space * np.where(point == 0.0, 1.0, np.abs(point))) for space, point in spaces]
-    held = [int(np.flatnonzero(np.abs(row) > AGREEMENT)[0]) for row in relative[0]]
-    touched = np.flatnonzero(np.any(np.abs(relative[0]) > AGREEMENT, axis=0))
+    absolute = [_reduced(space * np.where(point == 0.0, 1.0, np.abs(point)), accuracy) for space, point in spaces]
+    held = [int(np.flatnonzero(np.abs(row) > accuracy.agreement)[0]) for row in relative[0]]
+    touched = np.flatnonzero(np.any(np.abs(relative[0]) > accuracy.agreement, axis=0))
     texts: list[str] = []
     followers = [int(i) for i in touched if i not in held]
     for space, kind in ((relative, "product"), (absolute, "sum")):
-        exact = _fractions(space)
+        exact = _fractions(space, accuracy)
         if exact is not None:
             texts = [_combination(free, held, exact[:, i], i, kind) for i in followers]
             break
     else:
-        touching = [int(i) for i in np.flatnonzero(rows) if np.any(coefficients.sensitive(values)[i, columns][touched])]
-        texts = [coefficients.texts[i] for i in _independent(coefficients.sensitive(values)[:, columns], touching)]
+        texts = [] if otherwise is None else otherwise(touched)
     return Undetermined(
         tuple(free[i] for i in held), tuple(free[int(i)] for i in touched), tuple(Combination(t) for t in texts)
     )
 
 
-def _null_space(table: Array) -> Array:
+def _null_space(table: Array, accuracy: Accuracy) -> Array:
     """Basis of the null space in reduced echelon form, shape (k, p): each row has its first entry for itself."""
     _, sizes, vectors = np.linalg.svd(table)
-    rank = int(np.count_nonzero(sizes > ZERO * max(float(np.max(sizes, initial=0.0)), 1e-300)))
-    return _reduced(vectors[rank:])
+    rank = int(np.count_nonzero(sizes > accuracy.zero * max(float(np.max(sizes, initial=0.0)), 1e-300)))
+    return _reduced(vectors[rank:], accuracy)
 
 
 def _independent(table: Array, candidates: Sequence[int]) -> list[int]:
@@ -141,19 +183,19 @@ def _independent(table: Array, candidates: Sequence[int]) -> list[int]:
     for i in candidates:
         rows = np.array([table[j] / np.linalg.norm(table[j]) for j in (*kept, i)])
         sizes = np.linalg.svd(rows, compute_uv=False)
-        if sizes[-1] > ZERO * sizes[0]:
+        if sizes[-1] > EXACT.zero * sizes[0]:
             kept.append(i)
     return kept
 
 
-def _reduced(rows: Array) -> Array:
+def _reduced(rows: Array, accuracy: Accuracy) -> Array:
     """Reduced echelon form of independent rows."""
     result, done = rows.copy(), 0
     for column in range(result.shape[1]):
         if done == len(result):
             break
         pivot = done + int(np.argmax(np.abs(result[done:, column])))
-        if abs(result[pivot, column]) <= AGREEMENT * np.max(np.abs(result), initial=0.0):
+        if abs(result[pivot, column]) <= accuracy.agreement * np.max(np.abs(result), initial=0.0):
             continue
         result[[done, pivot]] = result[[pivot, done]]
         result[done] /= result[done, column]
@@ -164,14 +206,15 @@ def _reduced(rows: Array) -> Array:
     return result
 
 
-def _fractions(spaces: list[Array]) -> NDArray[np.object_] | None:
+def _fractions(spaces: list[Array], accuracy: Accuracy) -> NDArray[np.object_] | None:
     """The entries as fractions, where all points agree and they are short ones; None elsewhere."""
-    if any(np.max(np.abs(space - spaces[0])) > AGREEMENT * max(1.0, float(np.max(np.abs(space)))) for space in spaces):
+    largest = max(1.0, *(float(np.max(np.abs(space))) for space in spaces))
+    if any(np.max(np.abs(space - spaces[0])) > accuracy.agreement * largest for space in spaces):
         return None
     exact = np.empty(spaces[0].shape, object)
     for place, entry in np.ndenumerate(spaces[0]):
         exact[place] = Fraction(float(entry)).limit_denominator(LARGEST_DENOMINATOR)
-        if abs(float(exact[place]) - entry) > AGREEMENT * max(1.0, abs(entry)):
+        if abs(float(exact[place]) - entry) > accuracy.agreement * max(1.0, abs(entry)):
             return None
     return exact
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from camid.errors import InputError, nearest_match
+from camid.physical.equations import Equations, plant_function
 from camid.physical.expressions import refuse_name
 from camid.physical.linear_form import LinearForm, RationalForm, StateSpaceForm
 from camid.physical.plant import PhysicalPlant
@@ -13,9 +14,9 @@ from camid.simulation.refused_plant import refuse_table, refuse_unstable
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
-    from camid.simulation.schema import PhysicalParameters, PhysicalPart
+    from camid.simulation.schema import EquationsPart, PhysicalParameters, PhysicalPart
 
-FORMS = ("transfer_function", "state_space")
+FORMS = ("transfer_function", "state_space", "equations")
 
 
 def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
@@ -50,12 +51,12 @@ def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
         free_numerator, free_denominator = physical.freedom()
     except ValueError as error:
         raise InputError(str(error), where=place, hint="correct the expressions or the constants") from None
-    refuse_unstable(plant, place)
-    used = {name for name in names if _depends_on(physical, name)}
+    if physical.equations is None:
+        refuse_unstable(plant, place)
     for name in names:
-        if name not in used:
+        if not _depends_on(physical, name):
             raise InputError(
-                f"no coefficient depends on '{name}'",
+                f"nothing depends on '{name}'",
                 where=where("plant", "physical", "parameters", name),
                 hint="use it in an expression, or leave it out",
             )
@@ -68,6 +69,8 @@ def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
 
 
 def _depends_on(physical: PhysicalPlant, name: str) -> bool:
+    if physical.equations is not None:
+        return plant_function(physical.equations).depends_on(name)
     column = physical.names.index(name)
     return bool((physical.coefficients.sensitive(physical.values)[:, column] != 0.0).any())
 
@@ -83,13 +86,15 @@ def _names(constants: PhysicalParameters, where: Where) -> tuple[str, ...]:
     return tuple(map(str, constants.parameters))
 
 
-def _form(constants: PhysicalParameters, names: tuple[str, ...], where: Where) -> LinearForm:
+def _form(constants: PhysicalParameters, names: tuple[str, ...], where: Where) -> LinearForm | Equations:
     """How the plant follows from the constants, as it is written."""
     given = [key for key in FORMS if getattr(constants, key) is not None]
     if len(given) != 1:
         said = f"{' and '.join(given)} are both given" if given else "nothing says how the plant follows from them"
         raise InputError(said, where=where("plant", "physical"), hint=f"write one of {', '.join(FORMS)}")
     rational, states = constants.transfer_function, constants.state_space
+    if constants.equations is not None:
+        return _equations(constants.equations, names, where)
     form: LinearForm
     if rational is not None:
         form = RationalForm(names, _texts(rational.numerator), _texts(rational.denominator))
@@ -108,12 +113,44 @@ def _form(constants: PhysicalParameters, names: tuple[str, ...], where: Where) -
     return form
 
 
+def _equations(written: EquationsPart, names: tuple[str, ...], where: Where) -> Equations:
+    """Nonlinear equations as they are written."""
+    place = ("plant", "physical", "equations")
+    known = set(names)
+    for name, *path in (*((state, "states", state) for state in written.states), (written.input, "input")):
+        try:
+            refuse_name(name)
+        except ValueError as error:
+            raise InputError(str(error), where=where(*place, *path), hint="for instance speed") from None
+        if name in known:
+            raise InputError(f"'{name}' means two things", where=where(*place, *path), hint="choose another name")
+        known.add(name)
+    start = written.start or {}
+    _refuse_strangers(start, [*written.states], where(*place, "start"), "states")
+    form = Equations(
+        names,
+        tuple(zip(map(str, written.states), _texts([*written.states.values()]), strict=True)),
+        str(written.output),
+        str(written.input),
+        tuple(float(start.get(name, 0.0)) for name in written.states),
+    )
+    try:
+        plant_function(form)
+    except ValueError as error:
+        raise InputError(
+            str(error),
+            where=where(*place),
+            hint="expressions hold names, numbers, + - * / ^ and functions such as sqrt",
+        ) from None
+    return form
+
+
 def _texts(expressions: Sequence[str | float]) -> tuple[str, ...]:
     """Expressions as text; a number is one that is read back as it is."""
     return tuple(repr(float(e)) if isinstance(e, int | float) else str(e) for e in expressions)
 
 
-def _refuse_strangers(given: Any, names: Sequence[str], where: str) -> None:
+def _refuse_strangers(given: Any, names: Sequence[str], where: str, what: str = "parameters") -> None:
     for name in given:
         if name not in names:
-            raise InputError(f"'{name}' is not among the parameters", where=where, hint=nearest_match(name, names))
+            raise InputError(f"'{name}' is not among the {what}", where=where, hint=nearest_match(name, names))

@@ -294,6 +294,19 @@ class StateSpaceExpressions(Part):
     output_row: Expressions = Field(description="Entries of C.")
 
 
+class EquationsPart(Part):
+    """ẋ = f(x, u), y = h(x), as expressions of states, input and constants."""
+
+    states: Annotated[dict[Text, Expression], Field(min_length=1)] = Field(
+        description="Derivative of each state by the time in seconds, by the name of the state."
+    )
+    output: NonEmptyText = Field(description="y, an expression of states and constants.")
+    input: NonEmptyText = Field(default="u", description="What the input is called in the expressions.")
+    start: NotNull[dict[Text, Number]] = Field(
+        default=None, description="State before the first sample, by name; zero where nothing is said."
+    )
+
+
 class PhysicalParameters(Part):
     """Named constants and how the plant follows from them; see docs/physical_plants.md."""
 
@@ -304,6 +317,9 @@ class PhysicalParameters(Part):
     )
     state_space: NotNull[StateSpaceExpressions] = Field(
         default=None, description="ẋ = A x + B u, y = C x, entries as expressions of the constants."
+    )
+    equations: NotNull[EquationsPart] = Field(
+        default=None, description="ẋ = f(x, u), y = h(x), as expressions of states, input and constants."
     )
     fixed: list[Text] = Field(default=[], description="Constants that are known and keep their values.")
 

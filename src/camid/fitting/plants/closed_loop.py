@@ -14,6 +14,7 @@ from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
+from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.run import move, observed
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import STEPS
@@ -102,6 +103,14 @@ class ClosedLoop(PlantKind):
     def forces(self, model: Model) -> tuple[Effect, ...]:
         """Those of what is controlled."""
         return self.plant.forces(model)
+
+    def nonlinear(self, model: Model) -> NonlinearPlant | None:
+        """Those of what is controlled."""
+        return self.plant.nonlinear(model)
+
+    def prepared(self, problem: Problem) -> Self:
+        """The same with what is controlled prepared."""
+        return replace(self, plant=self.plant.prepared(problem))
 
     def loop(self, index: int) -> Loop:
         """The controller with the reference of a recording."""

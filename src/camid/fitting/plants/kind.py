@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar, Self
@@ -18,6 +18,7 @@ from camid.effects.parameter import Parameter
 from camid.effects.sensor_reading import SensorOffset
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
+from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.run import run, steps_of
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
@@ -156,6 +157,18 @@ class PlantKind:
             found += (SensorOffset(offset=model.constants[OFFSET.name]),)
         return found
 
+    def nonlinear(self, model: Model) -> NonlinearPlant | None:
+        """The equations of a model, where the plant is nonlinear; None for a linear plant with forces."""
+        return None
+
+    def rest_of(self, model: Model) -> Callable[[float], dict[str, float] | None] | None:
+        """State of the plant's equations at rest, by name, at an output; None where there are none."""
+        return None
+
+    def prepared(self, problem: Problem) -> Self:
+        """The same with what has to be known of the recordings before anything is fitted."""
+        return self
+
     def loop(self, index: int) -> Loop | None:
         """The controller that makes the input of a recording, if one does."""
         return None
@@ -222,6 +235,7 @@ class PlantKind:
                 problem.structure.plant(model.coefficients),
                 acquisition,
                 experiment.used,
+                self.rest_of(model),
             )
 
         reading = seen(recorded, simulated)
