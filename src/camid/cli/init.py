@@ -21,7 +21,12 @@ def init() -> None:
     "-o", "--output", type=click.Path(path_type=Path), help="Where the simulation goes (YAML) [standard output]."
 )
 @click.option("--period", type=float, help="Sampling period in s, for files without a time column.")
-def recording(*, recording: tuple[Path, ...], output: Path | None, period: float | None) -> None:
+@click.option(
+    "--plant",
+    metavar="NAME",
+    help="A physical plant with named constants: mass-spring-damper, pendulum, cart, motor, two-tanks or two-masses.",
+)
+def recording(*, recording: tuple[Path, ...], output: Path | None, period: float | None, plant: str | None) -> None:
     """Look at one or several RECORDINGs of a rig and write a first simulation of it, with comments.
 
     What the columns are is guessed from their names and their values, and each guess is marked as one. The columns of
@@ -34,7 +39,7 @@ def recording(*, recording: tuple[Path, ...], output: Path | None, period: float
     if output is not None and output.exists():
         raise InputError("this file exists", where=str(output), hint="remove it, or name another")
     with progress_display(output is None) as progress:
-        text = init_recording(recording, period=period, progress=progress)
+        text = init_recording(recording, period=period, plant=plant, progress=progress)
     if output is None:
         click.echo(text, nl=False)
         return

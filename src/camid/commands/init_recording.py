@@ -12,7 +12,8 @@ from camid.commands.identify import identify
 from camid.draft.layout import layout_of
 from camid.draft.roles import roles_of
 from camid.draft.simulation import MAIN_ROWS, Draft, bare_simulation, drafted, simulation_with_comments
-from camid.errors import InputError
+from camid.draft.templates import TEMPLATES
+from camid.errors import InputError, nearest_match
 from camid.identification.from_recordings import load_recordings
 from camid.number_text import percentage
 from camid.simulation.model import Simulation
@@ -27,6 +28,7 @@ def init_recording(
     recording: PathLike | Sequence[PathLike],
     *,
     period: float | None = None,
+    plant: str | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> str:
     """Look at recordings of one rig and write a first simulation of it.
@@ -37,6 +39,8 @@ def init_recording(
         The first is looked at; the others must be readable in the same way.
     period : float, optional
         Seconds, for files without a time column.
+    plant : str, optional
+        Name of a physical plant (:data:`camid.draft.templates.TEMPLATES`), in place of a transfer function.
     progress : callable, optional
         Called with a sentence about the current step.
 
@@ -48,8 +52,10 @@ def init_recording(
     Raises
     ------
     InputError
-        If a file cannot be read or holds no columns of numbers.
+        If a file cannot be read or holds no columns of numbers, or no plant has that name.
     """
+    if plant is not None and plant not in TEMPLATES:
+        raise InputError(f"no plant '{plant}'", hint=nearest_match(plant, TEMPLATES))
     recordings = [Path(r) for r in ([recording] if isinstance(recording, str | os.PathLike) else recording)]
     if not recordings:
         raise InputError("no recording is given", hint="name at least one")
@@ -67,6 +73,7 @@ def init_recording(
     found = [one for path in recordings for one in load_recordings(path, bare, output_needed=True)]
     draft = drafted(bare, layout, roles, found)
     draft = _fitted(draft, recordings[0], found[0].period, float(found[0].time[0]), len(found[0]), progress)
+    draft = replace(draft, template=None if plant is None else TEMPLATES[plant])
     return simulation_with_comments(
         draft, roles, layout, [p.name for p in recordings], f"camid {__version__} init recording"
     )

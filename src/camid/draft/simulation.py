@@ -14,6 +14,7 @@ from camid.chain.plant import TransferFunction
 from camid.draft.layout import Layout
 from camid.draft.plant import Resonance, resonance_of
 from camid.draft.roles import Roles, says
+from camid.draft.templates import Template
 from camid.recording.nature import nature_of, quantisation_step
 from camid.recording.recording import Recording
 from camid.recording.time_grid import LARGEST_STEP
@@ -45,12 +46,18 @@ class Draft:
         Read off the recording.
     fit : str
         What was fitted for the coefficients, in a sentence.
+    template : Template or None
+        The physical plant that was asked for.
+    means : (float, float)
+        Of input and output.
     """
 
     simulation: Simulation
     remarks: dict[str, str]
     resonance: Resonance
     fit: str = ""
+    template: Template | None = None
+    means: tuple[float, float] = (0.0, 0.0)
 
 
 def bare_simulation(layout: Layout, roles: Roles, period: float | None) -> Simulation:
@@ -108,7 +115,8 @@ def drafted(bare: Simulation, layout: Layout, roles: Roles, recordings: Sequence
     simulation = replace(bare, plant=resonance.plant(), hold=hold, sensor=sensor, reading=reading)
     # The derived freedom belongs to the plant before.
     empty = np.zeros(0, bool)
-    return Draft(replace(simulation, free_numerator=empty, free_denominator=empty), remarks, resonance)
+    means = (0.0 if signal is None else float(np.mean(signal)), float(np.mean(output)))
+    return Draft(replace(simulation, free_numerator=empty, free_denominator=empty), remarks, resonance, means=means)
 
 
 def _rounded(value: float, spread: float) -> float:
@@ -272,6 +280,8 @@ def _plant_lines(draft: Draft, roles: Roles) -> list[str]:
     plant = draft.simulation.plant
     numerator, denominator = ([_short(c) for c in part] for part in (plant.numerator, plant.denominator))
     found = _small_motions(plant, draft.resonance)
+    if draft.template is not None:
+        return draft.template.lines(found, *draft.means)
     return [
         "plant:",
         f"  # {draft.fit}",

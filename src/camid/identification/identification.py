@@ -144,6 +144,10 @@ class Identification:
         sentences = [*self.recording_warnings, *self.notes]
         if not self.converged:
             sentences.append("the iteration did not converge; do not use the numbers (another order? more excitation?)")
+        elif not self.nrmse < 1.0:
+            sentences.append(
+                "the model follows the recording no better than a constant does: another plant, or other first values?"
+            )
         if self.at_stability_limit():
             sentences.append(
                 "a pole lies at the limit of stability: an integrator or an undamped mode? For an integrator, write a "

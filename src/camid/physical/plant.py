@@ -99,9 +99,9 @@ class PhysicalPlant:
         return undetermined(self.coefficients, self.names, self.values, self.free, rows)
 
     def coefficient_rows(self) -> Iterator[tuple[str, float, float | None, str]]:
-        """Name, value, standard deviation where there is one, and unit of each constant."""
+        """Name, value, standard deviation (zero where it is fixed, None where it is not known), and unit of each."""
         for name, value in self.parameters.items():
-            deviation = None if self.standard_deviations is None else self.standard_deviations.get(name)
+            deviation = (self.standard_deviations or {}).get(name, 0.0 if name in self.fixed else None)
             yield name.replace("_", " "), float(value), deviation, self.units.get(name, "")
 
     def combination(self, text: str) -> tuple[float, float | None]:

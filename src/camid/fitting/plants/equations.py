@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.engine.nonlinear_plant import NonlinearPlant
+from camid.fitting.fit import Fitted
+from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
+from camid.fitting.plants.linear import misfit
 from camid.fitting.plants.named_constants import PREFIX, NamedConstants
 from camid.fitting.problem import Problem
 from camid.physical.equations import Equations, coefficients_at, sensitive_to, state_at_rest
@@ -28,6 +31,12 @@ Array = NDArray[np.float64]
 # Relative change of what is fitted for a central difference of simulations, and rows that it is looked at on.
 CHANGE = 1e-4
 ROWS = 1500
+# First values of the constants are searched over this factor to both sides, by 2^STARTS quasi-random points, of which
+# the best KEPT are fitted.
+REACH = 3.0
+STARTS = 6
+KEPT = 2
+SEED = 0
 # First rows whose mean is the output where a recording starts.
 FIRST_ROWS = 5
 
@@ -97,6 +106,30 @@ class EquationsKind(NamedConstants):
                 state[measured] = float(np.mean(first))
             initial.append(state)
         return replace(model, initial=tuple(initial))
+
+    def _searched(self, problem: Problem, start: Model) -> Fitted:
+        """Fits from the model and from those about it that follow the recordings best; the best of them."""
+        starts = [start, *self._about(problem, start)] if self.estimated and not start.effects else [start]
+        return min((fit_growing(problem, one) for one in starts), key=lambda fitted: fitted.cost)
+
+    def _about(self, problem: Problem, start: Model) -> list[Model]:
+        """Models with constants over a range of a factor of three to both sides, the best first; few of them."""
+        from scipy.stats import qmc
+
+        rough, judged = problem.start_of(ROWS).rough(), []
+        columns = [self.physical.names.index(name) for name in self.estimated]
+        points = qmc.Sobol(len(columns), rng=SEED).random_base2(STARTS)
+        for order, point in enumerate(points):
+            values = self.values_of(start)
+            values[columns] *= REACH ** (2.0 * point - 1.0)
+            try:
+                model = problem.with_initial_states(self.with_values(start, values))
+                cost = misfit(rough, model)
+            except (ValueError, ArithmeticError):
+                continue
+            judged.append((cost, order, model))
+        judged.sort(key=lambda item: item[:2])
+        return [model for _, _, model in judged[:KEPT] if np.isfinite(judged[0][0])]
 
     def prepared(self, problem: Problem) -> Self:
         """The same with what the recordings leave open of the constants: found by simulations with others."""
