@@ -1,4 +1,4 @@
-"""The command line: ``camid init``, ``identify``, ``order``, ``simulate``, ``diagnose`` and ``track``.
+"""The command line: ``camid init``, ``track``, ``join``, ``identify``, ``order``, ``simulate`` and ``diagnose``.
 
 Exit code 0: done. 2: the input is wrong, and one line says what, where and how to fix it.
 """
@@ -12,7 +12,7 @@ from io import TextIOWrapper
 import click
 
 from camid import __version__
-from camid.cli import diagnose, identify, init, order, simulate, track
+from camid.cli import diagnose, identify, init, join, order, simulate, track
 from camid.errors import InputError
 
 INTERRUPTED = 130
@@ -24,7 +24,15 @@ def cli() -> None:
     """Identify the dynamics of machines from what a camera sees of them."""
 
 
-for command in (diagnose.diagnose, identify.identify, init.init, order.order, simulate.simulate, track.track):
+for command in (
+    diagnose.diagnose,
+    identify.identify,
+    init.init,
+    join.join,
+    order.order,
+    simulate.simulate,
+    track.track,
+):
     cli.add_command(command)
 
 

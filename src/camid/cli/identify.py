@@ -83,7 +83,8 @@ def identify(
     if residuals is not None:
         if result.residual_analysis is None:
             raise InputError(
-                "the residual was not tested: the estimate diverged, or the plant is a pendulum or in a closed loop",
+                "the residual was not tested: the estimate diverged, or the engine had to simulate it (a pendulum, "
+                "equations, a closed loop, a clock with a skew)",
                 hint="leave out --residuals",
             )
         write_table(result.residual_analysis.correlations(result.period), residuals)

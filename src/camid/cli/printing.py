@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from camid.number_text import percentage, plain, probability, with_deviation
 
 if TYPE_CHECKING:
+    from camid.commands.join import Joined
     from camid.identification.identification import Identification
     from camid.identification.order_selection import OrderSelection
 
@@ -45,7 +46,7 @@ def print_identification(result: Identification, written: list[Path]) -> None:
     sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {_milliseconds(model.exposure)}"
     console.print(
         f"fitted to {result.rows_fitted} samples, period {_milliseconds(result.period)}; {held}; {sensor}, "
-        f"latency {_milliseconds(model.latency)}; initial state: {model.initial_state}",
+        f"latency {_milliseconds(model.known_latency)}; initial state: {model.initial_state}",
         soft_wrap=True,
     )
     validation = (
@@ -93,3 +94,28 @@ def print_orders(result: OrderSelection) -> None:
         table.add_row(str(row["poles"]), str(row["zeros"]), *shown, ", ".join(remarks))
     console.print(table)
     console.print(f"chosen: --order {result.poles} {result.zeros}")
+
+
+def print_joined(result: Joined, written: list[Path]) -> None:
+    """Offset and skew, what they are from, and what was written."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console, clocks = Console(highlight=False), result.clocks
+    table = Table(title="Two clocks", title_justify="left")
+    table.add_column("quantity")
+    table.add_column("value ± standard deviation", justify="right")
+    table.add_column("unit")
+    table.add_row("offset", with_deviation(1e3 * clocks.offset, 1e3 * clocks.offset_deviation), "ms")
+    table.add_row("skew", with_deviation(1e6 * clocks.skew, 1e6 * clocks.skew_deviation), "10⁻⁶")
+    console.print(table)
+    console.print("time of the drive = offset + (1 + skew) · time of the clip", soft_wrap=True)
+    console.print(f"from {result.method}; correlation {clocks.correlation:.4f}", soft_wrap=True)
+    console.print(f"{len(result.table)} rows, period {_milliseconds(result.period)}", soft_wrap=True)
+    left_open = "latency: estimate" + (", skew: estimate" if result.skew != 0.0 else "")
+    console.print(
+        f"a frame stands in a row {_milliseconds(result.latency)} after its time stamp: under sensor, say {left_open}",
+        soft_wrap=True,
+    )
+    for path in written:
+        console.print(f"written to {path}", soft_wrap=True)

@@ -38,8 +38,8 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     Raises
     ------
     InputError
-        If recording and simulation do not fit together, or the initial state, an offset or a bias is to be fitted and
-        there is no output.
+        If recording and simulation do not fit together, the initial state, an offset or a bias is to be fitted and
+        there is no output, or the latency is not known yet.
     """
     return _simulated_table(recording, load_simulation(simulation))
 

@@ -26,7 +26,8 @@ class Parameter:
         Whether the value is a list of numbers.
     scale : str
         What a small change of it is measured by: the ``value`` itself, the sampling ``period``, ``one``, or the
-        ``resolution`` in frequency that the length of the recording allows.
+        ``slip`` of a clock by a period over the recording, or the ``resolution`` in frequency that the length of the
+        recording allows.
     is_name : bool
         Whether it is a name and not a number: that of a state of the plant's equations.
     default : str or float or None

@@ -69,15 +69,16 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
     if pendulum is not None:
         gain_free = bool(_free_numerator(believed)[0])
         fixed_gain = None if gain_free else pendulum.gain
-        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain)
+        return PendulumKind(pendulum.rest, pendulum.is_free("rest"), fixed_gain, skew=believed.known_skew)
     driven = believed.input_column is not None
     if believed.physical is not None:
         named: type[NamedConstants] = EquationsKind
         if believed.physical.equations is None:
             named = PhysicalKind if driven else PhysicalFreeDecay
-        return named(physical=believed.physical, structure=structure_of(believed), offset=believed.known_offset)
+        structure, offset = structure_of(believed), believed.known_offset
+        return named(physical=believed.physical, structure=structure, offset=offset, skew=believed.known_skew)
     kind = LinearPlant if driven else FreeDecay
-    return kind(offset=believed.known_offset)
+    return kind(offset=believed.known_offset, skew=believed.known_skew)
 
 
 def problem_of(

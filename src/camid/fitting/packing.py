@@ -127,6 +127,8 @@ def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
 
 
 def _measure(problem: Problem, scale: str, value: float) -> float:
+    if scale == "slip":
+        return float(problem.acquisition.period) / problem.duration
     if scale == "period":
         return float(problem.acquisition.period)
     if scale == "output":

@@ -36,6 +36,13 @@ def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Arra
     InputError
         If the simulation cannot be run, or its initial state not be fitted.
     """
+    for name, value in (("latency", simulation.latency), ("skew", simulation.skew)):
+        if value == "estimate":
+            raise InputError(
+                f"the {name} is not known yet",
+                where=f"{simulation.source}, sensor.{name}",
+                hint="camid identify and camid diagnose estimate it; or write a number",
+            )
     kind = kind_of(simulation, [recording])
     exact = None if simulation.effects else kind.simulated_exactly(simulation, recording)
     return _by_engine(kind, simulation, recording) if exact is None else (exact, None)

@@ -31,6 +31,8 @@ class Experiment:
         Whether the offset is unknown. One for all experiments of a rig.
     estimate_bias : bool
         Whether an unknown constant is added to the input from the first sample on. One for all experiments of a rig.
+    estimate_latency, estimate_skew : bool
+        Whether the latency of the sensor, and the rate of its clock, are unknown. One for all experiments of a rig.
     """
 
     signal: Array
@@ -41,6 +43,8 @@ class Experiment:
     offset: float = 0.0
     estimate_offset: bool = False
     estimate_bias: bool = False
+    estimate_latency: bool = False
+    estimate_skew: bool = False
 
     @property
     def position(self) -> Array:

@@ -20,6 +20,8 @@ from camid.recording.units import Conversion
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
+# Periods that an unknown latency may have.
+LATENCY_ALLOWED = 3
 RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
@@ -100,7 +102,8 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
     used = np.ones(count, bool)
     if simulation.estimates_initial_state and simulation.input_column is not None:
         # What the input did before the record is unknown, so frames exposed before its start say nothing.
-        used[: acquisition.window()[0]] = False
+        before = LATENCY_ALLOWED if simulation.latency == "estimate" else 0
+        used[: acquisition.window()[0] + before] = False
     used &= ~recording.missing
     used &= recording.time >= recording.time[0] + simulation.reading.leave_out
     if not used.any():
@@ -116,6 +119,8 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
         used,
         simulation.estimates_initial_state,
         simulation.known_offset,
+        estimate_latency=simulation.latency == "estimate",
+        estimate_skew=simulation.skew == "estimate",
     )
 
 

@@ -127,6 +127,13 @@ class Identification:
             if constant is not None:
                 value, deviation = constant.value, constant.standard_deviation
                 rows.append({"name": name, "value": value, "standard_deviation": deviation, "unit": unit})
+        model = self.simulation
+        for name, value, known, unit in (
+            ("latency of the sensor", model.known_latency, model.latency_deviation, "s"),
+            ("skew of its clock", model.known_skew, model.skew_deviation, ""),
+        ):
+            if known is not None:
+                rows.append({"name": name, "value": value, "standard_deviation": known, "unit": unit})
         return rows
 
     def at_stability_limit(self) -> bool:

@@ -114,7 +114,10 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         hold="zoh" if driven is None else driven.hold,
         sensor=sensor.kind,
         exposure=sensor.exposure,
-        latency=sensor.latency,
+        latency=_plain(sensor.latency),
+        latency_deviation=None if sensor.standard_deviations is None else sensor.standard_deviations.latency,
+        skew=_plain(sensor.skew),
+        skew_deviation=None if sensor.standard_deviations is None else sensor.standard_deviations.skew,
         offset=_plain(sensor.offset),
         offset_deviation=None if sensor.standard_deviations is None else sensor.standard_deviations.offset,
         bias=None if driven is None else _plain(driven.bias),
@@ -149,6 +152,10 @@ def _refuse_unknown_constants(file: SimulationFile, where: Where) -> None:
                 where=where("sensor", "offset"),
                 hint="leave it out: rest is estimated",
             )
+    for key in ("latency", "skew"):
+        if getattr(file.sensor, key) == "estimate" and (file.controller is not None or file.input is None):
+            why = "without input it shows nowhere" if file.controller is None else "in a closed loop it does not show"
+            raise InputError(why, where=where("sensor", key), hint="give a number, or leave it out")
     bias = None if file.input is None else file.input.bias
     if bias is not None and file.controller is not None:
         raise InputError(

@@ -74,8 +74,12 @@ class Simulation:
     sensor : {"camera", "instant"}
     exposure : float or None
         Seconds; None means the period of the recording.
-    latency : float
+    latency : float or "estimate"
         Seconds.
+    skew : float or "estimate"
+        Relative rate of the camera's clock: the exposure of a row at t ends at (1 + skew) (t − latency).
+    latency_deviation, skew_deviation : float or None
+        Their standard deviations, where they were estimated.
     offset, bias : float or "estimate" or None
         What the sensor reads at the plant's zero, and what the actuator adds to the input; None where nothing is said.
     offset_deviation, bias_deviation : float or None
@@ -111,7 +115,10 @@ class Simulation:
     hold: str = "zoh"
     sensor: str = "camera"
     exposure: float | None = None
-    latency: float = 0.0
+    latency: float | str = 0.0
+    latency_deviation: float | None = None
+    skew: float | str = 0.0
+    skew_deviation: float | None = None
     offset: float | str | None = None
     bias: float | str | None = None
     offset_deviation: float | None = None
@@ -144,7 +151,7 @@ class Simulation:
 
     @property
     def is_fitted_to_output(self) -> bool:
-        """Whether a simulation run fits something to the recorded output: the initial state, an offset or a bias."""
+        """Whether a simulation run fits something to the recording: the initial state, an offset or a bias."""
         return self.estimates_initial_state or "estimate" in (self.offset, self.bias)
 
     @property
@@ -156,6 +163,16 @@ class Simulation:
     def is_read_from_zero(self) -> bool:
         """Whether readings are counted from a known offset: a controller knows the position, a pendulum its angle."""
         return self.controller is not None or self.pendulum is not None
+
+    @property
+    def known_latency(self) -> float:
+        """The sensor's latency in seconds, zero where it is to be estimated."""
+        return self.latency if isinstance(self.latency, float | int) else 0.0
+
+    @property
+    def known_skew(self) -> float:
+        """The skew of the camera's clock, zero where it is to be estimated."""
+        return self.skew if isinstance(self.skew, float | int) else 0.0
 
     @property
     def known_bias(self) -> float:
@@ -194,7 +211,7 @@ class Simulation:
         if exposure is not None and period < exposure <= period + uncertainty:
             exposure = period
         try:
-            return Acquisition(period, self.hold, self.sensor, exposure, self.latency)
+            return Acquisition(period, self.hold, self.sensor, exposure, self.known_latency)
         except ValueError as error:
             raise InputError(
                 str(error), where=f"{self.source}, sensor", hint="give the exposure in seconds, at most the period"
@@ -206,8 +223,13 @@ class Simulation:
         sensor: dict[str, Any] = {"column": self.output_column, **reading.output.to_mapping(), "kind": self.sensor}
         if self.sensor == "camera" and self.exposure is not None:
             sensor["exposure"] = float(self.exposure)
-        sensor["latency"] = float(self.latency)
+        sensor["latency"] = self.latency if isinstance(self.latency, str) else float(self.latency)
         sensor |= _constant("offset", self.offset, self.offset_deviation)
+        if self.skew != 0.0:
+            sensor["skew"] = self.skew
+        for name, deviation in (("latency", self.latency_deviation), ("skew", self.skew_deviation)):
+            if deviation is not None:
+                sensor.setdefault("standard_deviations", {})[name] = deviation
         named = self.pendulum or self.physical
         plant = self._transfer_function() if named is None else named.to_mapping()
         time: dict[str, Any] = {"column": self.time_column, **reading.time.to_mapping()}

@@ -54,6 +54,7 @@ NonEmptyText = Annotated[StrictStr, StringConstraints(min_length=1)]
 _PLAIN = BeforeValidator(plain_truth_value)
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False), _PLAIN]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0), _PLAIN]
+Skew = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-0.1, le=0.1), _PLAIN]
 TruthValue = Annotated[StrictBool, _PLAIN]
 NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0), _PLAIN]
 Estimated = Number | Literal["estimate"]
@@ -133,10 +134,12 @@ class Converted(Scaled):
     offset: Number = Field(default=0.0, description="value = scale · (cell in SI units) + offset.")
 
 
-class OffsetDeviation(Part):
-    """Standard deviation of the sensor's offset."""
+class SensorDeviations(Part):
+    """Standard deviations of the sensor's offset and latency."""
 
-    offset: NonNegative = Field(description="In units of the output.")
+    offset: NotNull[NonNegative] = Field(default=None, description="In units of the output.")
+    latency: NotNull[NonNegative] = Field(default=None, description="In seconds.")
+    skew: NotNull[NonNegative] = Field(default=None, description="A pure number.")
 
 
 class BiasDeviation(Part):
@@ -176,13 +179,20 @@ class SensorPart(Scaled):
     exposure: NotNull[Positive] = Field(
         default=None, description="τ in seconds, at most the period, which is the default."
     )
-    latency: NonNegative = Field(default=0.0, description="ℓ in seconds, default 0.")
+    latency: NonNegative | Literal["estimate"] = Field(
+        default=0.0, description="ℓ in seconds, default 0; estimate: fitted by identify and diagnose, up to 3 periods."
+    )
+    skew: Skew | Literal["estimate"] = Field(
+        default=0.0,
+        description="Relative rate of the camera's clock, default 0: the exposure of a row at t ends at "
+        "(1 + skew) (t − latency); estimate: fitted by identify and diagnose.",
+    )
     offset: NotNull[Estimated] = Field(
         default=None,
         description="Reading at the plant's zero: scale · (cell in SI units) = y + offset. Where nothing is said "
         "identify, order and diagnose estimate it, and simulate takes zero; with estimate, simulate fits it, too.",
     )
-    standard_deviations: NotNull[OffsetDeviation] = Field(default=None, description="Of the offset, as estimated.")
+    standard_deviations: NotNull[SensorDeviations] = Field(default=None, description="As estimated.")
 
 
 class ControllerPart(Converted):

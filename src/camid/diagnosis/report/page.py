@@ -98,8 +98,8 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     if simulation.sensor == "camera":
         exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
         sensor = f"camera, exposure {number_text.plain(1e3 * exposure, unit='ms')}"
-    if simulation.latency:
-        sensor += f", latency {number_text.plain(1e3 * simulation.latency, unit='ms')}"
+    if simulation.known_latency:
+        sensor += f", latency {number_text.plain(1e3 * simulation.known_latency, unit='ms')}"
 
     def box(place: str, detail: str, kind: str = "box") -> Box:
         return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)

@@ -15,6 +15,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
+from camid.effects.sensor import ClockSkew, Delay
 from camid.effects.sensor_reading import SensorOffset
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
@@ -42,6 +43,10 @@ SMALL_FORCE = 1e-4
 # Constants that every kind may have, measured by what they are added to.
 OFFSET = Parameter("offset", "y", "reading at the plant's zero", scale="output")
 BIAS = Parameter("bias", "u", "what is added to the input", scale="input")
+SKEW = Parameter("skew", "", "relative rate of the camera's clock", -0.1, 0.1, scale="slip")
+# Latencies, in periods, from the best of which one that is unknown is fitted.
+LATENCIES = np.arange(0.0, 3.01, 0.25)
+LATENCY = Parameter("latency", "s", "from the end of an exposure to its time stamp", 0.0, scale="period")
 
 
 @dataclass(frozen=True)
@@ -70,14 +75,19 @@ class PlantKind:
         Why not.
     offset, bias : float
         What the sensor reads at the plant's zero, and what is added to the input, as they are believed.
-    offset_free, bias_free : bool
-        Whether they are re-estimated.
+    skew : float
+        Relative rate of the camera's clock against that of the input, as it is believed.
+    offset_free, bias_free, latency_free, skew_free : bool
+        Whether they, and the latency of the sensor, are re-estimated.
     """
 
     offset: float = field(default=0.0, kw_only=True)
     offset_free: bool = field(default=False, kw_only=True)
     bias: float = field(default=0.0, kw_only=True)
     bias_free: bool = field(default=False, kw_only=True)
+    latency_free: bool = field(default=False, kw_only=True)
+    skew: float = field(default=0.0, kw_only=True)
+    skew_free: bool = field(default=False, kw_only=True)
 
     prescribes_order: ClassVar[str | None] = None
     why_no_other_orders: ClassVar[tuple[str, str] | None] = None
@@ -105,11 +115,16 @@ class PlantKind:
             found[OFFSET.name] = self.offset
         if self.bias_free:
             found[BIAS.name] = self.bias
+        if self.latency_free:
+            found[LATENCY.name] = 0.0
+        if self.skew_free or self.skew != 0.0:
+            found[SKEW.name] = self.skew
         return found
 
     def free_constants(self) -> tuple[Parameter, ...]:
         """Those of them that are re-estimated; ``scale`` says what each is measured by."""
-        return (OFFSET,) * self.offset_free + (BIAS,) * self.bias_free
+        free = (self.offset_free, self.bias_free, self.latency_free, self.skew_free)
+        return tuple(c for c, is_free in zip((OFFSET, BIAS, LATENCY, SKEW), free, strict=True) if is_free)
 
     def packed(self, structure: Structure) -> NDArray[np.bool_]:
         """Which coefficients are fitted as such, shape (m + 1 + n,); others follow from constants, or stay."""
@@ -144,7 +159,8 @@ class PlantKind:
     def with_unknown(self, experiments: Sequence[Experiment]) -> Self:
         """The same with those constants free that are unknown of the experiments."""
         offset, bias = (any(e.estimate_offset for e in experiments), any(e.estimate_bias for e in experiments))
-        return replace(self, offset_free=offset, bias_free=bias)
+        latency, skew = any(e.estimate_latency for e in experiments), any(e.estimate_skew for e in experiments)
+        return replace(self, offset_free=offset, bias_free=bias, latency_free=latency, skew_free=skew)
 
     # -- how it is simulated -----------------------------------------------------------------------------------------
 
@@ -155,6 +171,10 @@ class PlantKind:
             found += (InputBias(bias=model.constants[BIAS.name]),)
         if OFFSET.name in model.constants:
             found += (SensorOffset(offset=model.constants[OFFSET.name]),)
+        if LATENCY.name in model.constants:
+            found += (Delay(delay=model.constants[LATENCY.name]),)
+        if SKEW.name in model.constants:
+            found += (ClockSkew(skew=model.constants[SKEW.name]),)
         return found
 
     def nonlinear(self, model: Model) -> NonlinearPlant | None:
@@ -213,6 +233,10 @@ class PlantKind:
             return "the simulation does not say where the sensor's zero is, so that is estimated with the plant"
         if self.bias_free and effect is InputBias:
             return "the simulation says nothing of it, so it is estimated with the plant"
+        if self.latency_free and effect is Delay:
+            return "the simulation leaves the latency open, so it is estimated with the plant"
+        if SKEW.name in self.constants() and effect is ClockSkew:
+            return "the simulation says what the skew is, or that it is estimated with the plant"
         return None
 
     def situations(self, problem: Problem, model: Model, index: int) -> Views:
@@ -221,7 +245,7 @@ class PlantKind:
         recorded, simulated = experiment.output, problem.simulate_one(model, index)
         residual = np.where(experiment.used, recorded - simulated, 0.0)
         acquisition = experiment.acquisition
-        for effect in model.effects:
+        for effect in (*self.forces(model), *model.effects):
             acquisition = effect.declare(acquisition)
 
         def seen(recorded: Array, simulated: Array) -> Situation:
@@ -271,7 +295,7 @@ class PlantKind:
 
         It is regularised where the plant lets the camera see little of it.
         """
-        acquisition = problem.acquisition
+        acquisition = problem.chain(model, 0).declared()
         count, period = len(residual), acquisition.period
         size = 2 * count
         angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
@@ -306,7 +330,15 @@ class PlantKind:
 
     def _searched(self, problem: Problem, start: Model) -> Fitted:
         """What the search for the best coefficients, effects and initial states finds; for :meth:`refit` alone."""
-        return fit_growing(problem, start)
+        return fit_growing(problem, self.with_best_latency(problem, start))
+
+    def with_best_latency(self, problem: Problem, start: Model) -> Model:
+        """The model with that of a grid of latencies with which it follows the recordings best, where that is open."""
+        begins = with_latencies(problem, start)
+        if len(begins) == 1:
+            return start
+        settled = [evaluate(problem, problem.with_initial_states(begin)) for begin in begins]
+        return min(settled, key=lambda fitted: fitted.cost).model
 
     def with_initial_states(self, problem: Problem, model: Model) -> Model:
         """The model with the initial states that a fit starts from."""
@@ -352,8 +384,16 @@ class PlantKind:
         found: dict[str, float | None] = {}
         names = fitted.packing.names
         for constant in self.free_constants():
-            if constant in (OFFSET, BIAS):
+            if constant in (OFFSET, BIAS, LATENCY, SKEW):
                 variance = float(fitted.covariance[names.index(constant.name), names.index(constant.name)])
                 found[constant.name] = float(fitted.model.constants[constant.name])
                 found[f"{constant.name}_deviation"] = float(np.sqrt(variance)) if np.isfinite(variance) else None
         return replace(believed, **found)  # type: ignore[arg-type]
+
+
+def with_latencies(problem: Problem, model: Model) -> list[Model]:
+    """The model with latencies of a grid, where that is free and nothing is known of it yet."""
+    if model.constants.get(LATENCY.name) != 0.0:
+        return [model]
+    latencies = problem.acquisition.period * LATENCIES
+    return [replace(model, constants={**model.constants, LATENCY.name: float(one)}, initial=()) for one in latencies]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
@@ -13,12 +14,14 @@ from camid.fitting.exact_output import exact_output
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identification_task import IdentificationTask
-from camid.fitting.identified_exactly import identify_exactly
+from camid.fitting.identified_by_simulation import identify_by_simulation
+from camid.fitting.identified_exactly import analysed, identify_exactly
 from camid.fitting.initial_motion import companion_state, recorded_start
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.kind import BIAS, OFFSET, PlantKind
+from camid.fitting.plants.kind import BIAS, LATENCY, OFFSET, SKEW, PlantKind, with_latencies
 from camid.fitting.problem import Problem
 from camid.identification.estimate import estimate
+from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
 from camid.recording.recording import Recording
 from camid.simulation.model import Simulation
@@ -39,8 +42,8 @@ class LinearPlant(PlantKind):
     method: ClassVar[str | None] = None
 
     def simulated_exactly(self, simulation: Simulation, recording: Recording) -> Array | None:
-        """The exact path, without integrator."""
-        return exact_output(simulation, recording)
+        """The exact path, without integrator, which knows no skew."""
+        return None if self.skew != 0.0 else exact_output(simulation, recording)
 
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
@@ -54,10 +57,28 @@ class LinearPlant(PlantKind):
         """The exact path of identification; where effects are declared, output error with them."""
         if start.effects:
             return self._refit_with_effects(problem, start)
+        if self.latency_free or SKEW.name in start.constants:
+            return self._searched_by_engine(problem, start)
+        return self._searched_exactly(problem, start)
+
+    def _searched_by_engine(self, problem: Problem, start: Model) -> Fitted:
+        """The exact path, which knows no skew, with latencies of a grid; from the best of them output error."""
+        found = []
+        for begin in with_latencies(problem, start):
+            try:
+                found.append(self._searched_exactly(problem, begin))
+            except (ValueError, ArithmeticError):
+                continue
+        best = min(found, key=lambda fitted: fitted.cost).model if found else start
+        return fit(problem, best, steps=STEPS)
+
+    def _searched_exactly(self, problem: Problem, start: Model) -> Fitted:
+        """The exact path of identification, with the latency of the start."""
         structure = problem.structure
         if not np.any(structure.free):
             return evaluate(problem, start)
-        result = estimate(structure, problem.experiments, nominal=structure.plant(start.coefficients))
+        experiments = experiments_at(problem, start)
+        result = estimate(structure, experiments, nominal=structure.plant(start.coefficients))
         coefficients = np.array([*result.plant.numerator, *result.plant.denominator[1:]])
         if len(coefficients) != len(structure.free):  # a leading coefficient of the numerator that came out as zero
             coefficients = start.coefficients
@@ -70,7 +91,7 @@ class LinearPlant(PlantKind):
         """The model with the initial states and unknown constants that fit its linear part best."""
         structure = problem.structure
         denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
-        predictor = Predictor.around(structure, problem.experiments, denominator)
+        predictor = Predictor.around(structure, experiments_at(problem, model), denominator)
         parameters = predictor.with_fitted_initial_states(model.coefficients)
         polynomials = predictor.split(parameters)[2]
         initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
@@ -94,8 +115,16 @@ class LinearPlant(PlantKind):
         return found
 
     def identified(self, problem: Problem, task: IdentificationTask) -> Identification:
-        """By the method asked for, with the tests of the residual."""
-        return identify_exactly(problem, task)
+        """By the method asked for, with the tests of the residual; with a latency that is unknown by output error."""
+        if not self.latency_free and SKEW.name not in self.constants():
+            return identify_exactly(problem, task)
+        found = identify_by_simulation(problem, task)
+        if found.simulation.known_skew != 0.0:  # the tests of the residual take all periods for equal
+            return replace(found, method="output error")
+        latency = found.simulation.known_latency
+        experiments = _delayed(problem.experiments, latency)
+        found = replace(found, acquisition=experiments[0].acquisition, method="output error")
+        return analysed(found, problem.structure, experiments, task.progress)
 
 
 @dataclass(frozen=True)
@@ -118,3 +147,13 @@ def misfit(problem: Problem, model: Model) -> float:
     except (ValueError, ArithmeticError):
         return np.inf
     return float(np.nan_to_num(residual @ residual, nan=np.inf, posinf=np.inf))
+
+
+def experiments_at(problem: Problem, model: Model) -> list[Experiment]:
+    """The experiments with the latency that a model gives the sensor, where that is unknown."""
+    latency = model.constants.get(LATENCY.name)
+    return problem.experiments if latency is None else _delayed(problem.experiments, latency)
+
+
+def _delayed(experiments: Sequence[Experiment], latency: float) -> list[Experiment]:
+    return [replace(e, acquisition=replace(e.acquisition, latency=latency)) for e in experiments]

@@ -14,7 +14,8 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.identified_exactly import analysed, identify_exactly
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.linear import STEPS, FreeDecay, LinearPlant, misfit
+from camid.fitting.plants.kind import SKEW
+from camid.fitting.plants.linear import STEPS, FreeDecay, LinearPlant, experiments_at, misfit
 from camid.fitting.plants.named_constants import NamedConstants
 from camid.fitting.problem import Problem
 from camid.identification.estimate import Estimate, estimate
@@ -101,15 +102,13 @@ class PhysicalKind(NamedConstants, LinearPlant):
         """Whether there are as many constants as coefficients, so that these say all about those."""
         return len(self.estimated) == int(np.count_nonzero(self.structure.free))
 
-    def _searched(self, problem: Problem, start: Model) -> Fitted:
+    def _searched_exactly(self, problem: Problem, start: Model) -> Fitted:
         """Constants that follow from the coefficients of the exact path; where they are fewer, a fit of their own."""
-        if start.effects:
-            return self._refit_with_effects(problem, start)
         if not self.estimated:
             return evaluate(problem, start)
         try:
             begin = estimate(
-                problem.structure, problem.experiments, nominal=problem.structure.plant(start.coefficients)
+                problem.structure, experiments_at(problem, start), nominal=problem.structure.plant(start.coefficients)
             )
             model = problem.with_initial_states(self._explaining(start, begin))
         except (ValueError, ArithmeticError):
@@ -143,6 +142,8 @@ class PhysicalKind(NamedConstants, LinearPlant):
         """
         self.refuse_nothing_free(task)
         task = replace(task, believed=replace(task.believed, plant=task.believed.plant.monic))
+        if self.latency_free or SKEW.name in self.constants():
+            return super().identified(problem, task)
         if not self._one_to_one:
             found = identify_by_simulation(problem, task)
             return analysed(replace(found, method=None), problem.structure, problem.experiments, task.progress)

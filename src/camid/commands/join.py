@@ -1,0 +1,210 @@
+"""``camid.join``: a clip and the log of a drive, on two clocks, become one recording."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from camid.errors import InputError
+from camid.identification.from_recordings import SimulationSource
+from camid.joining.clocks import LEAST_CORRELATION, Clocks, CommonSignal, aligned, first_alignment
+from camid.joining.resampling import joined_rows
+from camid.joining.tables import TimedTable, timed_table
+from camid.joining.through_plant import aligned_through_plant
+from camid.linear_algebra_threads import one_blas_thread
+from camid.simulation.file import load_simulation
+from camid.simulation.model import Simulation
+
+Array = NDArray[np.float64]
+PathLike = str | os.PathLike[str]
+
+# Below this the alignment through a plant is none.
+LEAST_EXPLAINED = 0.5
+# Columns of a clip that are no motion.
+ACCURACIES = ("_std", "quality", "repeated")
+
+
+@dataclass(frozen=True)
+class Joined:
+    """What ``camid.join`` returns.
+
+    Attributes
+    ----------
+    table : DataFrame
+        The recording: time of the drive in seconds, the columns of the drive, those of the clip.
+    clocks : Clocks
+        Offset and skew with their covariance.
+    method : str
+        What they were estimated from, in words.
+    period : float
+        Seconds between rows.
+    latency, skew : float
+        Seconds between a frame's time stamp and its row, and relative rate of the frames against the rows: parts of the
+        sensor's latency and skew in a simulation.
+    simulation : Simulation or None
+        That which was given, with the latency left open, and the skew where the frames stand in rows of another rate.
+    remarks : tuple of str
+    """
+
+    table: pd.DataFrame
+    clocks: Clocks
+    method: str
+    period: float
+    latency: float
+    skew: float
+    simulation: Simulation | None
+    remarks: tuple[str, ...]
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Content of ``--json``."""
+        clocks = self.clocks
+        return {
+            "schema": 1,
+            "method": self.method,
+            "offset": clocks.offset,
+            "offset_standard_deviation": clocks.offset_deviation,
+            "skew": clocks.skew,
+            "skew_standard_deviation": clocks.skew_deviation,
+            "covariance": clocks.covariance.tolist(),
+            "correlation": clocks.correlation,
+            "rows": len(self.table),
+            "period": self.period,
+            "latency": self.latency,
+            "row_skew": self.skew,
+            "remarks": list(self.remarks),
+        }
+
+
+@one_blas_thread()
+def join(
+    clip: PathLike,
+    drive: PathLike,
+    *,
+    simulation: SimulationSource | None = None,
+    match: tuple[str, str] | None = None,
+    exposure: float | None = None,
+    clip_time: str | None = None,
+    drive_time: str | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Joined:
+    """Bring the table of a clip and that of a drive onto one clock.
+
+    Parameters
+    ----------
+    clip, drive : path
+        Tables with a time column each, in seconds of clocks of their own.
+    simulation : path, mapping or Simulation, optional
+        Says how the input in the drive's table leads to the output in the clip's: the clocks are then aligned through
+        its plant, which is re-estimated on the way.
+    match : (str, str), optional
+        Column of the clip and column of the drive that hold the same motion, flash or step; where neither this nor a
+        simulation is given, the pair that agrees best is taken.
+    exposure : float, optional
+        Seconds of the camera's exposure, over which what is matched is averaged.
+    clip_time, drive_time : str, optional
+        Time columns, where they are not recognised.
+    progress : callable, optional
+        Called with a sentence about the current step.
+
+    Raises
+    ------
+    InputError
+        If a table cannot be read, or nothing that both hold aligns them.
+    """
+    if simulation is not None and match is not None:
+        raise InputError("a simulation and two columns to match are given", hint="keep one of them")
+    if exposure is not None and not 0.0 <= exposure < float("inf"):
+        raise InputError(f"--exposure {exposure:g}", hint="it takes a number of seconds")
+    seen, logged = timed_table(Path(clip), clip_time), timed_table(Path(drive), drive_time)
+    believed = None if simulation is None else load_simulation(simulation)
+    try:
+        if believed is not None:
+            clocks, method, improved = _through_plant(believed, seen, logged, progress)
+        else:
+            clocks, method = _through_signal(seen, logged, match, exposure or 0.0, progress)
+            improved = None
+        common = [name for name in seen.columns if name in logged.columns or name == logged.time_column]
+        clip_columns = {f"{n}_clip" if n in common else n: values for n, values in seen.columns.items()}
+        rows = joined_rows(logged.time, logged.columns, clocks.to_drive(seen.time), clip_columns, logged.time_column)
+    except InputError:
+        raise
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(
+            str(error), where=seen.source, hint="check that both tables are of one run, and what is matched"
+        ) from None
+    if improved is not None:
+        skew = "estimate" if rows.skew != 0.0 else 0.0
+        improved = replace(improved, time_column=logged.time_column, latency="estimate", skew=skew)
+    return Joined(
+        pd.DataFrame(rows.columns), clocks, method, rows.period, rows.latency, rows.skew, improved, rows.remarks
+    )
+
+
+def _through_plant(
+    believed: Simulation, seen: TimedTable, logged: TimedTable, progress: Callable[[str], None] | None
+) -> tuple[Clocks, str, Simulation]:
+    """Clocks through the plant of a simulation."""
+    if believed.input_column is None:
+        raise InputError("a free decay has no input to align", where=believed.source, hint="match two columns")
+    if believed.controller is not None:
+        raise InputError("a closed loop does not show the clocks", where=believed.source, hint="match two columns")
+    for table, column in ((logged, believed.input_column), (seen, believed.output_column)):
+        table.column(column)
+    driven = {name: logged.column(name) for name in (believed.input_column, *believed.reading.added)}
+    output = {believed.output_column: seen.column(believed.output_column)}
+    clocks, _ = aligned_through_plant(believed, logged.time, driven, seen.time, output, progress)
+    if clocks.correlation < LEAST_EXPLAINED or not np.all(np.isfinite(clocks.covariance)):
+        raise ValueError(
+            f"the plant of the simulation does not lead from '{believed.input_column}' to '{believed.output_column}': "
+            f"it explains {100.0 * clocks.correlation**2:.0f} % of the motion"
+        )
+    return clocks, f"the motion of {believed.output_column} after {believed.input_column}, through the plant", believed
+
+
+def _through_signal(
+    seen: TimedTable,
+    logged: TimedTable,
+    match: tuple[str, str] | None,
+    exposure: float,
+    progress: Callable[[str], None] | None,
+) -> tuple[Clocks, str]:
+    """Clocks from a signal that both tables hold."""
+    if progress:
+        progress("aligning the clocks")
+    pair = match or _best_pair(seen, logged)
+    values, other = seen.column(pair[0]), logged.column(pair[1])
+    known, other_known = np.isfinite(values), np.isfinite(other)
+    time, other_time = seen.time[known], logged.time[other_known]
+    offset, skew, correlation = first_alignment(time, values[known], other_time, other[other_known])
+    if match is None and correlation < LEAST_CORRELATION:
+        raise ValueError(
+            f"no column of the clip follows one of the drive: the nearest are '{pair[0]}' and '{pair[1]}' with a "
+            f"correlation of {correlation:.2f} (name them with --match, or give a --simulation)"
+        )
+    signal = CommonSignal(other_time, other[other_known], exposure)
+    clocks = aligned(time, values[known], signal, (offset, skew))
+    return clocks, f"'{pair[0]}' of the clip and '{pair[1]}' of the drive"
+
+
+def _best_pair(seen: TimedTable, logged: TimedTable) -> tuple[str, str]:
+    """The columns that agree best at some lag."""
+    best, found = -1.0, None
+    for name, values in seen.columns.items():
+        if name.endswith(ACCURACIES) or not np.all(np.isfinite(values)) or float(np.ptp(values)) == 0.0:
+            continue
+        for other, logged_values in logged.columns.items():
+            if not np.all(np.isfinite(logged_values)) or float(np.ptp(logged_values)) == 0.0:
+                continue
+            agreement = first_alignment(seen.time, values, logged.time, logged_values)[2]
+            if agreement > best:
+                best, found = agreement, (name, other)
+    if found is None:
+        raise ValueError("no column changes in both tables")
+    return found
