@@ -21,6 +21,7 @@ include: "workflow/rules/monte_carlo.smk"
 include: "workflow/rules/concealed.smk"
 include: "workflow/rules/calibration.smk"
 include: "workflow/rules/second_author.smk"
+include: "workflow/rules/physical_rigs.smk"
 include: "workflow/rules/recordings.smk"
 include: "workflow/rules/check.smk"
 

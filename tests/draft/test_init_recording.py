@@ -195,3 +195,10 @@ def test_a_resonance_is_read_off_a_decay(damping):
     assert found.natural_frequency == pytest.approx(natural, rel=0.02)
     assert found.damping == pytest.approx(damping, rel=0.1)
     assert found.rest == pytest.approx(2.0, abs=0.01)
+
+
+def test_a_recording_in_which_nothing_moves_is_refused_in_one_line(tmp_path):
+    path = tmp_path / "still.csv"
+    path.write_text("t,y\n" + "".join(f"{0.1 * k:.1f},2\n" for k in range(60)))
+    with pytest.raises(camid.InputError, match="no column beside the time changes"):
+        camid.init_recording(path)

@@ -83,12 +83,14 @@ def _identified(
     try:
         task = IdentificationTask(believed, recordings, held_out, nominal, method, progress)
         found = problem.kind.identified(problem, task)
+    except InputError:
+        raise
     except (ValueError, ArithmeticError) as error:
         raise InputError(
             f"no estimate: {error}", where=recordings[0].source, hint="try another order, or check the units"
         ) from None
     why = why_no_offset(experiments, believed)
-    notes = (*(() if why is None else (why,)), *problem.kind.remarks())
+    notes = (*found.notes, *(() if why is None else (why,)), *problem.kind.remarks())
     return replace(found, recording_warnings=warnings_of(recordings), notes=notes)
 
 

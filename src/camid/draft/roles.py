@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.draft.layout import Layout
+from camid.errors import InputError
 from camid.recording.nature import Nature, nature_of
 from camid.recording.units import unit_in_header
 
@@ -68,10 +69,18 @@ def says(name: str, role: str) -> bool:
 
 
 def roles_of(layout: Layout) -> Roles:
-    """Guess the roles of columns; one that is not constant is needed."""
+    """Guess the roles of columns.
+
+    Raises
+    ------
+    InputError
+        If all columns but the time are constant.
+    """
     natures = {n: found for n, c in layout.columns.items() if (found := nature_of(c)) is not None}
-    time = _time(layout, natures)
+    time = time_of(layout, natures)
     rest = [n for n, nature in natures.items() if n != time and nature.kind != "constant"]
+    if not rest:
+        raise InputError("no column beside the time changes", hint="a recording needs an output that moves")
     runs = _runs(rest, natures)
     considered = [n for n in rest if not runs or n in runs[0].values()]
     unused = {
@@ -104,7 +113,10 @@ def roles_of(layout: Layout) -> Roles:
     )
 
 
-def _time(layout: Layout, natures: dict[str, Nature]) -> str | None:
+def time_of(layout: Layout, natures: dict[str, Nature] | None = None) -> str | None:
+    """The column that looks like the time, if one does."""
+    if natures is None:
+        natures = {n: found for n, c in layout.columns.items() if (found := nature_of(c)) is not None}
     clocks = [n for n, nature in natures.items() if nature.kind == "clock"]
     # A counter of rows is a clock, too, but only where there is no other.
     counters = [n for n in clocks if np.all(np.diff(layout.columns[n]) == 1.0) and not says(n, "time")]

@@ -11,6 +11,10 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.estimate import Constant, Estimate
 from camid.identification.identification import Identification
+from camid.number_text import probability
+
+# Probability of as much structure in white noise below which it is said.
+SURE = 1e-4
 
 
 def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identification:
@@ -49,6 +53,7 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
         nrmse_validation=error(task.held_out) if any(k.any() for k in task.held_out) else None,
         acquisition=problem.acquisition,
         method=kind.method,
+        notes=_whiteness(problem, fitted),
     )
 
 
@@ -62,3 +67,16 @@ def _constants(fitted: Fitted) -> dict[str, Constant]:
             deviation = float(np.sqrt(variance)) if np.isfinite(variance) else np.inf
             found[name] = Constant(float(fitted.model.constants[name]), deviation)
     return found
+
+
+def _whiteness(problem: Problem, fitted: Fitted) -> tuple[str, ...]:
+    """A sentence where the residual is not white, as it is where a fit ends in another minimum."""
+    if not np.all(np.isfinite(fitted.residual)):
+        return ()
+    p = problem.whiteness(fitted.residual, fitted.sensitivities)
+    if p >= SURE:
+        return ()
+    return (
+        f"the residual is not white ({probability(p)}): physics that is left out, or first values too far off; "
+        "camid diagnose tells more",
+    )

@@ -119,8 +119,10 @@ def first_alignment(time: Array, seen: Array, other_time: Array, other: Array) -
     Raises
     ------
     ValueError
-        If the tables overlap nowhere.
+        If the tables overlap nowhere, or a signal does not change.
     """
+    if float(np.ptp(seen)) == 0.0 or float(np.ptp(other)) == 0.0:
+        raise ValueError("what is matched does not change")
     step = min(float(np.median(np.diff(time))), float(np.median(np.diff(other_time))))
     step = max(step, float(np.median(np.diff(time))) / 8.0)
     grid, other_grid = (np.arange(t[0], t[-1] + 0.5 * step, step) for t in (time, other_time))
@@ -132,7 +134,10 @@ def first_alignment(time: Array, seen: Array, other_time: Array, other: Array) -
         if len(part) < FEWEST_ROWS:
             continue
         reach = int(LARGEST_SKEW * (grid[-1] - grid[0]) / step) + 3
-        found, agreement = _best_lag(a[part], b, (lag + part[0] - reach, lag + part[0] + reach))
+        try:
+            found, agreement = _best_lag(a[part], b, (lag + part[0] - reach, lag + part[0] + reach))
+        except ValueError:  # this part lies outside the other table
+            continue
         if agreement > LEAST_CORRELATION:
             middles.append(float(grid[part].mean()))
             lags.append((found - part[0]) * step)

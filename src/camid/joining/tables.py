@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.draft.layout import layout_of
-from camid.draft.roles import roles_of
+from camid.draft.roles import time_of
 from camid.errors import InputError, nearest_match
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def timed_table(path: Path, time_column: str | None) -> TimedTable:
         raise InputError(
             f"this file holds {len(layout.experiments)} experiments", where=str(path), hint="join one at a time"
         )
-    name = time_column if time_column is not None else roles_of(layout).time
+    name = time_column if time_column is not None else time_of(layout)
     if name is None or name not in layout.columns:
         said = "no column looks like the time" if time_column is None else f"no column '{time_column}'"
         raise InputError(said, where=str(path), hint=f"name it; there are {', '.join(layout.columns)}")

@@ -118,7 +118,8 @@ def undetermined(
     def of_coefficients(touched: NDArray[np.intp]) -> list[str]:
         sensitive = coefficients.sensitive(values)[:, columns]
         touching = [int(i) for i in np.flatnonzero(rows) if np.any(sensitive[i][touched])]
-        return [coefficients.texts[i] for i in _independent(sensitive, touching)]
+        # What they say beside the constants that are determined each.
+        return [coefficients.texts[i] for i in _independent(sensitive[:, touched], touching)]
 
     return undetermined_by(free, tables, points, EXACT, of_coefficients)
 

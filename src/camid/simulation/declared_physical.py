@@ -50,7 +50,10 @@ def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
         _ = plant.monic
         free_numerator, free_denominator = physical.freedom()
     except ValueError as error:
-        raise InputError(str(error), where=place, hint="correct the expressions or the constants") from None
+        hint = "correct the expressions or the constants"
+        if physical.equations is not None and not any(physical.equations.start):
+            hint = "give the state before the first sample under start, where the equations are linearised"
+        raise InputError(str(error), where=place, hint=hint) from None
     if physical.equations is None:
         refuse_unstable(plant, place)
     for name in names:

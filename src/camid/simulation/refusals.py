@@ -35,6 +35,7 @@ def validated(content: Mapping[str, Any], source: str) -> SimulationFile:
     raise _refusal(next((e for e in errors if e["type"] in _UNKNOWN_KEY), errors[0]), content, source)
 
 
+_TAGS = ("number", "text")
 _UNKNOWN_KEY = ("extra_forbidden", "invalid_key")
 # What is wrong, by pydantic's type of error; the message names the value first.
 _PROBLEMS = {
@@ -47,6 +48,7 @@ _PROBLEMS = {
     "finite_number": "is not a finite number",
     "greater_than": "is not greater than {gt:g}",
     "greater_than_equal": "is less than {ge:g}",
+    "less_than_equal": "is greater than {le:g}",
     "too_short": "is empty",
     "string_too_short": "is empty",
     "string_too_long": "is more than one character",
@@ -58,8 +60,10 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
     kind, value = error["type"], error["input"]
     path: list[Any] = list(error["loc"])
     if path[0] == "plant":
-        del path[1:2]  # pydantic names the kind of plant there, and that of an expression at the end
-        path = path[:-1] if len(path) > 1 and path[-1] in ("text", "number") and isinstance(path[-2], int) else path
+        del path[1:2]  # pydantic names the kind of plant there
+    either = path[-1] in _TAGS and path[0] in ("plant", "sensor")
+    if either:
+        del path[-1]  # and which of the two a value is
     if kind in _UNKNOWN_KEY:
         key = path[-1]
         hint = nearest_match(key, _fields(path[:-1]))
@@ -72,6 +76,7 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
         return InputError(f"version {value!r} is not known", where=where, hint="this camid reads schema: 1")
     if kind == "literal_error":
         expected = error["ctx"]["expected"].replace("'", "") if path != ["recording", "decimal"] else "'.' or ','"
+        expected = f"a number, or {expected}" if either else expected
         return InputError(f"'{value}' is not known here", where=where, hint=f"it must be {expected}")
     problem = _PROBLEMS.get(kind)
     described = _description(path)

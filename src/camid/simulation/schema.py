@@ -58,6 +58,13 @@ Skew = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-0.1, le=0.1)
 TruthValue = Annotated[StrictBool, _PLAIN]
 NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0), _PLAIN]
 Estimated = Number | Literal["estimate"]
+NonNegativeOrEstimate = Annotated[
+    Annotated[NonNegative, Tag("number")] | Annotated[Literal["estimate"], Tag("text")],
+    Discriminator(_number_or_text),
+]
+SkewOrEstimate = Annotated[
+    Annotated[Skew, Tag("number")] | Annotated[Literal["estimate"], Tag("text")], Discriminator(_number_or_text)
+]
 ColumnsOfRun = Annotated[dict[Text, NonEmptyText], Field(min_length=1)]
 Coefficients = Annotated[list[Number], Field(min_length=1)]
 
@@ -179,10 +186,10 @@ class SensorPart(Scaled):
     exposure: NotNull[Positive] = Field(
         default=None, description="τ in seconds, at most the period, which is the default."
     )
-    latency: NonNegative | Literal["estimate"] = Field(
+    latency: NonNegativeOrEstimate = Field(
         default=0.0, description="ℓ in seconds, default 0; estimate: fitted by identify and diagnose, up to 3 periods."
     )
-    skew: Skew | Literal["estimate"] = Field(
+    skew: SkewOrEstimate = Field(
         default=0.0,
         description="Relative rate of the camera's clock, default 0: the exposure of a row at t ends at "
         "(1 + skew) (t − latency); estimate: fitted by identify and diagnose.",

@@ -35,7 +35,7 @@ ROWS = 1500
 # the best KEPT are fitted.
 REACH = 3.0
 STARTS = 6
-KEPT = 2
+KEPT = 6
 SEED = 0
 # First rows whose mean is the output where a recording starts.
 FIRST_ROWS = 5

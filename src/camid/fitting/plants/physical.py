@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Relative accuracy of constants that follow from coefficients.
+# Relative accuracy of constants that follow from coefficients, and error above which they do not.
 TOLERANCE = 1e-12
+UNREACHED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -89,12 +90,20 @@ class PhysicalKind(NamedConstants, LinearPlant):
             found = self.physical.coefficients.monic(values)[free]
             return np.asarray(weight @ np.nan_to_num((found - wanted) / sizes, nan=1e6, posinf=1e6, neginf=-1e6))
 
-        begin = start[columns] / units
         if not columns or len(wanted) < len(columns):
             return start
+        begin = start[columns] / units
         found = least_squares(error, begin, method="lm", xtol=TOLERANCE, ftol=TOLERANCE, gtol=TOLERANCE)
         result = start.copy()
         result[columns] = found.x * units
+        if self.undetermined.held and np.sqrt(2.0 * found.cost) > UNREACHED:
+            # What is held may leave the others no way to the coefficients: then it moves, too.
+            columns = [self.physical.names.index(name) for name in (*self.undetermined.held, *self.estimated)]
+            units = np.where(start[columns] == 0.0, 1.0, np.abs(start[columns]))
+            moved = least_squares(error, start[columns] / units, xtol=TOLERANCE, ftol=TOLERANCE, gtol=TOLERANCE)
+            if moved.cost < found.cost:
+                result = start.copy()
+                result[columns] = moved.x * units
         return result
 
     @property

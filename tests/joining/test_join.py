@@ -1,0 +1,147 @@
+"""Two tables on two clocks: offset and skew are those that were put in, and the rows hold what they should."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import camid
+from camid.errors import InputError
+from camid.joining.clocks import CommonSignal, aligned, first_alignment
+from camid.joining.resampling import drive_rows, joined_rows
+
+FRAME = 0.02
+
+
+def motion(time):
+    """A smooth motion that repeats nowhere."""
+    return np.sin(3.0 * time) + 0.6 * np.sin(7.7 * time + 1.0) + 0.3 * np.sin(0.9 * time**1.3)
+
+
+def integral(time, count=40):
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return np.array([0.5 * t * (weights @ motion(0.5 * t * (nodes + 1.0))) for t in time])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_clocks_of_a_motion_that_both_tables_hold(seed):
+    generator = np.random.default_rng(seed)
+    offset, skew = generator.uniform(-20.0, 20.0), generator.normal(0.0, 3e-4)
+    drive_time = np.arange(0.0, 30.0, 0.004)
+    drive = motion(drive_time) + 1e-3 * generator.standard_normal(len(drive_time))
+    delivered = np.arange(1.0, 29.0, FRAME)
+    time = (delivered - offset) / (1.0 + skew)
+    seen = 5.0 - 40.0 * motion(delivered) + 0.5 * generator.standard_normal(len(time))
+    start = first_alignment(time, seen, drive_time, drive)
+    clocks = aligned(time, seen, CommonSignal(drive_time, drive, 0.0), start[:2])
+    assert abs(clocks.offset - offset) < 4.0 * clocks.offset_deviation
+    assert abs(clocks.skew - skew) < 4.0 * clocks.skew_deviation
+    assert clocks.uncertainty(float(time.mean())) < 0.02 * FRAME
+
+
+def test_the_exposure_is_averaged_over():
+    drive_time = np.arange(0.0, 10.0, 0.002)
+    signal = CommonSignal(drive_time, motion(drive_time), 0.2)
+    ends = np.array([2.0, 5.0, 9.9])
+    wanted = (integral(ends) - integral(ends - 0.2)) / 0.2
+    np.testing.assert_allclose(signal.at(ends), wanted, atol=1e-6)
+    step = 1e-5
+    np.testing.assert_allclose(
+        signal.rate(ends), (signal.at(ends + step) - signal.at(ends - step)) / (2 * step), atol=1e-4
+    )
+
+
+def test_rows_start_where_a_held_input_changes():
+    time = np.arange(1000) * 0.001
+    held = np.repeat(np.random.default_rng(0).choice([-1.0, 1.0], 60), 20)[:1000]
+    shifted = np.roll(held, 7)
+    rows = drive_rows(time, {"u": shifted}, 0.02)
+    assert rows.period == pytest.approx(0.02)
+    assert rows.time[0] == pytest.approx(0.007)
+    assert set(np.unique(rows.columns["u"])) == {-1.0, 1.0}
+    assert rows.remarks == ()
+
+
+def test_what_changes_within_a_row_is_averaged_and_said():
+    time = np.arange(400) * 0.01
+    held = np.repeat(np.random.default_rng(0).choice([-1.0, 1.0], 100), 4)
+    rows = drive_rows(time, {"u": held}, 0.06)
+    assert not set(np.unique(rows.columns["u"])) <= {-1.0, 1.0}
+    assert "averaged" in rows.remarks[0]
+
+
+def test_frames_of_nearly_the_rate_of_the_rows_are_taken_whole():
+    drive_time = np.arange(500) * 0.02
+    frames = 1.003 + np.arange(300) * 0.02002
+    values = np.arange(300.0)
+    rows = joined_rows(drive_time, {"u": np.sign(np.sin(drive_time))}, frames, {"y": values}, "t")
+    assert set(rows.columns["y"]) <= set(values)
+    assert rows.skew == pytest.approx(0.001, rel=1e-6)
+    # The exposure of the frame in the row at t is delivered at start + (1 + skew)(t − start − latency).
+    delivered = rows.start + (1.0 + rows.skew) * (rows.columns["t"] - rows.start - rows.latency)
+    np.testing.assert_allclose(delivered, np.interp(rows.columns["y"], values, frames), atol=1e-9)
+    assert rows.latency >= 0.0
+
+
+def test_frames_of_another_rate_are_interpolated():
+    drive_time = np.arange(0.0, 12.0, 0.01)
+    frames = np.arange(1.0, 11.0, 1.0 / 29.97)
+    rows = joined_rows(drive_time, {"u": motion(drive_time)}, frames, {"y": motion(frames)}, "t")
+    assert rows.period == pytest.approx(0.03)
+    np.testing.assert_allclose(rows.columns["y"], motion(rows.columns["t"] - rows.latency), atol=2e-3)
+    assert "interpolated" in rows.remarks[-1]
+
+
+def test_gaps_stay_blank():
+    drive_time = np.arange(0.0, 12.0, 0.02)
+    frames = np.delete(1.0 + np.arange(400) * 0.02, slice(100, 110))
+    rows = joined_rows(drive_time, {"u": motion(drive_time)}, frames, {"y": motion(frames)}, "t")
+    assert np.count_nonzero(np.isnan(rows.columns["y"])) == 10
+    assert "missing: leave-out" in rows.remarks[-1]
+
+
+@pytest.fixture
+def tables(tmp_path):
+    drive_time = np.arange(0.0, 20.0, 0.02)
+    u = np.repeat(np.random.default_rng(1).choice([-1.0, 1.0], 250), 4)
+    pd.DataFrame({"time": drive_time, "u": u}).to_csv(tmp_path / "drive.csv", index=False)
+    pd.DataFrame({"t": np.arange(500) * 0.02, "y": np.random.default_rng(2).standard_normal(500)}).to_csv(
+        tmp_path / "clip.csv", index=False
+    )
+    return tmp_path / "clip.csv", tmp_path / "drive.csv"
+
+
+SIMULATION = {
+    "schema": 1,
+    "time": {"column": "time"},
+    "input": {"column": "u", "hold": "zoh"},
+    "plant": {"transfer_function": {"numerator": [100.0], "denominator": [1.0, 4.0, 100.0]}},
+    "sensor": {"column": "y", "kind": "camera", "exposure": 0.01},
+}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({}, "no column of the clip follows one of the drive"),
+        ({"match": ("x", "u")}, "no column 'x'"),
+        ({"match": ("y", "v")}, "no column 'v'"),
+        ({"clip_time": "s"}, "no column 's'"),
+        ({"exposure": -1.0}, "--exposure -1"),
+        ({"match": ("y", "u"), "simulation": SIMULATION}, "keep one of them"),
+        ({"simulation": {**SIMULATION, "input": None, "initial_state": "estimate"}}, "a free decay has no input"),
+        ({"simulation": SIMULATION}, "does not lead from 'u' to 'y'"),
+    ],
+)
+def test_what_cannot_be_joined_is_refused_in_one_line(tables, options, said):
+    with pytest.raises(InputError) as refused:
+        camid.join(*tables, **options)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_signal_that_does_not_change(tmp_path):
+    time = np.arange(100) * 0.02
+    for name, values in (("clip", motion(time)), ("drive", np.zeros(100))):
+        pd.DataFrame({"t": time, "x": values}).to_csv(tmp_path / f"{name}.csv", index=False)
+    with pytest.raises(InputError, match="does not change"):
+        camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", match=("x", "x"))
