@@ -22,6 +22,8 @@ include: "workflow/rules/concealed.smk"
 include: "workflow/rules/calibration.smk"
 include: "workflow/rules/second_author.smk"
 include: "workflow/rules/physical_rigs.smk"
+include: "workflow/rules/two_clocks.smk"
+include: "workflow/rules/filmed_rigs.smk"
 include: "workflow/rules/recordings.smk"
 include: "workflow/rules/check.smk"
 

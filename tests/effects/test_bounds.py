@@ -19,7 +19,8 @@ CAMERA = Acquisition(PERIOD, "zoh", "camera", 0.5 * PERIOD)
 def test_bounds_hold_those_of_the_parameters(identifier):
     kind = known_effects()[identifier]
     numeric = kind.numeric()
-    values = {p.name: p.choices[0] if p.choices else np.clip(1.0, p.lower, p.upper) for p in kind.parameters}
+    given = [p for p in kind.parameters if p.default is None]
+    values = {p.name: p.choices[0] if p.choices else np.clip(1.0, p.lower, p.upper) for p in given}
     bounds = kind(**values).bounds(CAMERA)
     assert len(bounds) == len(numeric)
     assert all(p.lower <= low <= high <= p.upper for p, (low, high) in zip(numeric, bounds, strict=True))

@@ -120,6 +120,6 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
     others = [p for p in numeric if p.name != parameter.name]
     shape = ", ".join(f"{p.name.replace('_', ' ')} {effect.values[p.name]:.3g} {p.unit}".strip() for p in others)
     reason = f"{share} below this size{' (at ' + shape + ')' if shape else ''}"
-    rest = {name: value for name, value in effect.values.items() if name != parameter.name}
+    rest = {name: value for name, value in effect.stated().items() if name != parameter.name}
     value = float(effect.values[parameter.name])
     return Undetectable(kind.identifier, reason, parameter.name, value, parameter.unit, rest)

@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
     """Values with standard deviations and units."""
-    return {p.name: ParameterEstimate(effect.values[p.name], deviations.get(p.name), p.unit) for p in effect.parameters}
+    units = {p.name: p.unit for p in effect.parameters}
+    return {n: ParameterEstimate(v, deviations.get(n), units[n]) for n, v in effect.stated().items()}
 
 
 def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:

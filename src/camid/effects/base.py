@@ -196,6 +196,11 @@ class Effect:
         """Parameters that are numbers, in order."""
         return tuple(p for p in cls.parameters if p.is_number)
 
+    def stated(self) -> dict[str, Any]:
+        """Values by name, without names that say nothing: that of a state, of a plant without equations."""
+        silent = {p.name for p in self.parameters if p.is_name and self.values[p.name] == p.default}
+        return {name: value for name, value in self.values.items() if name not in silent}
+
     @property
     def vector(self) -> Array:
         """Values of the parameters that are numbers, in order."""

@@ -93,6 +93,6 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
 def declared(effects: Sequence[Effect], deviations: Sequence[dict[str, float | None]]) -> tuple[DeclaredEffect, ...]:
     """Effects as a file declares them, with the standard deviations that are known."""
     return tuple(
-        DeclaredEffect(e.identifier, dict(e.values), {k: v for k, v in d.items() if v is not None} or None)
+        DeclaredEffect(e.identifier, e.stated(), {k: v for k, v in d.items() if v is not None} or None)
         for e, d in zip(effects, deviations, strict=True)
     )

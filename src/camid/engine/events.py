@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from camid.compiled import kernel
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, friction_level, remember, switches
-from camid.engine.plant_equations import entering, held_rates, plant_rates, project
+from camid.engine.plant_equations import entering, free_rates, held_rates, plant_rates, project
 from camid.engine.workspace import Kinds, Workspace, copy
 
 Array = NDArray[np.float64]
@@ -34,10 +34,11 @@ def _slope(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, stuck: bool, result: Array
 ) -> None:
     """Derivative of the state by the scaled time; a stuck body keeps its velocity."""
-    if m.equations.function != 0:
-        project(m.equations, state)
-    force = force_in(m, time, state, signal, memory, 0.0 if stuck else direction)
-    size = len(state)
+    size, force = len(state), 0.0
+    if m.equations.function == 0 or m.equations.forced:
+        if m.equations.function != 0:
+            project(m.equations, state)
+        force = force_in(m, time, state, signal, memory, 0.0 if stuck else direction)
     for i in range(size):
         total = m.input_vector[i] * signal + m.force_vector[i] * force
         for j in range(size):
@@ -45,7 +46,14 @@ def _slope(
         result[i] = total
     if m.equations.function != 0:
         driven = entering(m.equations, state, signal, force)
-        if stuck:
+        if not m.equations.forced:
+            at = m.equations.first + m.equations.order
+            output = state[at]
+            free_rates(m.equations, state, driven, result)
+            # What follows the plant was taken to be driven by the output of an earlier stage.
+            for i in range(at + 2, size):
+                result[i] += m.state_matrix[i, at] * (state[at] - output)
+        elif stuck:
             held_rates(m.equations, state, driven, result)
         else:
             plant_rates(m.equations, state, driven, result)
@@ -90,7 +98,7 @@ def runge_kutta(
         for i in range(size):
             work[4, i] = state[i] + (share * step * work[stage - 1, i] if stage > 0 else 0.0)
         now = time + share * step * m.time_unit
-        if m.equations.function != 0:
+        if m.equations.forced:
             project(m.equations, work[4, :size])
         remember(m.forces, now, dot(m.position, work[4, :size]) - origin, memory, remembered)
         signal = first + share * (last - first)

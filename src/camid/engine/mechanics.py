@@ -245,7 +245,8 @@ def _equations(chain: Chain, line: _Line, *, dry: bool) -> PlantEquations:
     fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0)) or 1.0
     limited = [limit for effect in chain.effects if (limit := effect.limited_state()) is not None]
     entering = (line.plant[0], line.driving, line.driving_input)
-    return chain.equations.compiled(entering, PROBE / fastest, limited, dry=dry)
+    forced = any(e.force is not None or e.friction_level is not None for e in chain.effects)
+    return chain.equations.compiled(entering, PROBE / fastest, limited, forced=forced, dry=dry)
 
 
 def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) -> Forces:

@@ -90,11 +90,18 @@ class NonlinearPlant:
         return np.array(rows, dtype=float).reshape(-1, 6)
 
     def compiled(
-        self, line: tuple[int, Array, float], probe: float, limited: Sequence[LimitedState], *, dry: bool
+        self,
+        line: tuple[int, Array, float],
+        probe: float,
+        limited: Sequence[LimitedState],
+        *,
+        forced: bool,
+        dry: bool,
     ) -> PlantEquations:
         """As compiled code takes them; see :class:`PlantEquations`.
 
-        ``line`` says where the states begin and what enters the plant.
+        ``line`` says where the states begin and what enters the plant; ``forced`` whether a force depends on the motion
+        of it, and ``dry`` whether one is dry friction.
         """
         first, driving, driving_input = line
         order, (function, data) = self.function.order, self.function.compiled.addresses()
@@ -113,6 +120,7 @@ class NonlinearPlant:
             (found.ctypes.data, given.ctypes.data),
             self.about_start.rate_input,
             probe,
+            forced,
             dry,
             extremes,
             self.limits(limited),

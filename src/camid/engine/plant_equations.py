@@ -39,6 +39,8 @@ class PlantEquations(NamedTuple):
         What a unit of v adds to the rate of y at once.
     probe : float
         Seconds over which the acceleration is a difference of velocities.
+    forced : bool
+        Whether a force depends on the motion, so that output and rate have to be known before the rates.
     follows_acceleration : bool
         Whether dry friction asks for it.
     extremes : ndarray, shape (3, n)
@@ -59,6 +61,7 @@ class PlantEquations(NamedTuple):
     addresses: tuple[int, int]
     rate_input: float
     probe: float
+    forced: bool
     follows_acceleration: bool
     extremes: Array
     limits: Array
@@ -66,10 +69,9 @@ class PlantEquations(NamedTuple):
 
 def no_equations() -> PlantEquations:
     """What stands for a linear plant."""
-    empty = np.zeros(0)
-    return PlantEquations(
-        0, 0, 0, 0, empty, 0.0, empty, empty, (0, 0), 0.0, 0.0, False, np.zeros((3, 0)), np.zeros((0, 6))
-    )
+    empty, extremes, limits = np.zeros(0), np.zeros((3, 0)), np.zeros((0, 6))
+    nothing = (empty, empty, (0, 0), 0.0, 0.0, False, False, extremes, limits)
+    return PlantEquations(0, 0, 0, 0, empty, 0.0, *nothing)
 
 
 def _call_by_address(typing_context: Any, address: Any, found: Any, given: Any, data: Any) -> Any:
@@ -146,6 +148,13 @@ def plant_rates(e: PlantEquations, state: Array, signal: float, result: Array) -
         e.given[i] = state[first + i] - e.probe * result[first + i]
     _call(e.function, e.addresses[0], e.addresses[1], e.data)
     result[first + count + 1] = (ahead - e.found[count + 1]) / (2.0 * e.probe)
+
+
+@kernel
+def free_rates(e: PlantEquations, state: Array, signal: float, result: Array) -> None:
+    """Fill the plant's part of the chain's rates where no force acts, and the output in the state."""
+    plant_rates(e, state, signal, result)
+    state[e.first + e.order] = e.found[e.order]
 
 
 @kernel

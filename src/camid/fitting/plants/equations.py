@@ -110,7 +110,10 @@ class EquationsKind(NamedConstants):
     def _searched(self, problem: Problem, start: Model) -> Fitted:
         """Fits from the model and from those about it that follow the recordings best; the best of them."""
         start = self.with_best_latency(problem, start)
-        starts = [start, *self._about(problem, start)] if self.estimated and not start.effects else [start]
+        starts = [start]
+        # Constants that a fit has found need no search.
+        if self.estimated and not start.effects and np.array_equal(self.values_of(start), self.physical.values):
+            starts += self._about(problem, start)
         return min((fit_growing(problem, one) for one in starts), key=lambda fitted: fitted.cost)
 
     def _about(self, problem: Problem, start: Model) -> list[Model]:
