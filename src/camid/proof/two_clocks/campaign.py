@@ -46,9 +46,9 @@ def scored(pair: Pair, folder: Path) -> dict[str, Any]:
     row: dict[str, Any] = {"number": pair.number, "method": pair.method, "failure": ""}
     try:
         clocks = joined(pair, folder).clocks
-    except InputError as error:
+    except InputError as refusal:
         nothing = {"offset_inside": False, "skew_inside": False}
-        return {**dict.fromkeys(COLUMNS, np.nan), **row, **nothing, "failure": str(error).splitlines()[0]}
+        return {**dict.fromkeys(COLUMNS, np.nan), **row, **nothing, "failure": str(refusal).splitlines()[0]}
     # Where the clip is, what is stated of the offset does not hang on what is stated of the skew.
     error = float(clocks.to_drive(pair.middle) - pair.to_drive(pair.middle))
     deviation = clocks.uncertainty(pair.middle)

@@ -181,7 +181,7 @@ def tables(pair: Pair) -> tuple[pd.DataFrame, pd.DataFrame]:
     held = np.append(levels, np.zeros(after))
     motion = Motion(pair.frequency, pair.damping, pair.gain, held, period, start)
 
-    logged = pair.log_start + period * np.arange(samples)
+    logged: Array = np.asarray(pair.log_start + period * np.arange(samples), float)
     position = motion.position_at(logged)
     encoder = position + pair.encoder_noise * float(np.std(position)) * rng.standard_normal(samples)
     drive = pd.DataFrame({"t": np.round(logged, DECIMALS), "u": levels[before:], "encoder": encoder})
