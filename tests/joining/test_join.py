@@ -38,6 +38,59 @@ def test_clocks_of_a_motion_that_both_tables_hold(seed):
     assert clocks.uncertainty(float(time.mean())) < 0.02 * FRAME
 
 
+@pytest.mark.parametrize("flashes", [((10.0, 10.6),), ((4.0, 4.5), (22.3, 22.9))], ids=["one", "two"])
+def test_a_flash_that_both_saw(flashes, tmp_path):
+    """It tells the offset to a part of a frame, and two of them the skew."""
+    offset, skew, frame, exposure = 2.5, 1.5e-4, 1.0 / 30.0, 0.02
+    drive_time = np.arange(0.0, 30.0, 0.005)
+    led = np.zeros(len(drive_time))
+    for start, end in flashes:
+        led[(drive_time >= start) & (drive_time < end)] = 1.0
+    bright = np.append(0.0, np.cumsum(led) * 0.005)
+    delivered = np.arange(1.0043, 29.0, frame)
+    ends = [np.interp(delivered - late, np.append(drive_time, 30.0), bright) for late in (0.0, exposure)]
+    clip = pd.DataFrame(
+        {"t": (delivered - offset) / (1.0 + skew), "brightness": 50.0 + 150.0 * (ends[0] - ends[1]) / exposure}
+    )
+    clip.to_csv(tmp_path / "clip.csv", index=False)
+    pd.DataFrame({"t": drive_time, "led": led}).to_csv(tmp_path / "drive.csv", index=False)
+    clocks = camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", match=("brightness", "led")).clocks
+    middle = float(clip["t"].mean())
+    error = clocks.offset + (1.0 + clocks.skew) * middle - offset - (1.0 + skew) * middle
+    assert abs(error) < 2.0 * clocks.uncertainty(middle) < frame
+    assert abs(clocks.skew - skew) < 2.0 * clocks.skew_deviation < (2e-3 if len(flashes) == 1 else 1e-3)
+
+
+def test_blank_cells_of_the_clip_are_frames_that_are_missing(tmp_path):
+    drive_time = np.arange(0.0, 20.0, 0.02)
+    delivered = np.arange(1.0, 19.0, FRAME)
+    clip = pd.DataFrame({"t": delivered - 3.0, "x": motion(delivered)})
+    clip.loc[300:340, "x"] = np.nan
+    clip.to_csv(tmp_path / "clip.csv", index=False)
+    pd.DataFrame({"t": drive_time, "encoder": motion(drive_time)}).to_csv(tmp_path / "drive.csv", index=False)
+    found = camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", match=("x", "encoder"), exposure=0.0)
+    assert found.clocks.offset == pytest.approx(3.0, abs=1e-5)
+    assert found.table["x"].isna().sum() == 41
+    assert any("stay blank" in remark for remark in found.remarks)
+
+
+def test_a_gap_in_the_log_of_the_drive_is_refused(tmp_path, tables):
+    drive = pd.read_csv(tables[1]).drop(index=range(200, 230))
+    drive.to_csv(tmp_path / "gap.csv", index=False)
+    with pytest.raises(InputError, match=r"0\.62 s are missing after t = 3\.98"):
+        camid.join(tables[0], tmp_path / "gap.csv", match=("y", "u"))
+
+
+def test_times_of_a_computer_and_in_milliseconds(tmp_path):
+    drive_time = np.arange(0.0, 20.0, 0.02)
+    delivered = np.arange(1.0, 19.0, FRAME)
+    pd.DataFrame({"t [ms]": 1e3 * (delivered - 0.5), "x": motion(delivered)}).to_csv(tmp_path / "clip.csv", index=False)
+    pd.DataFrame({"t": 1.7e9 + drive_time, "encoder": motion(drive_time)}).to_csv(tmp_path / "drive.csv", index=False)
+    found = camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", exposure=0.0)
+    assert found.clocks.offset == pytest.approx(1.7e9 + 0.5, abs=1e-4)
+    assert found.table["t"].iloc[0] > 1.7e9
+
+
 def test_the_exposure_is_averaged_over():
     drive_time = np.arange(0.0, 10.0, 0.002)
     signal = CommonSignal(drive_time, motion(drive_time), 0.2)
@@ -76,17 +129,17 @@ def test_frames_of_nearly_the_rate_of_the_rows_are_taken_whole():
     rows = joined_rows(drive_time, {"u": np.sign(np.sin(drive_time))}, frames, {"y": values}, "t")
     assert set(rows.columns["y"]) <= set(values)
     assert rows.skew == pytest.approx(0.001, rel=1e-6)
-    # The exposure of the frame in the row at t is delivered at start + (1 + skew)(t − start − latency).
-    delivered = rows.start + (1.0 + rows.skew) * (rows.columns["t"] - rows.start - rows.latency)
+    # The frame in the row at t is delivered at start + (1 + skew)(t − start) − latency.
+    delivered = rows.start + (1.0 + rows.skew) * (rows.columns["t"] - rows.start) - rows.latency
     np.testing.assert_allclose(delivered, np.interp(rows.columns["y"], values, frames), atol=1e-9)
-    assert rows.latency >= 0.0
+    assert 0.5 * rows.period <= rows.latency <= 2.0 * rows.period
 
 
 def test_frames_of_another_rate_are_interpolated():
     drive_time = np.arange(0.0, 12.0, 0.01)
     frames = np.arange(1.0, 11.0, 1.0 / 29.97)
     rows = joined_rows(drive_time, {"u": motion(drive_time)}, frames, {"y": motion(frames)}, "t")
-    assert rows.period == pytest.approx(0.03)
+    assert rows.period == pytest.approx(0.04)  # no shorter than a frame
     np.testing.assert_allclose(rows.columns["y"], motion(rows.columns["t"] - rows.latency), atol=2e-3)
     assert "interpolated" in rows.remarks[-1]
 

@@ -59,7 +59,9 @@ def join(
         raise InputError("--write-simulation without --simulation", hint="give the simulation that is to be written")
     inputs = [clip, drive, *([simulation] if simulation else [])]
     check_output(output, inputs)
-    check_output(write_simulation, [*inputs, output], "--write-simulation")
+    check_output(write_simulation, inputs, "--write-simulation")
+    if write_simulation is not None and write_simulation.resolve() == output.resolve():
+        raise InputError("--output and --write-simulation are the same file", where=str(output), hint="name two files")
     with progress_display(as_json) as progress:
         found = run(
             clip,
@@ -91,6 +93,6 @@ def _pair(match: str | None) -> tuple[str, str] | None:
     if match is None:
         return None
     one, sign, other = match.partition("=")
-    if not (sign and one and other):
+    if not (sign and one and other) or "=" in other:
         raise InputError(f"--match {match}", hint="it takes two columns, such as x=encoder")
     return one, other

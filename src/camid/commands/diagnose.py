@@ -18,7 +18,9 @@ from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.linear_algebra_threads import one_blas_thread
+from camid.number_text import with_deviation
 from camid.simulation.file import load_simulation
+from camid.simulation.model import Simulation
 
 
 @one_blas_thread()
@@ -91,5 +93,22 @@ def diagnose(
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
         seconds=time.perf_counter() - started,
-        warnings=[*warnings_of(recordings), *([late] if (late := watch.warning()) else [])],
+        warnings=[
+            *warnings_of(recordings),
+            *problem.kind.remarks(),
+            *_left_open(diagnosis.improved),
+            *([late] if (late := watch.warning()) else []),
+        ],
     )
+
+
+def _left_open(improved: Simulation) -> list[str]:
+    """What a simulation left open beside the plant, as it was estimated with it; a sentence each."""
+    return [
+        f"the {name} was left open: {with_deviation(value, deviation)}{unit}"
+        for name, value, deviation, unit in (
+            ("latency of the sensor", improved.known_latency, improved.latency_deviation, " s"),
+            ("skew of its clock", improved.known_skew, improved.skew_deviation, ""),
+        )
+        if deviation is not None
+    ]

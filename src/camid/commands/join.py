@@ -21,12 +21,15 @@ from camid.joining.through_plant import aligned_through_plant
 from camid.linear_algebra_threads import one_blas_thread
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
+from camid.writing import without_infinities
 
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
 
 # Below this the alignment through a plant is none.
 LEAST_EXPLAINED = 0.5
+# Columns that are named have to agree at least so well.
+LEAST_FOLLOWED = 0.5
 # Columns of a clip that are no motion.
 ACCURACIES = ("_std", "quality", "repeated")
 
@@ -65,7 +68,7 @@ class Joined:
     def to_mapping(self) -> dict[str, Any]:
         """Content of ``--json``."""
         clocks = self.clocks
-        return {
+        content = {
             "schema": 1,
             "method": self.method,
             "offset": clocks.offset,
@@ -80,6 +83,7 @@ class Joined:
             "row_skew": self.skew,
             "remarks": list(self.remarks),
         }
+        return {key: without_infinities(value) for key, value in content.items()}
 
 
 @one_blas_thread()
@@ -122,14 +126,16 @@ def join(
         raise InputError("a simulation and two columns to match are given", hint="keep one of them")
     if exposure is not None and not 0.0 <= exposure < float("inf"):
         raise InputError(f"--exposure {exposure:g}", hint="it takes a number of seconds")
-    seen, logged = timed_table(Path(clip), clip_time), timed_table(Path(drive), drive_time)
+    seen, logged = timed_table(Path(clip), clip_time), timed_table(Path(drive), drive_time, whole=True)
     believed = None if simulation is None else load_simulation(simulation)
+    # Times as large as those of a computer's clock have few digits left for microseconds.
+    first, first_drive = float(seen.time[0]), float(logged.time[0])
+    seen, logged = replace(seen, time=seen.time - first), replace(logged, time=logged.time - first_drive)
     try:
         if believed is not None:
-            clocks, method, improved = _through_plant(believed, seen, logged, progress)
+            clocks, method = _through_plant(believed, seen, logged, progress)
         else:
-            clocks, method = _through_signal(seen, logged, match, exposure or 0.0, progress)
-            improved = None
+            clocks, method = _through_signal(seen, logged, match, exposure, progress)
         common = [name for name in seen.columns if name in logged.columns or name == logged.time_column]
         clip_columns = {f"{n}_clip" if n in common else n: values for n, values in seen.columns.items()}
         rows = joined_rows(logged.time, logged.columns, clocks.to_drive(seen.time), clip_columns, logged.time_column)
@@ -139,17 +145,24 @@ def join(
         raise InputError(
             str(error), where=seen.source, hint="check that both tables are of one run, and what is matched"
         ) from None
-    if improved is not None:
+    remarks = rows.remarks
+    if believed is not None:
         skew = "estimate" if rows.skew != 0.0 else 0.0
-        improved = replace(improved, time_column=logged.time_column, latency="estimate", skew=skew)
-    return Joined(
-        pd.DataFrame(rows.columns), clocks, method, rows.period, rows.latency, rows.skew, improved, rows.remarks
-    )
+        believed = replace(believed, time_column=logged.time_column, latency="estimate", skew=skew)
+    elif exposure is None:
+        remarks = (
+            "the exposure is taken for zero; if it is not, the offset is off by half of it: --exposure",
+            *remarks,
+        )
+    rows.columns[logged.time_column] += first_drive
+    clocks = clocks.counted_from(first, first_drive)
+    table = pd.DataFrame(rows.columns)
+    return Joined(table, clocks, method, rows.period, rows.latency, rows.skew, believed, remarks)
 
 
 def _through_plant(
     believed: Simulation, seen: TimedTable, logged: TimedTable, progress: Callable[[str], None] | None
-) -> tuple[Clocks, str, Simulation]:
+) -> tuple[Clocks, str]:
     """Clocks through the plant of a simulation."""
     if believed.input_column is None:
         raise InputError("a free decay has no input to align", where=believed.source, hint="match two columns")
@@ -157,22 +170,23 @@ def _through_plant(
         raise InputError("a closed loop does not show the clocks", where=believed.source, hint="match two columns")
     for table, column in ((logged, believed.input_column), (seen, believed.output_column)):
         table.column(column)
+    known = np.isfinite(seen.column(believed.output_column))
     driven = {name: logged.column(name) for name in (believed.input_column, *believed.reading.added)}
-    output = {believed.output_column: seen.column(believed.output_column)}
-    clocks, _ = aligned_through_plant(believed, logged.time, driven, seen.time, output, progress)
+    output = {believed.output_column: seen.column(believed.output_column)[known]}
+    clocks, _ = aligned_through_plant(believed, logged.time, driven, seen.time[known], output, progress)
     if clocks.correlation < LEAST_EXPLAINED or not np.all(np.isfinite(clocks.covariance)):
         raise ValueError(
             f"the plant of the simulation does not lead from '{believed.input_column}' to '{believed.output_column}': "
             f"it explains {100.0 * clocks.correlation**2:.0f} % of the motion"
         )
-    return clocks, f"the motion of {believed.output_column} after {believed.input_column}, through the plant", believed
+    return clocks, f"the motion of {believed.output_column} after {believed.input_column}, through the plant"
 
 
 def _through_signal(
     seen: TimedTable,
     logged: TimedTable,
     match: tuple[str, str] | None,
-    exposure: float,
+    exposure: float | None,
     progress: Callable[[str], None] | None,
 ) -> tuple[Clocks, str]:
     """Clocks from a signal that both tables hold."""
@@ -188,8 +202,15 @@ def _through_signal(
             f"no column of the clip follows one of the drive: the nearest are '{pair[0]}' and '{pair[1]}' with a "
             f"correlation of {correlation:.2f} (name them with --match, or give a --simulation)"
         )
-    signal = CommonSignal(other_time, other[other_known], exposure)
+    signal = CommonSignal(other_time, other[other_known], exposure or 0.0)
+    if len(signal.edges) and exposure is None:  # a frame that an edge falls into says where in it
+        signal = CommonSignal(other_time, other[other_known], float(np.median(np.diff(time))))
     clocks = aligned(time, values[known], signal, (offset, skew))
+    if clocks.correlation < LEAST_FOLLOWED:
+        raise ValueError(
+            f"'{pair[0]}' of the clip does not follow '{pair[1]}' of the drive: their correlation is "
+            f"{clocks.correlation:.2f}"
+        )
     return clocks, f"'{pair[0]}' of the clip and '{pair[1]}' of the drive"
 
 

@@ -64,7 +64,9 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
             raise InputError(
                 "the simulated output exceeds every floating-point number",
                 where=believed.source,
-                hint="check the transfer function and the units of the input",
+                hint="check the transfer function and the units of the input"
+                if believed.physical is None or believed.physical.equations is None
+                else "do the equations give a number in every state? sqrt(max(level, 0)) does",
             )
         table: dict[str, Any] = {"experiment": one.experiment} if len(recordings) > 1 else {}
         # Where the file's times are irregular, the simulation ran on a grid: back to the recorded times.

@@ -259,7 +259,7 @@ def _input_lines(draft: Draft, roles: Roles) -> list[str]:
         f"  hold: {simulation.hold}  # {remarks['hold']}",
         *_unit_lines(simulation.input_column),
     ]
-    if offset:
+    if offset and draft.template is None:  # a plant of named constants need not be linear
         lines.append(f"  offset: {offset!r}  # {remarks['offset of u']}")
     if roles.reference is not None:
         lines += [

@@ -139,3 +139,12 @@ class ClockSkew(Effect):
         """A share of a period over the recording: the effect is proportional to it."""
         for periods in (0.1, 1.0):
             yield cls(skew=periods * situation.acquisition.period / max(abs(situation.time[-1]), situation.duration))
+
+
+class FrameSkew(ClockSkew):
+    """The same, counted from the first row of a recording: the skew that a simulation declares under ``sensor``."""
+
+    def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:
+        """Exposures at the camera's times, the first one as it is."""
+        shift = self.values["skew"] * (end - end[0])
+        return start + shift, end + shift

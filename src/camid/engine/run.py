@@ -211,8 +211,13 @@ def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool) -> int:
 def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -> Array:
     """What the sensor makes of a motion."""
     frames = time[0] + acquisition.period * np.arange(len(time))
-    end = frames - acquisition.latency
-    start = end - (0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0))
+    exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
+    return _exposed(chain, motion, frames - acquisition.latency, exposure)
+
+
+def _exposed(chain: Chain, motion: Motion, end: Array, exposure: float) -> Array:
+    """What exposures yield that end at times of the motion, shape (N,)."""
+    start = end - exposure
     for effect in chain.effects:
         start, end = effect.windows(motion, start, end)
     for effect in chain.effects:
@@ -220,6 +225,24 @@ def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -
         if measured is not None:
             return measured
     return motion.mean(start, end)
+
+
+def seen(chain: Chain, motion: Motion, end: Array, exposure: float) -> Array:
+    """Samples of a sensor whose exposures end at any times of a motion, shape (N,).
+
+    Parameters
+    ----------
+    chain : Chain
+    motion : Motion
+    end : ndarray, shape (N,)
+        Seconds.
+    exposure : float
+        Seconds.
+    """
+    output = _exposed(chain, motion, end, exposure)
+    for effect in chain.effects:
+        output = effect.observe(output, end)
+    return output
 
 
 def _steps(chain: Chain, acquisition: Acquisition) -> int:

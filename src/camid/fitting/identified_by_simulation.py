@@ -11,7 +11,7 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.estimate import Constant, Estimate
 from camid.identification.identification import Identification
-from camid.number_text import probability
+from camid.number_text import equals_probability
 
 # Probability of as much structure in white noise below which it is said.
 SURE = 1e-4
@@ -46,7 +46,8 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
     return Identification(
         simulation=kind.written_back(task.believed, structure, fitted),
         estimate=estimate,
-        converged=estimate.converged,
+        # Where a constant follows the recordings as well, a fit has ended nowhere.
+        converged=estimate.converged and error([e.used for e in problem.experiments]) < 1.0,
         period=task.recordings[0].period,
         rows_fitted=len(fitted.residual),
         nrmse=error([e.used for e in problem.experiments]),
@@ -77,6 +78,6 @@ def _whiteness(problem: Problem, fitted: Fitted) -> tuple[str, ...]:
     if p >= SURE:
         return ()
     return (
-        f"the residual is not white ({probability(p)}): physics that is left out, or first values too far off; "
-        "camid diagnose tells more",
+        f"the residual is not white (p {equals_probability(p)}): physics that is left out, or first values too far "
+        "off; camid diagnose tells more",
     )

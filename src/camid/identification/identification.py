@@ -82,7 +82,11 @@ class Identification:
 
     def characteristics(self) -> list[dict[str, Any]]:
         """Static gain, natural frequencies, damping ratios and real poles with their standard deviations."""
-        return characteristics(self.estimate.plant, self.estimate.covariance)
+        found = characteristics(self.estimate.plant, self.estimate.covariance)
+        if self.simulation.physical is not None and self.simulation.input_column is None:
+            # Constants that were held make a gain, of which a free decay says nothing.
+            return [row for row in found if row["name"] != "static gain"]
+        return found
 
     def parameters(self) -> list[dict[str, Any]]:
         """Named constants of the plant: ``name``, ``value``, ``standard_deviation``, ``unit`` and ``state``.
@@ -154,6 +158,11 @@ class Identification:
         elif not self.nrmse < 1.0:
             sentences.append(
                 "the model follows the recording no better than a constant does: another plant, or other first values?"
+            )
+        latency = self.simulation.latency_deviation
+        if latency is not None and self.simulation.known_latency < latency:
+            sentences.append(
+                "the latency ended at zero or near it, and its interval has one side only: are time stamps too early?"
             )
         if self.at_stability_limit():
             sentences.append(

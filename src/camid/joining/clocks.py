@@ -25,8 +25,12 @@ LEAST_OVERLAP = 0.4
 PARTS = 8
 LARGEST_SKEW = 5e-3
 FEWEST_ROWS = 40
+# Share of its power that a part of a signal needs to say where it lies, and below which it stands still.
+LEAST_SHARE, LEAST_POWER = 0.05, 1e-3
 # Correlation of two signals that are one.
 LEAST_CORRELATION = 0.7
+# Standard deviation of the skew between clocks that are not set, where nothing is known of it.
+USUAL_SKEW = 1e-3
 # Lags over which the noise may be correlated, as a share of the cube root of the number of rows.
 LAGS_PER_ROOT = 4.0
 
@@ -64,6 +68,13 @@ class Clocks:
         """Times of the clip on the clock of the drive."""
         return self.offset + (1.0 + self.skew) * time
 
+    def counted_from(self, clip: float, drive: float) -> Clocks:
+        """The same clocks, whose times were counted from these of their tables, by the tables' own zeros."""
+        rate = 1.0 + self.skew
+        carried = np.array([[1.0, -clip], [0.0, 1.0]])
+        offset = drive + self.offset - rate * clip
+        return Clocks(offset, self.skew, carried @ self.covariance @ carried.T, self.correlation)
+
     def uncertainty(self, time: float) -> float:
         """Standard deviation in seconds of a time of the clip on the clock of the drive."""
         row = np.array([1.0, time])
@@ -71,13 +82,15 @@ class Clocks:
 
 
 class CommonSignal:
-    """A signal of the drive as the clip would see it."""
+    """A signal of the drive as the clip would see it; ``edges`` has the times at which one that is held changes."""
 
     def __init__(self, time: Array, values: Array, exposure: float) -> None:
         from scipy.interpolate import CubicSpline, PPoly
 
         nature = nature_of(values)
+        self.edges = np.zeros(0)
         if nature is not None and nature.kind == "held":
+            self.edges = time[1:][np.diff(values) != 0.0]
             steps = np.append(np.diff(time), np.median(np.diff(time)))
             edges = np.append(time, time[-1] + steps[-1])
             self._curve = PPoly(values[None, :], edges)
@@ -131,7 +144,7 @@ def first_alignment(time: Array, seen: Array, other_time: Array, other: Array) -
     offset = other_grid[0] + lag * step - grid[0]
     middles, lags = [], []
     for part in np.array_split(np.arange(len(a)), PARTS):
-        if len(part) < FEWEST_ROWS:
+        if len(part) < FEWEST_ROWS or float(np.var(a[part])) < LEAST_SHARE * float(np.var(a)):
             continue
         reach = int(LARGEST_SKEW * (grid[-1] - grid[0]) / step) + 3
         try:
@@ -167,9 +180,12 @@ def _best_lag(a: Array, b: Array, allowed: tuple[int, int] | None) -> tuple[floa
 
     count = np.maximum(np.round(moved(ones_a, ones_b)), 1.0)
     sum_a, sum_b = moved(a, ones_b), moved(ones_a, b)
-    variance_a = np.maximum(moved(a * a, ones_b) / count - (sum_a / count) ** 2, 1e-300)
+    # Where one of them stands still there is no correlation, whatever rounding leaves.
+    variance_a = np.maximum(
+        moved(a * a, ones_b) / count - (sum_a / count) ** 2, LEAST_POWER * float(np.var(a)) + 1e-300
+    )
     variance_b = np.maximum(moved(ones_a, b * b) / count - (sum_b / count) ** 2, 1e-300)
-    floor = 1e-6 * float(np.var(b))
+    floor = LEAST_POWER * float(np.var(b)) + 1e-300
     found = (moved(a, b) / count - sum_a * sum_b / count**2) / np.sqrt(variance_a * np.maximum(variance_b, floor))
     lags = np.arange(len(found)) - (len(a) - 1)
     usable = count >= least
@@ -232,20 +248,42 @@ def aligned(time: Array, seen: Array, signal: CommonSignal, start: tuple[float, 
     def error(vector: Array) -> Array:
         return np.asarray(values - vector[2] * signal.at(drive(vector)) - vector[3])
 
-    def slope(vector: Array) -> Array:
-        return -table(vector)
+    # Where steps say little of the skew it is that of clocks in general.
+    usual = USUAL_SKEW * length / period
 
-    found = least_squares(error, np.array([0.0, 0.0, gain, offset]), jac=slope, x_scale="jac")
-    vector = found.x
-    covariance = _sandwich(table(vector), found.fun)[:2, :2] * period**2
+    def penalised(vector: Array) -> Array:
+        return np.append(error(vector), spread * vector[1] / usual)
+
+    def slope(vector: Array) -> Array:
+        return np.vstack([-table(vector), [0.0, spread / usual, 0.0, 0.0]])
+
+    spread = float(np.std(error(np.array([0.0, 0.0, gain, offset]))))
+    found = least_squares(penalised, np.array([0.0, 0.0, gain, offset]), jac=slope, x_scale="jac")
+    vector, residual = found.x, found.fun[:-1]
+    if len(signal.edges):
+        covariance = _of_edges(signal.edges, at_middle, length, period, usual)
+    else:
+        covariance = sandwich(table(vector), residual)[:2, :2] * period**2
     skew = start[1] + period * vector[1] / length
     carried = np.array([[1.0, -middle / length], [0.0, 1.0 / length]])
     total = at_middle + period * vector[0] - (1.0 + skew) * middle
-    agreement = float(np.corrcoef(values, values - found.fun)[0, 1])
+    agreement = float(np.corrcoef(values, values - residual)[0, 1])
     return Clocks(float(total), float(skew), carried @ covariance @ carried.T, abs(agreement))
 
 
-def _sandwich(table: Array, residual: Array) -> Array:
+def _of_edges(edges: Array, middle: float, length: float, period: float, usual: float) -> Array:
+    """Covariance of the time in the middle and of what is gained over the record, in s², from the edges of steps.
+
+    The frames say between which two of them an edge lies; that is all that is sure of a flash whose exposure, rise and
+    brightness are not known.
+    """
+    inside = edges[np.abs(edges - middle) <= 0.5 * length]
+    table = np.column_stack([np.ones(len(inside)), (inside - middle) / length])
+    precision = table.T @ table * 12.0 / period**2 + np.diag([0.0, 1.0 / (usual * period) ** 2])
+    return np.asarray(np.linalg.pinv(precision))
+
+
+def sandwich(table: Array, residual: Array) -> Array:
     """Covariance of least squares in noise that may be coloured."""
     count = len(residual)
     lags = min(int(LAGS_PER_ROOT * count ** (1.0 / 3.0)), count // 4)

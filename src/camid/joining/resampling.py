@@ -18,6 +18,8 @@ UNEVEN = 0.02
 MOST_SLIPPED = 2.0
 # Frames that are farther apart, in periods, have a gap between them, over which nothing is interpolated.
 LARGEST_STEP = 1.5
+# Share of a frame by which rows may be shorter.
+SLACK = 0.01
 FEWEST_ROWS = 40
 # Of the times that are written, in seconds: below the jitter of any clock.
 DECIMALS = 9
@@ -29,7 +31,7 @@ SAID = 1e-3
 class Rows:
     """Both tables on one grid.
 
-    A frame that is delivered at D stands in the row at t where D = start + (1 + skew) (t − start − latency).
+    A frame that is delivered at D stands in the row at t where D = start + (1 + skew) (t − start) − latency.
 
     Attributes
     ----------
@@ -82,9 +84,11 @@ def drive_rows(time: Array, drive: Mapping[str, Array], frame: float) -> DriveRo
     frame : float
         Seconds between frames on the clock of the drive.
     """
-    step = float(np.median(np.diff(time)))
-    per_row = max(round(frame / step), 1)
-    parts = max(round(step / frame), 1) if per_row == 1 else 1
+    # The median of steps whose digits are rounded would be off by milliseconds at the end.
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    # No shorter than a frame, which an exposure may take the whole of.
+    per_row = max(int(np.ceil(frame / step - SLACK)), 1)
+    parts = max(int(step / frame + SLACK), 1) if per_row == 1 else 1
     period = step * per_row / parts
     first = time[_phase(time, drive, per_row) if per_row > 1 else 0]
     grid = first + period * np.arange(int((time[-1] - first) / period + 1e-9) + 1)
@@ -131,18 +135,17 @@ def joined_rows(
     slip = (frame / period - 1.0) * float(numbers[-1])
     one_by_one = uneven <= UNEVEN and abs(slip) <= MOST_SLIPPED
     if one_by_one:
-        # No frame stands in a row before it is delivered.
-        first = int(np.ceil((frames[0] - grid[0]) / period + max(slip, 0.0) - 1e-9))
+        # Half a period at least after they were delivered, so that a latency that is fitted is free.
+        first = int(np.ceil((frames[0] - grid[0]) / period + max(slip, 0.0) + 0.5 - 1e-9))
         inside = (first + numbers >= 0) & (first + numbers < count)
         for name, values in clip.items():
             columns[name] = np.full(count, np.nan)
             columns[name][first + numbers[inside]] = values[inside]
     else:
-        known = _known(frames, grid - 0.5 * period, frame)
         for name, values in clip.items():
-            columns[name] = np.where(known, _spline(frames, values, grid - 0.5 * period), np.nan)
+            columns[name] = _spline(frames, values, grid - 0.5 * period, frame)
         remarks.append("the columns of the clip are interpolated to the rows of the drive (cubic)")
-    measured: NDArray[np.bool_] = np.all(np.isfinite([columns[name] for name in clip]), axis=0)
+    measured: NDArray[np.bool_] = np.any(np.isfinite([columns[name] for name in clip]), axis=0)
     if measured.sum() < FEWEST_ROWS:
         raise ValueError(f"the two tables overlap in {measured.sum()} rows; {FEWEST_ROWS} are needed")
     begin = int(np.argmax(measured))
@@ -150,8 +153,7 @@ def joined_rows(
     start, latency, skew = float(grid[begin]), 0.5 * period, 0.0
     if one_by_one:
         skew = frame / period - 1.0
-        delivered = float(frames[0]) + (begin - first) * frame
-        latency = (start - delivered) / (1.0 + skew)
+        latency = start - (float(frames[0]) + (begin - first) * frame)
     columns = {name: values[kept] for name, values in columns.items()}
     blanks = int(np.count_nonzero(~measured[kept]))
     if blanks:
@@ -175,13 +177,14 @@ def _of_drive(name: str, time: Array, values: Array, grid: Array, period: float,
     nature = nature_of(values)
     if nature is None or nature.kind != "held":
         return np.asarray(np.interp(grid, time, values))
-    step = float(np.median(np.diff(time)))
+    step = float(time[-1] - time[0]) / (len(time) - 1)
     edges = np.append(time, time[-1] + step)
     # Up to the rounding of the times, a row that starts with a sample holds nothing of the one before.
     integral = np.concatenate([[0.0], np.cumsum(values * np.diff(edges))])
     ends = np.interp(np.append(grid, grid[-1] + period), edges, integral)
     held = np.diff(ends) / np.minimum(period, np.maximum(edges[-1] - grid, 1e-12))
-    rounded = values[np.clip(np.searchsorted(time, grid + 0.5 * step, side="right") - 1, 0, len(values) - 1)]
+    within = grid + 0.5 * min(step, period)
+    rounded = values[np.clip(np.searchsorted(time, within, side="right") - 1, 0, len(values) - 1)]
     same = np.abs(held - rounded) <= 1e-6 * (float(np.ptp(values)) or 1.0)
     lost = float(np.mean((held - rounded)[~same] ** 2)) * float(np.mean(~same)) if np.any(~same) else 0.0
     if lost > SAID * float(np.var(values)):
@@ -196,10 +199,12 @@ def _known(frames: Array, times: Array, frame: float) -> NDArray[np.bool_]:
     return np.asarray(inside & (frames[after] - frames[after - 1] <= LARGEST_STEP * frame))
 
 
-def _spline(frames: Array, values: Array, times: Array) -> Array:
+def _spline(frames: Array, values: Array, times: Array, frame: float) -> Array:
+    """Values at times by a cubic spline through what is known; NaN where nothing is near."""
     from scipy.interpolate import CubicSpline
 
     good = np.isfinite(values)
-    if np.count_nonzero(good) < 4:
+    if np.count_nonzero(good) < FEWEST_ROWS:
         return np.full(len(times), np.nan)
-    return np.asarray(CubicSpline(frames[good], values[good], extrapolate=False)(times))
+    known = _known(frames[good], times, frame)
+    return np.asarray(np.where(known, CubicSpline(frames[good], values[good])(times), np.nan))

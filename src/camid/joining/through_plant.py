@@ -20,13 +20,15 @@ from camid.fitting.plants.kind import LATENCY, SKEW
 from camid.fitting.simulated_output import simulated_output
 from camid.identification.from_recordings import experiments_of, load_recordings
 from camid.joining.clocks import Clocks, first_alignment
+from camid.joining.frames import fitted_to_frames
 from camid.joining.resampling import Rows, joined_rows
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 
-# Rounds of alignment and estimate; the first starts from the believed plant.
-ROUNDS = 3
+# Rounds of alignment and estimate on rows, before the frames themselves are fitted; the first starts from the believed
+# plant.
+ROUNDS = 2
 # The frames are read this much later than they are taken for, in periods, so that the latency that is fitted is free to
 # be shorter, too.
 LATER = 1.0
@@ -81,7 +83,7 @@ def aligned_through_plant(
         rows = joined_rows(drive_time, drive, frames + later, {believed.output_column: output}, "t")
         fitted, believed = _fitted(believed, pd.DataFrame({**rows.columns, "t": rows.columns["t"] - rows.start}))
         clocks = _with(clocks, fitted, rows, later, declared)
-    return clocks, believed
+    return fitted_to_frames(believed, drive_time, drive, time, output, clocks, declared), believed
 
 
 def _motion(believed: Simulation, drive_time: Array, drive: Mapping[str, Array]) -> Array:
@@ -108,23 +110,22 @@ def _fitted(believed: Simulation, table: pd.DataFrame) -> tuple[Fitted, Simulati
 def _with(clocks: Clocks, fitted: Fitted, rows: Rows, later: float, declared: float) -> Clocks:
     """The clocks after what a fit found of the rows that they made.
 
-    A row at r, counted from the first one, holds the mean over an exposure that ended at (1 + skew) (r − latency), and
+    A row at r, counted from the first one, holds the mean over an exposure that ended at (1 + skew) r − latency, and
     its frame has the latency that is declared. The frames were taken to be ``later`` seconds later than they are.
     """
     names, model = fitted.packing.names, fitted.model
     latency, skew = model.constants[LATENCY.name], model.constants[SKEW.name]
     # r = rate · (assumed time of the frame) + shift
     rate = 1.0 / (1.0 + rows.skew)
-    shift = rate * (later - rows.start) + rows.latency
-    moved = rate * clocks.offset + shift - latency
+    moved = rate * (clocks.offset + later - rows.start + rows.latency)
     chosen = [names.index(LATENCY.name), names.index(SKEW.name)]
     # Of the offset at the clip's zero, and of the skew, by latency and skew.
-    carried = np.array([[-(1.0 + skew), moved], [0.0, rate * (1.0 + clocks.skew)]])
+    carried = np.array([[-1.0, moved], [0.0, rate * (1.0 + clocks.skew)]])
     covariance = carried @ fitted.covariance[np.ix_(chosen, chosen)] @ carried.T
     recorded = fitted.problem.output
     left = fitted.cost / max(float(np.var(recorded)) * len(recorded), 1e-300)
     return Clocks(
-        rows.start + (1.0 + skew) * moved + declared,
+        rows.start + (1.0 + skew) * moved - latency + declared,
         (1.0 + skew) * rate * (1.0 + clocks.skew) - 1.0,
         covariance,
         float(np.sqrt(max(1.0 - left, 0.0))),

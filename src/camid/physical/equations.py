@@ -133,13 +133,7 @@ class Linearisation:
     rate_input: float
 
     def transfer_function(self) -> TransferFunction:
-        """From the input to the output, by the method of Faddeev and Le Verrier.
-
-        Raises
-        ------
-        ValueError
-            If the input does not reach the output.
-        """
+        """From the input to the output, by the method of Faddeev and Le Verrier; 1/A(s) where no input reaches it."""
         count = len(self.state_matrix)
         adjugate, numerator, denominator = np.eye(count), [], [1.0]
         scale = float(np.max(np.abs(self.state_matrix), initial=1e-300))
@@ -152,8 +146,8 @@ class Linearisation:
         # Coefficients of powers of the time scale, so that they can be compared.
         sizes = np.abs(numerator) / scale ** np.arange(count)
         kept = np.where(sizes > ROUNDING * float(np.max(sizes, initial=0.0)), numerator, 0.0)
-        if not np.any(kept):
-            raise ValueError("the input does not reach the output at the state of the start")
+        if not np.any(kept):  # as of a free decay, whose numerator says nothing
+            kept = np.array([1.0])
         return TransferFunction(tuple(np.trim_zeros(kept, "f")), tuple(denominator))
 
 

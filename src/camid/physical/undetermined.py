@@ -76,6 +76,9 @@ class Undetermined:
         """What is not determined, and what is done about it; None where all is."""
         if not self.open:
             return None
+        if len(self.open) == 1:
+            name = self.open[0]
+            return f"the recording says nothing of {name}, which stays {values[name]:g}; put what you know under fixed"
         kept = _listed([f"{name} at {values[name]:g}" for name in self.held])
         known = [combination.text for combination in self.combinations]
         said = f"determines {_listed(known)}, but not each of" if known else "does not tell apart"

@@ -52,7 +52,7 @@ def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
     except ValueError as error:
         hint = "correct the expressions or the constants"
         if physical.equations is not None and not any(physical.equations.start):
-            hint = "give the state before the first sample under start, where the equations are linearised"
+            hint = "they are linearised at the state before the first sample: give it under start, or correct them"
         raise InputError(str(error), where=place, hint=hint) from None
     if physical.equations is None:
         refuse_unstable(plant, place)
@@ -120,6 +120,9 @@ def _equations(written: EquationsPart, names: tuple[str, ...], where: Where) -> 
     """Nonlinear equations as they are written."""
     place = ("plant", "physical", "equations")
     known = set(names)
+    if written.input in names:
+        named = where("plant", "physical", "parameters", str(written.input))
+        raise InputError(f"'{written.input}' is the input of the equations", where=named, hint="rename one of them")
     for name, *path in (*((state, "states", state) for state in written.states), (written.input, "input")):
         try:
             refuse_name(name)

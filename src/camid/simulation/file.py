@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from camid.chain.controller import Controller
 from camid.errors import InputError
+from camid.physical.equations import plant_function
 from camid.simulation.control_systems import continuous_plant, is_control_system
 from camid.simulation.declared_plant import declared_plant
 from camid.simulation.declared_reading import declared_reading
@@ -102,6 +103,7 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         raise InputError(
             "an instant sensor has no exposure", where=where("sensor", "exposure"), hint="remove it or say kind: camera"
         )
+    _refuse_unused_input(plant, driven is not None, where)
     _refuse_unknown_constants(file, where)
     # Without a time column, what camid writes still has one.
     time_column = file.time.column
@@ -133,6 +135,18 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         reading=reading,
         **plant,
     )
+
+
+def _refuse_unused_input(plant: Mapping[str, Any], driven: bool, where: Where) -> None:
+    """Refuse an input column that no equation of the plant depends on."""
+    physical = plant.get("physical")
+    equations = None if physical is None else physical.equations
+    if driven and equations is not None and not plant_function(equations).depends_on(equations.input):
+        raise InputError(
+            f"no equation depends on the input '{equations.input}'",
+            where=where("plant", "physical", "equations"),
+            hint="use it, or say input: null for a free decay",
+        )
 
 
 def _refuse_unknown_constants(file: SimulationFile, where: Where) -> None:

@@ -77,7 +77,8 @@ class Simulation:
     latency : float or "estimate"
         Seconds.
     skew : float or "estimate"
-        Relative rate of the camera's clock: the exposure of a row at t ends at (1 + skew) (t − latency).
+        Relative rate of the camera's clock: the exposure of a row at t ends skew · (t − t_0) later than t − latency,
+        where t_0 is the first row.
     latency_deviation, skew_deviation : float or None
         Their standard deviations, where they were estimated.
     offset, bias : float or "estimate" or None

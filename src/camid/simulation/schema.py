@@ -187,12 +187,12 @@ class SensorPart(Scaled):
         default=None, description="τ in seconds, at most the period, which is the default."
     )
     latency: NonNegativeOrEstimate = Field(
-        default=0.0, description="ℓ in seconds, default 0; estimate: fitted by identify and diagnose, up to 3 periods."
+        default=0.0, description="ℓ in seconds, default 0; estimate: fitted by identify and diagnose."
     )
     skew: SkewOrEstimate = Field(
         default=0.0,
-        description="Relative rate of the camera's clock, default 0: the exposure of a row at t ends at "
-        "(1 + skew) (t − latency); estimate: fitted by identify and diagnose.",
+        description="Relative rate of the camera's clock, default 0: the exposure of a row at t ends skew · (t − t_0) "
+        "later than t − latency, with t_0 the first row; estimate: fitted by identify and diagnose.",
     )
     offset: NotNull[Estimated] = Field(
         default=None,

@@ -15,7 +15,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
-from camid.effects.sensor import ClockSkew, Delay
+from camid.effects.sensor import ClockSkew, Delay, FrameSkew
 from camid.effects.sensor_reading import SensorOffset
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
@@ -174,7 +174,7 @@ class PlantKind:
         if LATENCY.name in model.constants:
             found += (Delay(delay=model.constants[LATENCY.name]),)
         if SKEW.name in model.constants:
-            found += (ClockSkew(skew=model.constants[SKEW.name]),)
+            found += (FrameSkew(skew=model.constants[SKEW.name]),)
         return found
 
     def nonlinear(self, model: Model) -> NonlinearPlant | None:

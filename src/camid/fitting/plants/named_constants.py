@@ -87,7 +87,7 @@ class NamedConstants(PlantKind):
         value, column = self.physical.parameters[name], self.physical.names.index(name)
         sensitive = self.sensitive[:, column]
         in_poles = bool(np.any(sensitive[self.structure.degree + 1 :] != 0.0))
-        lower = 0.0 if value >= 0.0 and in_poles and self.structure.order <= 2 else -np.inf
+        lower = 0.0 if value >= 0.0 and in_poles else -np.inf
         size = 0.0
         if value == 0.0:
             # By how much it changes a coefficient by what this is; coefficients that are zero themselves say nothing.

@@ -108,7 +108,7 @@ class PendulumKind(PlantKind):
             _covariance(fitted, structure),
             gain_fixed=not structure.free_numerator[0],
         )
-        return replace(believed, pendulum=pendulum, plant=pendulum.transfer_function())
+        return replace(self._with_constants(believed, fitted), pendulum=pendulum, plant=pendulum.transfer_function())
 
 
 def _derivatives(problem: Problem, model: Model) -> tuple[Array, Array]:

@@ -19,8 +19,9 @@ Array = NDArray[np.float64]
 
 # Along and across the motion, px.
 LENGTH, WIDTH = 420, 160
-# Pictures that an exposure is the mean of, and px of the edge of the disc beyond its radius.
-PARTS = 24
+# Pictures that an exposure is the mean of: with so many the mean is off by less than 3e-4 px where the motion turns.
+PARTS = 48
+# Px around the disc that are looked at, too.
 EDGE = 3.0
 BRIGHT, DARK = 205.0, 45.0
 

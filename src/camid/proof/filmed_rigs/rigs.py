@@ -21,8 +21,8 @@ PERSPECTIVE = "perspective"
 FRICTION = "coulomb-friction"
 CUBIC = "cubic-stiffness"
 CONCEALED = (NOTHING, ROLLING_SHUTTER, PERSPECTIVE, FRICTION, CUBIC)
-# Longest step of the integrator, s: the method of the fourth order is then exact to 1e-8 of the motion.
-LONGEST_STEP = 2.5e-4
+# Longest step of the integrator, s: what lies between two steps is straight to 1e-4 px.
+LONGEST_STEP = 1.25e-4
 # Rounds in which the cubic stiffness and the motion that it leaves are brought together.
 ROUNDS = 12
 # Digits after the point of the times that are written, in s.
