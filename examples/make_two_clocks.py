@@ -1,7 +1,7 @@
-"""Make ``clip.csv`` and ``drive.csv``: the slide of ``make_recording.py`` without friction, filmed on a clock of its own.
+"""Make ``clip.csv`` and ``drive.csv``: the slide of ``make_recording.py`` without friction, on two clocks.
 
-The drive logs what it was told 50 times a second on its own clock; the camera takes 50.02 frames a second by its clock,
-which started 3.2 s later and runs 80 millionths too fast. The integrator is this file's own and shares nothing with
+The drive logs what it was told 50 times a second by its clock; the camera takes 50.02 frames a second by its own, which
+started 3.2 s later and runs 80 millionths too fast. The integrator is this file's own and shares nothing with
 camid. Run it in this folder: ``python make_two_clocks.py``. Its seed is fixed, so it always writes the same files.
 """
 
