@@ -26,8 +26,8 @@ from camid.writing import without_infinities
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
 
-# Below this the alignment through a plant is none.
-LEAST_EXPLAINED = 0.5
+# Below this the alignment through a plant is none, and below this it may be that of another swing.
+LEAST_EXPLAINED, WELL_EXPLAINED = 0.5, 0.95
 # Columns that are named have to agree at least so well.
 LEAST_FOLLOWED = 0.5
 # Columns of a clip that are no motion.
@@ -149,6 +149,9 @@ def join(
     if believed is not None:
         skew = "estimate" if rows.skew != 0.0 else 0.0
         believed = replace(believed, time_column=logged.time_column, latency="estimate", skew=skew)
+        if clocks.correlation < WELL_EXPLAINED:
+            share = f"{100.0 * clocks.correlation**2:.0f} % of the motion"
+            remarks = (f"the plant explains {share}: is the offset that of another swing? check the plant", *remarks)
     elif exposure is None:
         remarks = (
             "the exposure is taken for zero; if it is not, the offset is off by half of it: --exposure",
