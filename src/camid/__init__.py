@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from camid.commands.diagnose import diagnose
     from camid.commands.identify import identify
     from camid.commands.init_recording import init_recording
+    from camid.commands.join import join
     from camid.commands.order import select_order
     from camid.commands.simulate import simulate
     from camid.commands.track import track

@@ -17,7 +17,7 @@ from camid.identification.from_recordings import SimulationSource
 from camid.joining.clocks import LEAST_CORRELATION, Clocks, CommonSignal, aligned, first_alignment
 from camid.joining.resampling import joined_rows
 from camid.joining.tables import TimedTable, timed_table
-from camid.joining.through_plant import aligned_through_plant
+from camid.joining.through_plant import WELL_EXPLAINED, aligned_through_plant
 from camid.linear_algebra_threads import one_blas_thread
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
@@ -26,8 +26,8 @@ from camid.writing import without_infinities
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
 
-# Below this the alignment through a plant is none, and below this it may be that of another swing.
-LEAST_EXPLAINED, WELL_EXPLAINED = 0.5, 0.95
+# Below this the alignment through a plant is none.
+LEAST_EXPLAINED = 0.5
 # Columns that are named have to agree at least so well.
 LEAST_FOLLOWED = 0.5
 # Columns of a clip that are no motion.
@@ -205,9 +205,10 @@ def _through_signal(
             f"no column of the clip follows one of the drive: the nearest are '{pair[0]}' and '{pair[1]}' with a "
             f"correlation of {correlation:.2f} (name them with --match, or give a --simulation)"
         )
-    signal = CommonSignal(other_time, other[other_known], exposure or 0.0)
+    frame = float(np.median(np.diff(time)))
+    signal = CommonSignal(other_time, other[other_known], exposure or 0.0, frame)
     if len(signal.edges) and exposure is None:  # a frame that an edge falls into says where in it
-        signal = CommonSignal(other_time, other[other_known], float(np.median(np.diff(time))))
+        signal = CommonSignal(other_time, other[other_known], frame, frame)
     clocks = aligned(time, values[known], signal, (offset, skew))
     if clocks.correlation < LEAST_FOLLOWED:
         raise ValueError(

@@ -31,6 +31,9 @@ LEAST_SHARE, LEAST_POWER = 0.05, 1e-3
 LEAST_CORRELATION = 0.7
 # Standard deviation of the skew between clocks that are not set, where nothing is known of it.
 USUAL_SKEW = 1e-3
+# Half the window of the local cubics that smooth a signal of the drive, in frames, and fewest samples of a window.
+SMOOTHED = 2.0
+SHORTEST_WINDOW = 7
 # Lags over which the noise may be correlated, as a share of the cube root of the number of rows.
 LAGS_PER_ROOT = 4.0
 
@@ -84,8 +87,19 @@ class Clocks:
 class CommonSignal:
     """A signal of the drive as the clip would see it; ``edges`` has the times at which one that is held changes."""
 
-    def __init__(self, time: Array, values: Array, exposure: float) -> None:
+    def __init__(self, time: Array, values: Array, exposure: float, frame: float = 0.0) -> None:
+        """Of a drive's column.
+
+        Parameters
+        ----------
+        time, values : ndarray, shape (M,)
+        exposure : float
+            Seconds.
+        frame : float
+            Seconds between frames: what changes faster is noise, whose slopes would count as those of the motion.
+        """
         from scipy.interpolate import CubicSpline, PPoly
+        from scipy.signal import savgol_filter
 
         nature = nature_of(values)
         self.edges = np.zeros(0)
@@ -95,6 +109,9 @@ class CommonSignal:
             edges = np.append(time, time[-1] + steps[-1])
             self._curve = PPoly(values[None, :], edges)
         else:
+            window = 2 * int(SMOOTHED * frame / float(np.median(np.diff(time)))) + 1
+            if SHORTEST_WINDOW <= window < len(values):
+                values = savgol_filter(values, window, 3)
             self._curve = CubicSpline(time, values)
         self.start, self.end = float(time[0]), float(time[-1])
         self.exposure = exposure
@@ -119,7 +136,9 @@ class CommonSignal:
         return np.asarray((time - self.exposure >= self.start) & (time <= self.end))
 
 
-def first_alignment(time: Array, seen: Array, other_time: Array, other: Array) -> tuple[float, float, float]:
+def first_alignment(
+    time: Array, seen: Array, other_time: Array, other: Array, rank: int = 0
+) -> tuple[float, float, float]:
     """Offset, skew and correlation without derivatives: by correlation, over all lags and then part by part.
 
     Parameters
@@ -128,11 +147,13 @@ def first_alignment(time: Array, seen: Array, other_time: Array, other: Array) -
         Of the clip.
     other_time, other : ndarray, shape (M,)
         Of the drive.
+    rank : int
+        Which of the peaks of the correlation is taken; 0 is the highest.
 
     Raises
     ------
     ValueError
-        If the tables overlap nowhere, or a signal does not change.
+        If the tables overlap nowhere, or a signal does not change, or there are not so many peaks.
     """
     if float(np.ptp(seen)) == 0.0 or float(np.ptp(other)) == 0.0:
         raise ValueError("what is matched does not change")
@@ -140,7 +161,7 @@ def first_alignment(time: Array, seen: Array, other_time: Array, other: Array) -
     step = max(step, float(np.median(np.diff(time))) / 8.0)
     grid, other_grid = (np.arange(t[0], t[-1] + 0.5 * step, step) for t in (time, other_time))
     a, b = np.interp(grid, time, seen), np.interp(other_grid, other_time, other)
-    lag, correlation = _best_lag(a, b, None)
+    lag, correlation = _best_lag(a, b, None, rank)
     offset = other_grid[0] + lag * step - grid[0]
     middles, lags = [], []
     for part in np.array_split(np.arange(len(a)), PARTS):
@@ -168,9 +189,9 @@ def _median_slope(x: Array, y: Array) -> float:
     return float(theilslopes(y, x)[0])
 
 
-def _best_lag(a: Array, b: Array, allowed: tuple[int, int] | None) -> tuple[float, float]:
+def _best_lag(a: Array, b: Array, allowed: tuple[int, int] | None, rank: int = 0) -> tuple[float, float]:
     """Row of ``b`` at which ``a`` starts, with a fraction, and the correlation there."""
-    from scipy.signal import fftconvolve
+    from scipy.signal import fftconvolve, find_peaks
 
     least = int(LEAST_OVERLAP * min(len(a), len(b)))
     ones_a, ones_b = np.ones(len(a)), np.ones(len(b))
@@ -195,6 +216,11 @@ def _best_lag(a: Array, b: Array, allowed: tuple[int, int] | None) -> tuple[floa
         raise ValueError("the two tables overlap nowhere")
     size = np.where(usable, np.abs(found), -1.0)
     best = int(np.argmax(size))
+    if rank:
+        peaks = find_peaks(size)[0]
+        if rank >= len(peaks):
+            raise ValueError("the correlation has no other peak")
+        best = int(peaks[np.argsort(-size[peaks])[rank]])
     fraction = 0.0
     if 0 < best < len(size) - 1 and usable[best - 1] and usable[best + 1]:
         left, middle, right = size[best - 1 : best + 2]

@@ -29,6 +29,10 @@ Array = NDArray[np.float64]
 # Rounds of alignment and estimate on rows, before the frames themselves are fitted; the first starts from the believed
 # plant.
 ROUNDS = 2
+# Peaks of the correlation that are tried, and the correlation with which one is taken for the right one: a plant with
+# wrong coefficients that swings long agrees with the motion at several swings.
+MOST_PEAKS = 5
+WELL_EXPLAINED = 0.95
 # The frames are read this much later than they are taken for, in periods, so that the latency that is fitted is free to
 # be shorter, too.
 LATER = 1.0
@@ -73,17 +77,43 @@ def aligned_through_plant(
     )
     motion = _motion(believed, drive_time, drive)
     output = clip[simulation.output_column]
-    offset, skew, _ = first_alignment(time, output, drive_time, motion)
-    clocks = Clocks(offset, skew, np.zeros((2, 2)), 0.0)
-    for _ in range(ROUNDS):
+    best: tuple[Clocks, Simulation] | None = None
+    for rank in range(MOST_PEAKS):
         if progress:
             progress("aligning the clocks")
+        try:
+            start = first_alignment(time, output, drive_time, motion, rank)
+            found = _followed(believed, drive_time, drive, time, output, start, declared)
+        except (ValueError, ArithmeticError):
+            continue
+        if best is None or found[0].correlation > best[0].correlation:
+            best = found
+        if best[0].correlation >= WELL_EXPLAINED:
+            break
+    if best is None:
+        raise ValueError("the motion of the clip follows the input of the drive nowhere")
+    clocks, followed = best
+    return fitted_to_frames(followed, drive_time, drive, time, output, clocks, declared), followed
+
+
+def _followed(
+    believed: Simulation,
+    drive_time: Array,
+    drive: Mapping[str, Array],
+    time: Array,
+    output: Array,
+    start: tuple[float, float, float],
+    declared: float,
+) -> tuple[Clocks, Simulation]:
+    """Clocks and simulation after rounds of alignment and estimate on rows, from an offset and a skew."""
+    clocks = Clocks(start[0], start[1], np.zeros((2, 2)), 0.0)
+    for _ in range(ROUNDS):
         frames = clocks.to_drive(time)
         later = LATER * float(np.median(np.diff(frames)))
         rows = joined_rows(drive_time, drive, frames + later, {believed.output_column: output}, "t")
         fitted, believed = _fitted(believed, pd.DataFrame({**rows.columns, "t": rows.columns["t"] - rows.start}))
         clocks = _with(clocks, fitted, rows, later, declared)
-    return fitted_to_frames(believed, drive_time, drive, time, output, clocks, declared), believed
+    return clocks, believed
 
 
 def _motion(believed: Simulation, drive_time: Array, drive: Mapping[str, Array]) -> Array:
