@@ -198,3 +198,21 @@ def test_a_signal_that_does_not_change(tmp_path):
         pd.DataFrame({"t": time, "x": values}).to_csv(tmp_path / f"{name}.csv", index=False)
     with pytest.raises(InputError, match="does not change"):
         camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", match=("x", "x"))
+
+
+def test_the_noise_of_an_encoder_is_no_slope():
+    """Stated deviations hold where what the drive measures is noisy."""
+    errors = []
+    for seed in range(12):
+        generator = np.random.default_rng(100 + seed)
+        drive_time = np.arange(0.0, 20.0, 0.0025)
+        drive = motion(drive_time) + 0.05 * generator.standard_normal(len(drive_time))
+        delivered = np.arange(1.0, 19.0, FRAME) + generator.uniform(0.0, FRAME)
+        seen = motion(delivered) + 0.01 * generator.standard_normal(len(delivered))
+        time = delivered - 2.0
+        start = first_alignment(time, seen, drive_time, drive)
+        clocks = aligned(time, seen, CommonSignal(drive_time, drive, 0.0, FRAME), start[:2])
+        middle = float(time.mean())
+        error = clocks.offset + clocks.skew * middle - 2.0
+        errors.append(error / clocks.uncertainty(middle))
+    assert np.sqrt(np.mean(np.square(errors))) < 1.7
