@@ -216,3 +216,9 @@ def test_the_noise_of_an_encoder_is_no_slope():
         error = clocks.offset + clocks.skew * middle - 2.0
         errors.append(error / clocks.uncertainty(middle))
     assert np.sqrt(np.mean(np.square(errors))) < 1.7
+
+
+def test_what_the_simulation_says_wrongly_is_named(tables):
+    """Not that nothing follows anything."""
+    with pytest.raises(InputError, match=r"exposure = 3\.0 s is longer than the period"):
+        camid.join(*tables, simulation={**SIMULATION, "sensor": {**SIMULATION["sensor"], "exposure": 3.0}})

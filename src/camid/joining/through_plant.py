@@ -14,6 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from camid.effects.declared import effects_of
+from camid.errors import InputError
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.plants.kind import LATENCY, SKEW
@@ -84,6 +85,10 @@ def aligned_through_plant(
         try:
             start = first_alignment(time, output, drive_time, motion, rank)
             found = _followed(believed, drive_time, drive, time, output, start, declared)
+        except InputError:
+            if best is None:
+                raise
+            break
         except (ValueError, ArithmeticError):
             continue
         if best is None or found[0].correlation > best[0].correlation:
