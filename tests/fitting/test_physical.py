@@ -104,6 +104,19 @@ def test_what_is_not_determined_is_named():
     assert any("determines damping/mass" in sentence for sentence in found.warnings())
 
 
+def test_what_is_held_moves_where_it_leaves_no_way_to_the_coefficients():
+    """With the believed stiffness of the bearing no positive one of the spring makes the recorded stiffness."""
+    physical = {
+        "parameters": {"bearing": 400.0, "spring": 50.0, "mass": 1.3, "damping": 2.0},
+        "transfer_function": {"numerator": ["1"], "denominator": ["mass", "damping", "bearing + spring^2"]},
+    }
+    found = camid.identify(recording(), simulation(physical))
+    values = {p["name"]: p["value"] for p in found.parameters()}
+    assert values["bearing"] + values["spring"] ** 2 == pytest.approx(310.0, rel=0.01)
+    assert values["bearing"] < 400.0
+    assert any(f"given with bearing at {values['bearing']:g}" in sentence for sentence in found.warnings())
+
+
 def test_the_result_is_a_simulation_again(tmp_path):
     found = camid.identify(recording(), simulation(SPRING))
     camid.write_simulation(found.simulation, tmp_path / "model.yaml")

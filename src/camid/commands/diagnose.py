@@ -95,7 +95,7 @@ def diagnose(
         seconds=time.perf_counter() - started,
         warnings=[
             *warnings_of(recordings),
-            *problem.kind.remarks(),
+            *problem.kind.remarks(diagnosis.improved),
             *_left_open(diagnosis.improved),
             *([late] if (late := watch.warning()) else []),
         ],

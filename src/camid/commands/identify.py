@@ -90,7 +90,7 @@ def _identified(
             f"no estimate: {error}", where=recordings[0].source, hint="try another order, or check the units"
         ) from None
     why = why_no_offset(experiments, believed)
-    notes = (*found.notes, *(() if why is None else (why,)), *problem.kind.remarks())
+    notes = (*found.notes, *(() if why is None else (why,)), *problem.kind.remarks(found.simulation))
     return replace(found, recording_warnings=warnings_of(recordings), notes=notes)
 
 

@@ -9,6 +9,7 @@ member of the catalogue, since a name says what a thing is and a curve only what
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import sqrt
 from typing import Any, Self
@@ -47,7 +48,7 @@ def interpolated(at: float, values: Any, first: int, count: int) -> float:
     return float(values[low + count] + share * (values[high + count] - values[low + count]))
 
 
-class LearnedEffect(Effect):
+class LearnedEffect(Effect, ABC):
     """An effect whose law is values at knots.
 
     Raises
@@ -72,9 +73,9 @@ class LearnedEffect(Effect):
         return np.asarray(self.values["knots"], dtype=float)
 
     @property
+    @abstractmethod
     def knot_unit(self) -> str:
         """Unit of the knots, in u, y and s."""
-        raise NotImplementedError
 
     @property
     def unit(self) -> str:
@@ -86,9 +87,9 @@ class LearnedEffect(Effect):
         """Its values there, shape (k,)."""
         return np.asarray(self.values["values"], dtype=float)
 
+    @abstractmethod
     def blank(self) -> Self:
         """The law on the same knots that does nothing."""
-        raise NotImplementedError
 
     def refined(self) -> Self:
         """The law that does nothing on twice as many knots."""

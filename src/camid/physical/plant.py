@@ -150,8 +150,8 @@ class PhysicalPlant:
 
     def combination_rows(self) -> Iterator[tuple[str, float, float | None]]:
         """Expression, value and standard deviation of what is determined where constants are not."""
-        for found in () if self.left_open is None else self.left_open.combinations:
-            yield found.text, *self.combination(found.text)
+        for text in () if self.left_open is None else self.left_open.combinations:
+            yield text, *self.combination(text)
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of a simulation file: the content of ``plant``."""

@@ -42,19 +42,6 @@ SIMULATED = Accuracy(1e-5, 1e-2)
 
 
 @dataclass(frozen=True)
-class Combination:
-    """A combination of constants that a recording determines where it does not determine them each.
-
-    Attributes
-    ----------
-    text : str
-        As an expression: ``stiffness/mass``.
-    """
-
-    text: str
-
-
-@dataclass(frozen=True)
 class Undetermined:
     """What a recording leaves open of the free constants.
 
@@ -64,13 +51,13 @@ class Undetermined:
         Constants that are kept at their believed values, so that the others follow.
     open : tuple of str
         Constants that are not determined each, those included.
-    combinations : tuple of Combination
-        What is determined of them.
+    combinations : tuple of str
+        What is determined of them, as expressions: ``stiffness/mass``.
     """
 
     held: tuple[str, ...] = ()
     open: tuple[str, ...] = ()
-    combinations: tuple[Combination, ...] = ()
+    combinations: tuple[str, ...] = ()
 
     def sentence(self, values: Mapping[str, float]) -> str | None:
         """What is not determined, and what is done about it; None where all is."""
@@ -80,7 +67,7 @@ class Undetermined:
             name = self.open[0]
             return f"the recording says nothing of {name}, which stays {values[name]:g}; put what you know under fixed"
         kept = _listed([f"{name} at {values[name]:g}" for name in self.held])
-        known = [combination.text for combination in self.combinations]
+        known = list(self.combinations)
         said = f"determines {_listed(known)}, but not each of" if known else "does not tell apart"
         return (
             f"the recording {said} {_listed(list(self.open))}: the others are given with {kept}; put what you know "
@@ -169,9 +156,7 @@ def undetermined_by(
             break
     else:
         texts = [] if otherwise is None else otherwise(touched)
-    return Undetermined(
-        tuple(free[i] for i in held), tuple(free[int(i)] for i in touched), tuple(Combination(t) for t in texts)
-    )
+    return Undetermined(tuple(free[i] for i in held), tuple(free[int(i)] for i in touched), tuple(texts))
 
 
 def _null_space(table: Array, accuracy: Accuracy) -> Array:

@@ -14,7 +14,7 @@ from camid.simulation.refused_plant import refuse_table, refuse_unstable
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
-    from camid.simulation.schema import EquationsPart, PhysicalParameters, PhysicalPart
+    from camid.simulation.plant_schema import EquationsPart, PhysicalParameters, PhysicalPart
 
 FORMS = ("transfer_function", "state_space", "equations")
 

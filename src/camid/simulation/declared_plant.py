@@ -15,7 +15,7 @@ from camid.simulation.refused_plant import refuse_table, refuse_unstable
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
-    from camid.simulation.schema import PendulumPart, PhysicalPart, TransferFunctionPart
+    from camid.simulation.plant_schema import PendulumPart, PhysicalPart, TransferFunctionPart
 
 POLYNOMIALS = ("numerator", "denominator")
 
@@ -35,7 +35,7 @@ def declared_plant(written: TransferFunctionPart | PendulumPart | PhysicalPart, 
     InputError
         If the plant is improper or unstable, or accuracies have another shape than it.
     """
-    from camid.simulation.schema import PendulumPart, PhysicalPart
+    from camid.simulation.plant_schema import PendulumPart, PhysicalPart
 
     if isinstance(written, PendulumPart):
         return _pendulum(written, where)

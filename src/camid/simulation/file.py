@@ -73,6 +73,8 @@ def _with_coefficients(content: Mapping[str, Any], name: str) -> Mapping[str, An
 
 def _refuse_several(content: Mapping[str, Any], name: str) -> None:
     """One clear line for lists of inputs or outputs, and for two plants."""
+    from camid.simulation.plant_schema import PLANTS
+
     for key, word in (("input", "input"), ("sensor", "output")):
         part = content.get(key)
         parts = part if isinstance(part, list | tuple) else [part]
@@ -84,7 +86,7 @@ def _refuse_several(content: Mapping[str, Any], name: str) -> None:
                 hint=f"name one column, and identify one {word} at a time with the others at zero",
             )
     plant = content.get("plant")
-    kinds = [k for k in ("transfer_function", "pendulum", "physical") if isinstance(plant, Mapping) and k in plant]
+    kinds = [kind for kind in PLANTS if isinstance(plant, Mapping) and kind in plant]
     if len(kinds) > 1:
         both = " and ".join(kinds)
         raise InputError(f"the plant is declared twice: {both}", where=place(name, content, ["plant"]), hint="keep one")

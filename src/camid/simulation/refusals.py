@@ -9,7 +9,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from camid.errors import InputError, nearest_match
-from camid.simulation.schema import Part, SimulationFile
+from camid.simulation.schema import SimulationFile
+from camid.simulation.schema_values import Part
 from camid.simulation.yaml_file import place
 
 

@@ -92,9 +92,9 @@ class ClosedLoop(PlantKind):
         """Those of what is controlled."""
         return self.plant.estimates(structure, model, fitted)
 
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self, found: Simulation) -> tuple[str, ...]:
         """Those of what is controlled."""
-        return self.plant.remarks()
+        return self.plant.remarks(found)
 
     def all_fixed(self) -> Self:
         """The same with nothing to be re-estimated."""

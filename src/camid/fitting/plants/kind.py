@@ -352,8 +352,8 @@ class PlantKind:
         """The plant identified."""
         return identify_by_simulation(problem, task)
 
-    def remarks(self) -> tuple[str, ...]:
-        """What a recording of this kind leaves open of the plant, a sentence each."""
+    def remarks(self, found: Simulation) -> tuple[str, ...]:
+        """What a recording of this kind leaves open of the plant that was found, a sentence each."""
         return ()
 
     # -- how it is written -------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -30,7 +31,7 @@ DIFFERENCE = 1e-6
 
 
 @dataclass(frozen=True)
-class NamedConstants(PlantKind):
+class NamedConstants(PlantKind, ABC):
     """A plant whose behaviour follows from named constants.
 
     Attributes
@@ -57,18 +58,18 @@ class NamedConstants(PlantKind):
     # -- what it consists of -----------------------------------------------------------------------------------------
 
     @property
+    @abstractmethod
     def undetermined(self) -> Undetermined:
         """What recordings of this kind leave open of the constants."""
-        raise NotImplementedError
 
+    @abstractmethod
     def coefficients(self, values: Array) -> Array:
         """[b_0 … b_m, a_1 … a_n] of the (linearised) plant for values of all constants, shape (p,)."""
-        raise NotImplementedError
 
-    @cached_property
+    @property
+    @abstractmethod
     def sensitive(self) -> Array:
         """Changes of the coefficients by relative changes of the constants, shape (m + 1 + n, p)."""
-        raise NotImplementedError
 
     @cached_property
     def estimated(self) -> tuple[str, ...]:
@@ -165,9 +166,9 @@ class NamedConstants(PlantKind):
         found = self.physical.estimated(self.values_of(fitted.model), self._covariance(fitted), self.undetermined)
         return replace(simulation, physical=found)
 
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self, found: Simulation) -> tuple[str, ...]:
         """Which constants are not determined each, and what is done about it."""
-        said = self.undetermined.sentence(self.physical.parameters)
+        said = self.undetermined.sentence((found.physical or self.physical).parameters)
         return () if said is None else (said,)
 
     def refuse_nothing_free(self, task: IdentificationTask) -> None:
