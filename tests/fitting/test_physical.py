@@ -185,3 +185,12 @@ def test_an_open_latency_is_no_finding():
 def test_nothing_is_simulated_before_the_latency_is_known():
     with pytest.raises(camid.InputError, match="the latency is not known yet"):
         camid.simulate(recording(), simulation(SPRING, latency="estimate"))
+
+
+def test_a_latency_at_zero_is_zero_and_said():
+    """Time stamps that are early: no latency explains them."""
+    table = recording(latency=0.0)
+    table["y"] = table["y"].shift(-1, fill_value=table["y"].iloc[-1])
+    found = camid.identify(table, simulation(SPRING, latency="estimate"))
+    assert found.simulation.latency == 0.0
+    assert any("ended at zero" in sentence for sentence in found.warnings())

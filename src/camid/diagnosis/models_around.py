@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.kind import BIAS, OFFSET
+from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
-from camid.fitting.plants.kind import LATENCY, SKEW
+from camid.fitting.plants.constants import LATENCY, SKEW
 from camid.fitting.simulated_output import simulated_output
 from camid.identification.from_recordings import experiments_of, load_recordings
 from camid.joining.clocks import Clocks, first_alignment

@@ -27,6 +27,7 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.constants import AT_ZERO, BIAS, LATENCIES, LATENCY, OFFSET, SKEW
 from camid.fitting.problem import WORKERS, Problem, Views
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
@@ -40,13 +41,6 @@ Array = NDArray[np.float64]
 
 # Force, as a share of the largest input, that a plant which is not linear is asked about.
 SMALL_FORCE = 1e-4
-# Constants that every kind may have, measured by what they are added to.
-OFFSET = Parameter("offset", "y", "reading at the plant's zero", scale="output")
-BIAS = Parameter("bias", "u", "what is added to the input", scale="input")
-SKEW = Parameter("skew", "", "relative rate of the camera's clock", -0.1, 0.1, scale="slip")
-# Latencies, in periods, from the best of which one that is unknown is fitted.
-LATENCIES = np.arange(0.0, 3.01, 0.25)
-LATENCY = Parameter("latency", "s", "from the end of an exposure to its time stamp", 0.0, scale="period")
 
 
 @dataclass(frozen=True)
@@ -386,7 +380,10 @@ class PlantKind:
         for constant in self.free_constants():
             if constant in (OFFSET, BIAS, LATENCY, SKEW):
                 variance = float(fitted.covariance[names.index(constant.name), names.index(constant.name)])
-                found[constant.name] = float(fitted.model.constants[constant.name])
+                value = float(fitted.model.constants[constant.name])
+                # A search stays a hair inside its bounds.
+                at_zero = constant is LATENCY and value < AT_ZERO * fitted.problem.acquisition.period
+                found[constant.name] = 0.0 if at_zero else value
                 found[f"{constant.name}_deviation"] = float(np.sqrt(variance)) if np.isfinite(variance) else None
         return replace(believed, **found)  # type: ignore[arg-type]
 

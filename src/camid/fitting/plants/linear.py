@@ -18,7 +18,8 @@ from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.identified_exactly import analysed, identify_exactly
 from camid.fitting.initial_motion import companion_state, recorded_start
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.kind import BIAS, LATENCY, OFFSET, SKEW, PlantKind, with_latencies
+from camid.fitting.plants.constants import BIAS, LATENCY, OFFSET, SKEW
+from camid.fitting.plants.kind import PlantKind, with_latencies
 from camid.fitting.problem import Problem
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment

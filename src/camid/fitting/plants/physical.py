@@ -14,7 +14,7 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.identified_exactly import analysed, identify_exactly
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.kind import SKEW
+from camid.fitting.plants.constants import SKEW
 from camid.fitting.plants.linear import STEPS, FreeDecay, LinearPlant, experiments_at, misfit
 from camid.fitting.plants.named_constants import NamedConstants
 from camid.fitting.problem import Problem
