@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from camid.diagnosis.diagnosis import Diagnosis
     from camid.errors import InputError
     from camid.identification.identification import Identification
-    from camid.recording.recording import Recording, read_recording
+    from camid.recording.read import read_recording
+    from camid.recording.recording import Recording
     from camid.simulation.file import load_simulation, write_simulation
     from camid.simulation.model import Simulation
     from camid.tracking.result import Track
@@ -38,7 +39,7 @@ _MODULE_OF = {
     "init_recording": "commands.init_recording",
     "join": "commands.join",
     "load_simulation": "simulation.file",
-    "read_recording": "recording.recording",
+    "read_recording": "recording.read",
     "select_order": "commands.order",
     "simulate": "commands.simulate",
     "track": "commands.track",

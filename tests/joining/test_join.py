@@ -7,7 +7,7 @@ import pytest
 import camid
 from camid.errors import InputError
 from camid.joining.clocks import CommonSignal, aligned, first_alignment
-from camid.joining.resampling import drive_rows, joined_rows
+from camid.joining.rows import joined_rows
 
 FRAME = 0.02
 
@@ -70,8 +70,8 @@ def test_blank_cells_of_the_clip_are_frames_that_are_missing(tmp_path):
     pd.DataFrame({"t": drive_time, "encoder": motion(drive_time)}).to_csv(tmp_path / "drive.csv", index=False)
     found = camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", match=("x", "encoder"), exposure=0.0)
     assert found.clocks.offset == pytest.approx(3.0, abs=1e-5)
-    assert found.table["x"].isna().sum() == 41
-    assert any("stay blank" in remark for remark in found.remarks)
+    assert found.frames == 900 - 41
+    assert found.table["x"].count() == found.table[found.frame_time].count() == 900 - 41
 
 
 def test_a_gap_in_the_log_of_the_drive_is_refused(tmp_path, tables):
@@ -88,7 +88,7 @@ def test_times_of_a_computer_and_in_milliseconds(tmp_path):
     pd.DataFrame({"t": 1.7e9 + drive_time, "encoder": motion(drive_time)}).to_csv(tmp_path / "drive.csv", index=False)
     found = camid.join(tmp_path / "clip.csv", tmp_path / "drive.csv", exposure=0.0)
     assert found.clocks.offset == pytest.approx(1.7e9 + 0.5, abs=1e-4)
-    assert found.table["t"].iloc[0] > 1.7e9
+    assert found.table["t"].iloc[0] == 1.7e9
 
 
 def test_the_exposure_is_averaged_over():
@@ -103,53 +103,46 @@ def test_the_exposure_is_averaged_over():
     )
 
 
-def test_rows_start_where_a_held_input_changes():
-    time = np.arange(1000) * 0.001
-    held = np.repeat(np.random.default_rng(0).choice([-1.0, 1.0], 60), 20)[:1000]
-    shifted = np.roll(held, 7)
-    rows = drive_rows(time, {"u": shifted}, 0.02)
-    assert rows.period == pytest.approx(0.02)
-    assert rows.time[0] == pytest.approx(0.007)
-    assert set(np.unique(rows.columns["u"])) == {-1.0, 1.0}
-    assert rows.remarks == ()
+def test_neither_table_is_changed():
+    drive_time = np.arange(500) * 0.01
+    frames = 1.003 + np.arange(100) / 29.97
+    values, input_ = np.arange(100.0), np.sign(np.sin(9.0 * drive_time))
+    rows = joined_rows(drive_time, {"u": input_}, frames, {"y": values}, "t")
+    np.testing.assert_array_equal(rows.columns["t"], np.round(drive_time, 9))
+    np.testing.assert_array_equal(rows.columns["u"], input_)
+    filled = np.flatnonzero(np.isfinite(rows.columns["y"]))
+    np.testing.assert_array_equal(rows.columns["y"][filled], values)
+    np.testing.assert_allclose(rows.columns["frame_time"][filled], frames, atol=1e-9)
+    delay = rows.columns["frame_time"][filled] - rows.columns["t"][filled]
+    assert np.all((delay >= -1e-9) & (delay < 0.01 + 1e-9))
+    assert rows.frames == 100
 
 
-def test_what_changes_within_a_row_is_averaged_and_said():
-    time = np.arange(400) * 0.01
-    held = np.repeat(np.random.default_rng(0).choice([-1.0, 1.0], 100), 4)
-    rows = drive_rows(time, {"u": held}, 0.06)
-    assert not set(np.unique(rows.columns["u"])) <= {-1.0, 1.0}
-    assert "averaged" in rows.remarks[0]
+def test_a_row_holds_one_frame():
+    drive_time = np.arange(100) * 0.05
+    frames = 1.0 + np.arange(200) / 60.0
+    held = np.repeat([-1.0, 1.0], 50)
+    rows = joined_rows(drive_time, {"u": held, "encoder": motion(drive_time)}, frames, {"y": motion(frames)}, "t")
+    assert rows.period == pytest.approx(0.0125)
+    assert "takes 4 rows" in rows.remarks[0]
+    assert set(rows.columns["u"]) == {-1.0, 1.0}
+    np.testing.assert_allclose(rows.columns["encoder"][::4], motion(drive_time))
+    assert np.count_nonzero(np.isfinite(rows.columns["y"])) == 200
 
 
-def test_frames_of_nearly_the_rate_of_the_rows_are_taken_whole():
-    drive_time = np.arange(500) * 0.02
-    frames = 1.003 + np.arange(300) * 0.02002
-    values = np.arange(300.0)
-    rows = joined_rows(drive_time, {"u": np.sign(np.sin(drive_time))}, frames, {"y": values}, "t")
-    assert set(rows.columns["y"]) <= set(values)
-    assert rows.skew == pytest.approx(0.001, rel=1e-6)
-    # The frame in the row at t is delivered at start + (1 + skew)(t − start) − latency.
-    delivered = rows.start + (1.0 + rows.skew) * (rows.columns["t"] - rows.start) - rows.latency
-    np.testing.assert_allclose(delivered, np.interp(rows.columns["y"], values, frames), atol=1e-9)
-    assert 0.5 * rows.period <= rows.latency <= 2.0 * rows.period
-
-
-def test_frames_of_another_rate_are_interpolated():
-    drive_time = np.arange(0.0, 12.0, 0.01)
-    frames = np.arange(1.0, 11.0, 1.0 / 29.97)
-    rows = joined_rows(drive_time, {"u": motion(drive_time)}, frames, {"y": motion(frames)}, "t")
-    assert rows.period == pytest.approx(0.04)  # no shorter than a frame
-    np.testing.assert_allclose(rows.columns["y"], motion(rows.columns["t"] - rows.latency), atol=2e-3)
-    assert "interpolated" in rows.remarks[-1]
-
-
-def test_gaps_stay_blank():
+def test_frames_outside_the_log_have_no_row():
     drive_time = np.arange(0.0, 12.0, 0.02)
-    frames = np.delete(1.0 + np.arange(400) * 0.02, slice(100, 110))
-    rows = joined_rows(drive_time, {"u": motion(drive_time)}, frames, {"y": motion(frames)}, "t")
-    assert np.count_nonzero(np.isnan(rows.columns["y"])) == 10
-    assert "missing: leave-out" in rows.remarks[-1]
+    frames = np.delete(-1.0 + np.arange(400) * 0.02, slice(100, 110))
+    rows = joined_rows(drive_time, {"u": motion(drive_time)}, frames, {"y": frames}, "t")
+    assert rows.frames == np.count_nonzero(frames >= 0.0)
+    with pytest.raises(ValueError, match="overlap in 5 frames; 40 are needed"):
+        joined_rows(drive_time, {"u": motion(drive_time)}, frames[:55], {"y": frames[:55]}, "t")
+
+
+def test_a_name_that_both_have_and_that_of_the_times():
+    drive_time = np.arange(100) * 0.05
+    rows = joined_rows(drive_time, {"frame_time": drive_time}, drive_time, {"y": drive_time}, "t")
+    assert rows.frame_time == "frame_time_clip"
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from scipy.io import savemat
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.recording import read_recordings
+from camid.recording.read import read_recordings
 
 T, U, Y = 0.1 * np.arange(50), np.sin(np.arange(50.0)), np.cos(np.arange(50.0))
 GOOD = {"t": T, "u": U, "y": Y}

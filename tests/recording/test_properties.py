@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.recording import read_recording
+from camid.recording.read import read_recording
 from camid.recording.time_grid import grid_of
 from camid.recording.units import Conversion, si_factor
 

@@ -9,7 +9,7 @@ import pytest
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.recording import read_recording
+from camid.recording.read import read_recording
 from camid.writing import write_table, write_whole
 
 ROWS = ["0.0,1,0.5", "0.1,2,0.25", "0.2,3,-1e-3", "0.3,4,0"]

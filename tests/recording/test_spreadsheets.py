@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.recording import read_recordings
+from camid.recording.read import read_recordings
 from camid.recording.sheets import tables_of_sheets
 from tests.support.recordings import COUNT, T, U, Y, check_one_line, read, refusal
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.recording import read_recordings
+from camid.recording.read import read_recordings
 from camid.recording.units import Conversion, unit_in_header, with_bracketed_unit
 from tests.support.recordings import COUNT, T, U, Y, read, refusal, text_file
 

@@ -5,7 +5,7 @@ import pytest
 
 from camid.errors import InputError
 from camid.recording.options import Reading
-from camid.recording.recording import read_recordings
+from camid.recording.read import read_recordings
 
 COUNT = 60
 T = 0.02 * np.arange(COUNT)

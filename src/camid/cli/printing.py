@@ -111,10 +111,11 @@ def print_joined(result: Joined, written: list[Path]) -> None:
     console.print(table)
     console.print("time of the drive = offset + (1 + skew) · time of the clip", soft_wrap=True)
     console.print(f"from {result.method}; correlation {clocks.correlation:.4f}", soft_wrap=True)
-    console.print(f"{len(result.table)} rows, period {_milliseconds(result.period)}", soft_wrap=True)
-    left_open = "latency: estimate" + (", skew: estimate" if result.skew != 0.0 else "")
+    rows = f"{len(result.table)} rows, period {_milliseconds(result.period)}; {result.frames} frames"
+    console.print(rows, soft_wrap=True)
     console.print(
-        f"a frame stands in a row {_milliseconds(result.latency)} after its time stamp: under sensor, say {left_open}",
+        f"frames are dated {_milliseconds(result.latency)} later than their time stamps, in '{result.frame_time}': "
+        f"say time: {result.frame_time}, latency: estimate, skew: estimate under sensor",
         soft_wrap=True,
     )
     for path in written:

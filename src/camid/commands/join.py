@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from camid.errors import InputError
 from camid.identification.from_recordings import SimulationSource
 from camid.joining.clocks import LEAST_CORRELATION, Clocks, CommonSignal, aligned, first_alignment
-from camid.joining.resampling import joined_rows
+from camid.joining.rows import joined_rows
 from camid.joining.tables import TimedTable, timed_table
 from camid.joining.through_plant import WELL_EXPLAINED, aligned_through_plant
 from camid.linear_algebra_threads import one_blas_thread
@@ -30,6 +30,9 @@ PathLike = str | os.PathLike[str]
 LEAST_EXPLAINED = 0.5
 # Columns that are named have to agree at least so well.
 LEAST_FOLLOWED = 0.5
+# Frames are dated this much later than they are taken for, in periods, so that a latency that is fitted is free to be
+# shorter, too.
+LATER = 0.5
 # Columns of a clip that are no motion.
 ACCURACIES = ("_std", "quality", "repeated")
 
@@ -41,18 +44,22 @@ class Joined:
     Attributes
     ----------
     table : DataFrame
-        The recording: time of the drive in seconds, the columns of the drive, those of the clip.
+        The recording: time of the drive in seconds, the columns of the drive, the times of the frames on its clock, the
+        columns of the clip.
     clocks : Clocks
         Offset and skew with their covariance.
     method : str
         What they were estimated from, in words.
     period : float
         Seconds between rows.
-    latency, skew : float
-        Seconds between a frame's time stamp and its row, and relative rate of the frames against the rows: parts of the
-        sensor's latency and skew in a simulation.
+    frame_time : str
+        Column with the times of the frames; rows without a frame are blank there.
+    latency : float
+        Seconds by which those times are later than the time stamps on the clock of the drive, so that a latency that is
+        estimated is free to be shorter, too.
+    frames : int
     simulation : Simulation or None
-        That which was given, with the latency left open, and the skew where the frames stand in rows of another rate.
+        That which was given, with the times of the frames, and latency and skew left open.
     remarks : tuple of str
     """
 
@@ -60,8 +67,9 @@ class Joined:
     clocks: Clocks
     method: str
     period: float
+    frame_time: str
     latency: float
-    skew: float
+    frames: int
     simulation: Simulation | None
     remarks: tuple[str, ...]
 
@@ -79,8 +87,9 @@ class Joined:
             "correlation": clocks.correlation,
             "rows": len(self.table),
             "period": self.period,
+            "frames": self.frames,
+            "frame_time": self.frame_time,
             "latency": self.latency,
-            "row_skew": self.skew,
             "remarks": list(self.remarks),
         }
         return {key: without_infinities(value) for key, value in content.items()}
@@ -138,7 +147,9 @@ def join(
             clocks, method = _through_signal(seen, logged, match, exposure, progress)
         common = [name for name in seen.columns if name in logged.columns or name == logged.time_column]
         clip_columns = {f"{n}_clip" if n in common else n: values for n, values in seen.columns.items()}
-        rows = joined_rows(logged.time, logged.columns, clocks.to_drive(seen.time), clip_columns, logged.time_column)
+        later = LATER * float(np.median(np.diff(seen.time)))
+        delivered = clocks.to_drive(seen.time) + later
+        rows = joined_rows(logged.time, logged.columns, delivered, clip_columns, logged.time_column)
     except InputError:
         raise
     except (ValueError, ArithmeticError) as error:
@@ -147,8 +158,12 @@ def join(
         ) from None
     remarks = rows.remarks
     if believed is not None:
-        skew = "estimate" if rows.skew != 0.0 else 0.0
-        believed = replace(believed, time_column=logged.time_column, latency="estimate", skew=skew)
+        blank = bool(np.any(~np.isfinite(seen.column(believed.output_column))))
+        missing = "leave-out" if blank else believed.reading.missing
+        reading = replace(believed.reading, frame_time=rows.frame_time, missing=missing)
+        believed = replace(
+            believed, time_column=logged.time_column, latency="estimate", skew="estimate", reading=reading
+        )
         if clocks.correlation < WELL_EXPLAINED:
             share = f"{100.0 * clocks.correlation**2:.0f} % of the motion"
             remarks = (f"the plant explains {share}: is the offset that of another swing? check the plant", *remarks)
@@ -157,10 +172,11 @@ def join(
             "the exposure is taken for zero; if it is not, the offset is off by half of it: --exposure",
             *remarks,
         )
-    rows.columns[logged.time_column] += first_drive
+    for column in (logged.time_column, rows.frame_time):
+        rows.columns[column] = rows.columns[column] + first_drive
     clocks = clocks.counted_from(first, first_drive)
     table = pd.DataFrame(rows.columns)
-    return Joined(table, clocks, method, rows.period, rows.latency, rows.skew, believed, remarks)
+    return Joined(table, clocks, method, rows.period, rows.frame_time, later, rows.frames, believed, remarks)
 
 
 def _through_plant(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.chain.controller import Loop
 from camid.chain.hold import driven
+from camid.chain.input_log import InputLog, StraightPieces
 from camid.effects.base import Effect
 from camid.engine.feedback import Feedback
 
@@ -17,6 +19,9 @@ Array = NDArray[np.float64]
 
 # Periods that the motion goes on past the last frame, for exposures that effects shift.
 MARGIN = 2
+# Parts of a frame, and of a sample at least, between which an actuator bends an input that has times of its own.
+LOG_PARTS = 24
+FEWEST_LOG_PARTS = 4
 
 
 def grid_input(
@@ -27,6 +32,7 @@ def grid_input(
     steps: int,
     loop: Loop | None = None,
     known_force: tuple[Array, str] | None = None,
+    log: tuple[InputLog, float] | None = None,
 ) -> tuple[Array, Array]:
     """Input at the start and end of each step of the grid; zero where a controller makes it.
 
@@ -43,20 +49,50 @@ def grid_input(
     loop : Loop, optional
     known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional
         A force that is a function of time.
+    log : tuple of (InputLog, float), optional
+        The input at times of its own in place of ``signal``, and the time at which the grid begins, in seconds.
 
     Returns
     -------
     start, end : ndarray, shape (M,)
     """
     step = acquisition.period / steps
-    start, end = _between(signal if loop is None else np.zeros(len(signal)), acquisition.hold, delay, steps)
-    # What an actuator makes of a controller's output, the integrator has to find out as it goes.
-    for effect in effects if loop is None else ():
-        start, end = effect.transform(start, end, step)
+    if log is not None:
+        start, end = _logged(effects, log[0], acquisition, log[1], step, (delay + len(signal) + MARGIN) * steps)
+    else:
+        start, end = _between(signal if loop is None else np.zeros(len(signal)), acquisition.hold, delay, steps)
+        # What an actuator makes of a controller's output, the integrator has to find out as it goes.
+        for effect in effects if loop is None else ():
+            start, end = effect.transform(start, end, step)
     if known_force is not None:
         extra_start, extra_end = _between(known_force[0], known_force[1], delay, steps)
         start, end = start + extra_start, end + extra_end
     return np.ascontiguousarray(start), np.ascontiguousarray(end)
+
+
+def _logged(
+    effects: Sequence[Effect], log: InputLog, acquisition: Acquisition, begin: float, step: float, count: int
+) -> tuple[Array, Array]:
+    """Lines in the steps of a grid for an input with times of its own, and what actuators make of it.
+
+    They act on the samples as they were logged: what a step of the grid holds of several samples is none that they saw.
+    """
+    log = log.with_hold(acquisition.hold)
+    actuators = [e for e in effects if type(e).transform is not Effect.transform]
+    if not actuators:
+        return log.on_grid(begin, step, count)
+    held = log.hold == "zoh" and all(e.keeps_hold for e in actuators)
+    parts = 1 if held else max(ceil(LOG_PARTS * log.period / acquisition.period), FEWEST_LOG_PARTS)
+    time, start, end = log.divided(parts)
+    part = log.period / parts
+    # The sample before the log, when nothing was put in.
+    both = end is start
+    start = np.concatenate([[0.0], start])
+    end = start if both else np.concatenate([[0.0], end])
+    for effect in actuators:
+        start, end = effect.transform(start, end, part)
+    pieces = StraightPieces(time, start[1:], end[1:], float(end[0]))
+    return pieces.on_grid(begin, step, count)
 
 
 def feedback_of(loop: Loop | None, steps: int) -> Feedback:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.chain.companion_form import companion, derivative_rows, time_scale
 from camid.chain.controller import Loop
+from camid.chain.input_log import InputLog
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.plant_force import motion_sign
@@ -68,6 +69,8 @@ class Chain:
         A force at the plant's input that is a function of time, and how it goes on between the samples.
     equations : NonlinearPlant, optional
         Of a nonlinear plant; ``initial_state`` is then its states.
+    input_log : InputLog, optional
+        The input at times of its own, which takes the place of the samples at the frames.
 
     Raises
     ------
@@ -86,6 +89,7 @@ class Chain:
     loop: Loop | None = None
     known_force: tuple[Array, str] | None = None
     equations: NonlinearPlant | None = None
+    input_log: InputLog | None = None
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""

@@ -32,6 +32,9 @@ FEWEST_STEPS = 2
 FEWEST_STEPS_EVENTS = 3
 MOST_STEPS = 400
 MOST_STEPS_ASTRAY = 64
+# Steps per frame for an input with times of its own, which changes anywhere in a step: one for each sample at best.
+FEWEST_STEPS_LOG = 4
+MOST_STEPS_LOG = 8
 # Value of ``steps`` for a rough simulation: as few as plant and effects suggest, and at most so many.
 ROUGH = 0
 MOST_ROUGH_STEPS = 12
@@ -103,7 +106,7 @@ def _acts_on_motion(effect: Effect) -> bool:
 
 def _exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
     """Output of a linear chain with a held or straight input, or None."""
-    if chain.loop is not None or chain.known_force is not None or chain.equations is not None:
+    if any(part is not None for part in (chain.loop, chain.known_force, chain.equations, chain.input_log)):
         return None
     if any(_acts_on_motion(e) or _overrides(e, "windows", "measure") for e in chain.effects):
         return None
@@ -161,10 +164,11 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
         most_doubt = MOST_DOUBT_VELOCITY
     elif any(e.switch is not None for e in chain.effects):
         most_doubt = MOST_DOUBT_EVENTS
+    log = None if chain.input_log is None else (chain.input_log, start_time)
     coarser: Array | None = None
     while True:
         step = period / steps
-        start, end = grid_input(chain.effects, signal, acquisition, delay, steps, chain.loop, chain.known_force)
+        start, end = grid_input(chain.effects, signal, acquisition, delay, steps, chain.loop, chain.known_force, log)
         feedback = feedback_of(chain.loop, steps)
         position, velocity, integral, velocity_end, doubt = integrate(
             mechanics, initial, start, end, start_time, step, breaks, times, sizes, feedback
@@ -255,8 +259,13 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
         ]
         fastest = max([fastest, *(FINER_BESIDE * float(np.max(np.abs(p.poles()), initial=0.0)) for p in parts)])
     fastest += sum(e.frequency(chain.plant) for e in chain.effects)
+    if chain.input_log is not None:
+        samples = ceil(acquisition.period / chain.input_log.period - 1e-9)
+        least = min(max(samples, FEWEST_STEPS_LOG), MOST_STEPS_LOG)
+        fastest = max(fastest, STEP_SMOOTH * least / acquisition.period)
     events = any(e.friction_level is not None or e.switch is not None for e in chain.effects)
     steps = ceil(acquisition.period * fastest / (STEP_EVENTS if events else STEP_SMOOTH))
-    if any(_overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects):
+    bent = any(_overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects)
+    if bent and chain.input_log is None:
         steps = max(steps, INPUT_STEPS, ceil(acquisition.period * fastest / STEP_INPUT))
     return min(max(steps, FEWEST_STEPS_EVENTS if events else FEWEST_STEPS), MOST_STEPS)

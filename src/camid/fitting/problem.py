@@ -186,6 +186,7 @@ class Problem:
             None if self.steps is None else self.steps[index],
             self.kind.loop(index),
             equations=self.kind.nonlinear(model),
+            input_log=experiment.input_log,
         )
 
     def simulate_one(self, model: Model, index: int) -> Array:

@@ -77,6 +77,7 @@ def _at_rest(
         (*kind.forces(model), *effects),
         loop=kind.loop(0),
         equations=kind.nonlinear(model),
+        input_log=recording.logs.get(str(simulation.input_column)),
     )
     return chain, signal
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
+from camid.chain.input_log import InputLog
 
 Array = NDArray[np.float64]
 
@@ -33,6 +34,8 @@ class Experiment:
         Whether an unknown constant is added to the input from the first sample on. One for all experiments of a rig.
     estimate_latency, estimate_skew : bool
         Whether the latency of the sensor, and the rate of its clock, are unknown. One for all experiments of a rig.
+    input_log : InputLog, optional
+        The input at times of its own; ``signal`` then holds what stands for it in the rows of the frames.
     """
 
     signal: Array
@@ -45,6 +48,7 @@ class Experiment:
     estimate_bias: bool = False
     estimate_latency: bool = False
     estimate_skew: bool = False
+    input_log: InputLog | None = None
 
     @property
     def position(self) -> Array:

@@ -15,7 +15,9 @@ from camid.chain.acquisition import Acquisition
 from camid.errors import InputError
 from camid.identification.experiment import Experiment
 from camid.identification.unknown_constants import with_unknown_constants
-from camid.recording.recording import Recording, read_recordings
+from camid.recording.read import read_recordings
+from camid.recording.recording import Recording
+from camid.recording.two_rates import sum_of_logs
 from camid.recording.units import Conversion
 from camid.simulation.model import Simulation
 
@@ -35,6 +37,7 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
         "output": simulation.output_column,
         "reference": None if simulation.controller is None else simulation.controller.reference,
         "experiment": reading.experiment,
+        "time of the frames": reading.frame_time,
         **{f"the added {column}": column for column in reading.added},
     }
     for (one, first), (other, second) in combinations(roles.items(), 2):
@@ -60,6 +63,8 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
         dict.fromkeys(held, simulation.hold),
         conversions,
     )
+    if not simulation.estimates_initial_state:  # at rest where the input begins, not at the first frame
+        found = [one.from_start_of_log() for one in found]
     if simulation.input_column is None or not reading.added:
         return found
     return [_with_added(one, simulation.input_column, list(reading.added)) for one in found]
@@ -69,9 +74,17 @@ def _with_added(recording: Recording, column: str, added: Sequence[str]) -> Reco
     """The recording with the sum of the input and of what is added to it as its input."""
 
     def summed(columns: Mapping[str, Array]) -> dict[str, Array]:
+        if column not in columns:  # where frames have times of their own, the input is not recorded at them
+            return dict(columns)
         return {**columns, column: np.sum([columns[c] for c in (column, *added)], axis=0)}
 
-    return replace(recording, columns=summed(recording.columns), recorded_columns=summed(recording.recorded_columns))
+    logs = {column: sum_of_logs(recording.logs, [column, *added])} if recording.logs else {}
+    return replace(
+        recording,
+        columns=summed(recording.columns),
+        recorded_columns=summed(recording.recorded_columns),
+        logs=logs,
+    )
 
 
 def _from_zero(conversion: Conversion, simulation: Simulation) -> Conversion:
@@ -121,6 +134,7 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
         simulation.known_offset,
         estimate_latency=simulation.latency == "estimate",
         estimate_skew=simulation.skew == "estimate",
+        input_log=None if simulation.input_column is None else recording.logs.get(simulation.input_column),
     )
 
 

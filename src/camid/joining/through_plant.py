@@ -1,7 +1,8 @@
 """The offset and the skew between two clocks where the drive's table holds the input and the clip the output alone.
 
 The simulation says what links them: its plant is re-estimated together with the latency and the skew that the camera's
-clock has against that of the drive. What the latency holds of the camera's own delay cannot be told from the offset.
+clock has against that of the drive, for the input as the drive logged it and the exposures where they lie. What the
+latency holds of the camera's own delay cannot be told from the offset.
 """
 
 from __future__ import annotations
@@ -20,22 +21,22 @@ from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.plants.constants import LATENCY, SKEW
 from camid.fitting.simulated_output import simulated_output
 from camid.identification.from_recordings import experiments_of, load_recordings
-from camid.joining.clocks import Clocks, first_alignment
-from camid.joining.frames import fitted_to_frames
-from camid.joining.resampling import Rows, joined_rows
+from camid.joining.clocks import Clocks, first_alignment, sandwich
+from camid.joining.rows import JoinedRows, joined_rows
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 
-# Rounds of alignment and estimate on rows, before the frames themselves are fitted; the first starts from the believed
-# plant.
-ROUNDS = 2
+# Rounds of alignment and estimate, at least and at most; the first starts from the believed plant.
+FEWEST_ROUNDS, MOST_ROUNDS = 2, 8
+# Change of the time in the middle of the clip, in frames, that ends them, and latency that is at its bound of zero.
+SETTLED, AT_BOUND = 0.02, 0.02
 # Peaks of the correlation that are tried, and the correlation with which one is taken for the right one: a plant with
 # wrong coefficients that swings long agrees with the motion at several swings.
 MOST_PEAKS = 5
 WELL_EXPLAINED = 0.95
 # The frames are read this much later than they are taken for, in periods, so that the latency that is fitted is free to
-# be shorter, too.
+# be shorter, too; and twice as much in each round after one whose latency ended at zero.
 LATER = 1.0
 
 
@@ -97,8 +98,7 @@ def aligned_through_plant(
             break
     if best is None:
         raise ValueError("the motion of the clip follows the input of the drive nowhere")
-    clocks, followed = best
-    return fitted_to_frames(followed, drive_time, drive, time, output, clocks, declared), followed
+    return best
 
 
 def _followed(
@@ -110,14 +110,22 @@ def _followed(
     start: tuple[float, float, float],
     declared: float,
 ) -> tuple[Clocks, Simulation]:
-    """Clocks and simulation after rounds of alignment and estimate on rows, from an offset and a skew."""
+    """Clocks and simulation after rounds of alignment and estimate, from an offset and a skew."""
     clocks = Clocks(start[0], start[1], np.zeros((2, 2)), 0.0)
-    for _ in range(ROUNDS):
-        frames = clocks.to_drive(time)
-        later = LATER * float(np.median(np.diff(frames)))
-        rows = joined_rows(drive_time, drive, frames + later, {believed.output_column: output}, "t")
-        fitted, believed = _fitted(believed, pd.DataFrame({**rows.columns, "t": rows.columns["t"] - rows.start}))
-        clocks = _with(clocks, fitted, rows, later, declared)
+    frame, margin = float(np.median(np.diff(time))), LATER
+    middle = 0.5 * (time[:1] + time[-1:])
+    for done in range(1, MOST_ROUNDS + 1):
+        taken = clocks.to_drive(middle)
+        rows = joined_rows(
+            drive_time, drive, clocks.to_drive(time) + margin * frame, {believed.output_column: output}, "t"
+        )
+        fitted, believed = _fitted(believed, rows)
+        clocks = _with(clocks, fitted, margin * frame, declared)
+        at_bound = fitted.model.constants[LATENCY.name] < AT_BOUND * frame
+        moved = abs(float((clocks.to_drive(middle) - taken)[0]))
+        if done >= FEWEST_ROUNDS and not at_bound and moved < SETTLED * frame:
+            break
+        margin = 2.0 * margin if at_bound else LATER
     return clocks, believed
 
 
@@ -129,39 +137,47 @@ def _motion(believed: Simulation, drive_time: Array, drive: Mapping[str, Array])
     return np.asarray(np.interp(drive_time - drive_time[0], recording.time, simulated_output(alone, recording)[0]))
 
 
-def _fitted(believed: Simulation, table: pd.DataFrame) -> tuple[Fitted, Simulation]:
-    """Plant, latency and skew, and the simulation with the plant."""
-    free = replace(believed, latency="estimate", skew="estimate", initial_state="estimate")
-    recordings, experiments, _ = experiments_of([table], free, None)
+def _fitted(believed: Simulation, rows: JoinedRows) -> tuple[Fitted, Simulation]:
+    """Plant, latency and skew, fitted to the frames where they lie; and the simulation with the plant."""
+    reading = replace(believed.reading, frame_time=rows.frame_time)
+    free = replace(believed, reading=reading, latency="estimate", skew="estimate", initial_state="estimate")
+    recordings, experiments, _ = experiments_of([pd.DataFrame(rows.columns)], free, None)
     structure = structure_of(free)
     problem = problem_of(free, structure, recordings, experiments)
     nominal = model_of(problem, effects_of(free))
     fitted = problem.kind.refit(problem, problem.with_initial_states(nominal))
     found = problem.kind.written_back(free, structure, fitted)
     closed = {"latency": 0.0, "latency_deviation": None, "skew": 0.0, "skew_deviation": None}
-    return fitted, replace(found, initial_state=believed.initial_state, **closed)  # type: ignore[arg-type]
+    return fitted, replace(found, initial_state=believed.initial_state, reading=believed.reading, **closed)  # type: ignore[arg-type]
 
 
-def _with(clocks: Clocks, fitted: Fitted, rows: Rows, later: float, declared: float) -> Clocks:
-    """The clocks after what a fit found of the rows that they made.
+def _with(clocks: Clocks, fitted: Fitted, later: float, declared: float) -> Clocks:
+    """The clocks after what a fit found of the frames that they dated.
 
-    A row at r, counted from the first one, holds the mean over an exposure that ended at (1 + skew) r − latency, and
-    its frame has the latency that is declared. The frames were taken to be ``later`` seconds later than they are.
+    A frame that was taken to be delivered at r has the mean over an exposure that ended at r + skew (r − r_0) −
+    latency, with r_0 the first of them, and was delivered the declared latency after that. The frames were taken to be
+    ``later`` seconds later than they are.
     """
-    names, model = fitted.packing.names, fitted.model
-    latency, skew = model.constants[LATENCY.name], model.constants[SKEW.name]
-    # r = rate · (assumed time of the frame) + shift
-    rate = 1.0 / (1.0 + rows.skew)
-    moved = rate * (clocks.offset + later - rows.start + rows.latency)
-    chosen = [names.index(LATENCY.name), names.index(SKEW.name)]
-    # Of the offset at the clip's zero, and of the skew, by latency and skew.
-    carried = np.array([[-1.0, moved], [0.0, rate * (1.0 + clocks.skew)]])
-    covariance = carried @ fitted.covariance[np.ix_(chosen, chosen)] @ carried.T
+    names, constants = fitted.packing.names, fitted.model.constants
+    latency, skew = constants[LATENCY.name], constants[SKEW.name]
+    time = fitted.problem.times[0]
+    since = 0.5 * float(time[-1] - time[0])
+    # How much later than taken a frame in the middle is, and the skew: they are all but independent.
+    shift = skew * since - latency
+    by_latency, by_skew = (fitted.sensitivities[:, names.index(c.name)] for c in (LATENCY, SKEW))
+    others = np.delete(fitted.sensitivities, [names.index(c.name) for c in (LATENCY, SKEW)], axis=1)
+    table = np.column_stack([-by_latency, by_skew + since * by_latency, others])
+    sizes = np.sqrt(np.sum(table**2, axis=0))
+    sizes[sizes == 0.0] = 1.0
+    covariance = sandwich(table / sizes, fitted.residual)[:2, :2] / np.outer(sizes[:2], sizes[:2])
+    # Of the offset at the clip's zero, and of the skew.
+    begin = clocks.offset + later - (float(time[0]) + since)
+    carried = np.array([[1.0, begin], [0.0, 1.0 + clocks.skew]])
     recorded = fitted.problem.output
     left = fitted.cost / max(float(np.var(recorded)) * len(recorded), 1e-300)
     return Clocks(
-        rows.start + (1.0 + skew) * moved - latency + declared,
-        (1.0 + skew) * rate * (1.0 + clocks.skew) - 1.0,
-        covariance,
+        clocks.offset + later + shift + skew * begin + declared,
+        (1.0 + skew) * (1.0 + clocks.skew) - 1.0,
+        carried @ covariance @ carried.T,
         float(np.sqrt(max(1.0 - left, 0.0))),
     )

@@ -37,6 +37,9 @@ class Reading:
         Whether rows without output are left out of the comparison.
     period : float or None
         Seconds, where the file has no time column.
+    frame_time : str or None
+        Column with the times at which frames were delivered, where these lie between the samples of the input; rows
+        without a frame are blank there.
     time, input, output, reference : Conversion
         Units of the columns; the reference is that of a controller.
     added : dict of str to Conversion
@@ -58,6 +61,7 @@ class Reading:
     gaps: str = "refuse"
     missing: str = "refuse"
     period: float | None = None
+    frame_time: str | None = None
     time: Conversion = field(default_factory=Conversion)
     input: Conversion = field(default_factory=Conversion)
     output: Conversion = field(default_factory=Conversion)

@@ -47,6 +47,7 @@ def declared_reading(file: SimulationFile, where: Where) -> Reading:
         gaps=written.gaps,
         missing=written.missing,
         period=file.time.period,
+        frame_time=_frame_time(file, where),
         time=_conversion(file.time, "time", where),
         input=_conversion(file.input, "input", where),
         output=_conversion(file.sensor, "sensor", where),
@@ -90,6 +91,28 @@ def _check_runs(file: SimulationFile, where: Where) -> None:
                     where=where("recording", "runs", i),
                     hint=nearest_match(name, sorted(n for n in named if n is not None)),
                 )
+
+
+def _frame_time(file: SimulationFile, where: Where) -> str | None:
+    """Column with the times of the frames; InputError where they cannot have any of their own."""
+    column = file.sensor.time
+    if column is None:
+        return None
+    if file.input is None or file.controller is not None:
+        raise InputError(
+            "without an input the times of the frames are the time column"
+            if file.input is None
+            else "a controller samples where its input changes, and frames have times of their own",
+            where=where("sensor", "time"),
+            hint="leave it out",
+        )
+    if file.time.period is not None:
+        raise InputError(
+            "frames have times of their own, and the input has none",
+            where=where("time", "period"),
+            hint="name the time column of the input",
+        )
+    return column
 
 
 def _check_time(time: TimePart, where: Where) -> None:

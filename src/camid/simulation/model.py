@@ -221,7 +221,10 @@ class Simulation:
     def to_mapping(self) -> dict[str, Any]:
         """The file's content."""
         reading = self.reading
-        sensor: dict[str, Any] = {"column": self.output_column, **reading.output.to_mapping(), "kind": self.sensor}
+        sensor: dict[str, Any] = {"column": self.output_column, **reading.output.to_mapping()}
+        if reading.frame_time is not None:
+            sensor["time"] = reading.frame_time
+        sensor["kind"] = self.sensor
         if self.sensor == "camera" and self.exposure is not None:
             sensor["exposure"] = float(self.exposure)
         sensor["latency"] = self.latency if isinstance(self.latency, str) else float(self.latency)

@@ -130,6 +130,11 @@ class SensorPart(Scaled):
     """The output column and the sensor that measures it."""
 
     column: Text = Field(description="Name of the output column.")
+    time: NotNull[Text] = Field(
+        default=None,
+        description="Name of the column with the times at which frames were delivered, in seconds of the time column, "
+        "where these lie between the samples of the input; rows without a frame are blank there.",
+    )
     kind: Literal["camera", "instant"] = Field(description="Mean over the exposure, or the value at one instant.")
     exposure: NotNull[Positive] = Field(
         default=None, description="τ in seconds, at most the period, which is the default."

@@ -43,8 +43,8 @@ class LinearPlant(PlantKind):
     method: ClassVar[str | None] = None
 
     def simulated_exactly(self, simulation: Simulation, recording: Recording) -> Array | None:
-        """The exact path, without integrator, which knows no skew."""
-        return None if self.skew != 0.0 else exact_output(simulation, recording)
+        """The exact path, without integrator, which knows no skew and no input with times of its own."""
+        return None if self.skew != 0.0 or recording.logs else exact_output(simulation, recording)
 
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
@@ -54,11 +54,16 @@ class LinearPlant(PlantKind):
         acquisition = replace(problem.chain(model, index).declared(), hold=hold)
         return [sample(plant, force, acquisition) for force in forces]
 
+    def needs_engine(self, problem: Problem) -> bool:
+        """Whether the exact path only starts a fit: it takes frames and input for samples of one clock."""
+        logged = any(e.input_log is not None for e in problem.experiments)
+        return self.latency_free or SKEW.name in self.constants() or logged
+
     def _searched(self, problem: Problem, start: Model) -> Fitted:
         """The exact path of identification; where effects are declared, output error with them."""
         if start.effects:
             return self._refit_with_effects(problem, start)
-        if self.latency_free or SKEW.name in start.constants:
+        if self.needs_engine(problem):
             return self._searched_by_engine(problem, start)
         return self._searched_exactly(problem, start)
 
@@ -117,10 +122,11 @@ class LinearPlant(PlantKind):
 
     def identified(self, problem: Problem, task: IdentificationTask) -> Identification:
         """By the method asked for, with the tests of the residual; with a latency that is unknown by output error."""
-        if not self.latency_free and SKEW.name not in self.constants():
+        if not self.needs_engine(problem):
             return identify_exactly(problem, task)
         found = identify_by_simulation(problem, task)
-        if found.simulation.known_skew != 0.0:  # the tests of the residual take all periods for equal
+        logged = any(e.input_log is not None for e in problem.experiments)
+        if logged or found.simulation.known_skew != 0.0:  # the tests of the residual take both clocks for one
             return replace(found, method="output error")
         latency = found.simulation.known_latency
         experiments = _delayed(problem.experiments, latency)

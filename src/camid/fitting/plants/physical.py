@@ -14,7 +14,6 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.identified_exactly import analysed, identify_exactly
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.constants import SKEW
 from camid.fitting.plants.linear import STEPS, FreeDecay, LinearPlant, experiments_at, misfit
 from camid.fitting.plants.named_constants import NamedConstants
 from camid.fitting.problem import Problem
@@ -151,7 +150,7 @@ class PhysicalKind(NamedConstants, LinearPlant):
         """
         self.refuse_nothing_free(task)
         task = replace(task, believed=replace(task.believed, plant=task.believed.plant.monic))
-        if self.latency_free or SKEW.name in self.constants():
+        if self.needs_engine(problem):
             return super().identified(problem, task)
         if not self._one_to_one:
             found = identify_by_simulation(problem, task)
