@@ -52,6 +52,15 @@ def test_names_that_mean_something_else(name):
         refuse_name(name)
 
 
+def test_constants_that_are_called_like_the_common_parts_of_expressions():
+    """SymEngine's elimination of common subexpressions calls them x0, x1, … whatever else is called so."""
+    names = ["x0", "x1", "a"]
+    texts = ["x0 + x1*sin(a) + sin(a)/(1 + sin(a))", "x1*sin(a)^2", "x0*cos(a) + sin(a)"]
+    found = Compiled(symbols(names), [parsed(text, names) for text in texts])(np.array([318.0, 0.5, 0.3]))
+    s, c = np.sin(0.3), np.cos(0.3)
+    np.testing.assert_allclose(found, [318.0 + 0.5 * s + s / (1.0 + s), 0.5 * s**2, 318.0 * c + s], rtol=1e-14)
+
+
 def test_names_in_any_letters():
     refuse_name("größe_1")
     assert Compiled(symbols(["größe_1"]), [parsed("2*größe_1", ["größe_1"])])(np.array([3.0]))[0] == 6.0

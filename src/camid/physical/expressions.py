@@ -131,7 +131,10 @@ class Compiled:
         import symengine
 
         self.count = len(expressions)
-        self.function = symengine.Lambdify(list(arguments), list(expressions), backend="llvm", cse=True)
+        # SymEngine calls common parts x0, x1, … without a look at what is called so already.
+        renamed = {argument: symengine.Symbol(f"argument {i}") for i, argument in enumerate(arguments)}
+        written = [symengine.sympify(expression).xreplace(renamed) for expression in expressions]
+        self.function = symengine.Lambdify([*renamed.values()], written, backend="llvm", cse=True)
 
     def __call__(self, values: Array) -> Array:
         """Their values, shape (m,), for those of the arguments, shape (n,)."""
