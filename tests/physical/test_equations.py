@@ -9,7 +9,7 @@ from camid.effects.base import declarable_effects
 from camid.engine.mechanics import Chain
 from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.run import run
-from camid.physical.equations import Equations, state_at_rest
+from camid.physical.equations import Equations, coefficients_at, state_at_rest
 
 PERIOD = 0.01
 SPRING = Equations(
@@ -93,3 +93,13 @@ def test_a_limited_state_does_not_rise_above_its_edge():
 
 def test_state_at_rest():
     assert state_at_rest(TANKS, np.array([0.5, 0.4]), 4.0) == pytest.approx({"upper": 4.0, "lower": 4.0})
+
+
+def test_small_motions_about_a_large_state_are_exact():
+    """By differences the damping would be lost in the rounding of a force of the size of the stiffness."""
+    states = (("s", "v"), ("v", "u - k*s - c*v"))
+    equations = Equations(("k", "c"), states, "s", "u", (80.0, 0.0))
+    values = np.array([16.8, 0.14])
+    np.testing.assert_allclose(coefficients_at(equations, values, 3), [1.0, 0.14, 16.8], rtol=1e-14)
+    moved = coefficients_at(equations, values * (1.0 + np.array([0.0, 1e-7])), 3)
+    assert moved[1] - 0.14 == pytest.approx(1.4e-8, rel=1e-6)

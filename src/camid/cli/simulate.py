@@ -34,8 +34,11 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
         table = run(recording, believed)
     write_table(table, output)
     summary: dict[str, Any] = {"schema": 1, "rows": len(table), "output": str(output), "rmse": None, "nrmse": None}
-    if believed.output_column in table:
+    compared = {column: f"simulated_{column}" for column in believed.output_columns if column in table}
+    if believed.output_column in table and not compared:
         summary["rmse"], summary["nrmse"] = _difference(table[believed.output_column], table["simulated"])
+    for column, name in compared.items():
+        summary[f"rmse_{column}"], summary[f"nrmse_{column}"] = _difference(table[column], table[name])
     if "simulated_input" in table and believed.input_column in table:
         summary["rmse_input"], summary["nrmse_input"] = _difference(
             table[believed.input_column], table["simulated_input"]
@@ -47,6 +50,10 @@ def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> 
     if summary["nrmse"] is not None:
         size, share = number(summary["rmse"]), percentage(summary["nrmse"])
         click.echo(f"difference: {size} RMS, {share} of the output's standard deviation")
+    for column in compared:
+        if summary[f"nrmse_{column}"] is not None:
+            size, share = number(summary[f"rmse_{column}"]), percentage(summary[f"nrmse_{column}"])
+            click.echo(f"difference of {column}: {size} RMS, {share} of its standard deviation")
     if summary.get("nrmse_input") is not None:
         size, share = number(summary["rmse_input"]), percentage(summary["nrmse_input"])
         click.echo(f"difference of the control: {size} RMS, {share} of its standard deviation")

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
-from camid.fitting.simulated_output import simulated_output
+from camid.fitting.simulated_output import simulated_output, simulated_readings
 from camid.identification.from_recordings import RecordingSource, SimulationSource, load_recordings, warnings_of
 from camid.recording.time_grid import spline
 from camid.simulation.file import load_simulation
@@ -16,6 +17,9 @@ from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+Array = NDArray[np.float64]
 
 
 def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.DataFrame:
@@ -31,9 +35,9 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     Returns
     -------
     DataFrame
-        One row a recorded row, in order and in SI units: the time column, ``simulated`` and, where it is recorded, the
-        output column; ``experiment`` before them where a file holds several. ``attrs["warnings"]`` says what was done
-        to the rows, if anything.
+        One row a recorded row, in order and in SI units: the time column, ``simulated`` (``simulated_`` and a name for
+        each of several columns) and, where it is recorded, the output column; ``experiment`` before them where a file
+        holds several. ``attrs["warnings"]`` says what was done to the rows, if anything.
 
     Raises
     ------
@@ -49,8 +53,13 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
     import pandas as pd
 
     recordings = load_recordings(recording, believed, output_needed=believed.is_fitted_to_output)
-    added = {*kind_of(believed, recordings).simulated_columns, *(["experiment"] if len(recordings) > 1 else [])}
-    for name in (believed.time_column, believed.output_column):
+    columns = [f"simulated_{name}" for name in believed.output_columns]
+    added = {
+        *columns,
+        *kind_of(believed, recordings).simulated_columns,
+        *(["experiment"] if len(recordings) > 1 else []),
+    }
+    for name in (believed.time_column, *(believed.output_columns or (believed.output_column,))):
         if name in added:
             raise InputError(
                 f"a recorded column is called '{name}' like the result",
@@ -59,8 +68,13 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
             )
     parts = []
     for one in recordings:
-        simulated, control = simulated_output(believed, one)
-        if not np.all(np.isfinite(simulated)):
+        control: Array | None = None
+        if believed.output_columns:
+            readings = {f"simulated_{name}": v for name, v in simulated_readings(believed, one).items()}
+        else:
+            output, control = simulated_output(believed, one)
+            readings = {"simulated": output}
+        if not all(np.all(np.isfinite(values)) for values in readings.values()):
             raise InputError(
                 "the simulated output exceeds every floating-point number",
                 where=believed.source,
@@ -73,7 +87,7 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
         on_grid = one.recorded_time is one.time
         table |= {
             believed.time_column: one.recorded_time,
-            "simulated": simulated if on_grid else spline(one.time, simulated, one.recorded_time),
+            **{n: v if on_grid else spline(one.time, v, one.recorded_time) for n, v in readings.items()},
         }
         if control is not None:  # it is held between the samples of the controller
             held = np.clip(np.searchsorted(one.time, one.recorded_time + 0.5 * one.period) - 1, 0, len(control) - 1)
@@ -81,8 +95,9 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
             table[str(believed.input_column)] = one.recorded_columns.get(
                 str(believed.input_column), one.columns[str(believed.input_column)]
             )
-        if believed.output_column in one.recorded_columns:
-            table[believed.output_column] = one.recorded_columns[believed.output_column]
+        for name in believed.output_columns or (believed.output_column,):
+            if name in one.recorded_columns:
+                table[name] = one.recorded_columns[name]
         parts.append(pd.DataFrame(table))
     result = parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
     if said := warnings_of(recordings):

@@ -27,9 +27,7 @@ def simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bo
     """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there."""
     simulated = problem.simulate(model)
     errors = np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
-    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, rows, strict=True)])
-    spread = float(np.std(recorded)) or 1.0
-    return float(np.sqrt(np.mean(errors**2))) / spread
+    return float(np.sqrt(np.mean(errors**2))) / problem.spread(rows)
 
 
 def errors(
@@ -46,7 +44,6 @@ def errors(
     own past does not predict, without what the tests explain.
     """
     final = decision.improved
-    recorded = np.concatenate([e.output[r] for e, r in zip(problem.experiments, validation, strict=True)])
     energy = final.cost
     if left:
         innovations = problem.whitened(final.residual, final.noise.whitening)
@@ -58,7 +55,7 @@ def errors(
         simulated_error(problem, nominal, validation),
         simulated_error(problem, decision.base.model, validation),
         simulated_error(problem, final.model, validation),
-        float(np.sqrt(variance)) / (float(np.std(recorded)) or 1.0),
+        float(np.sqrt(variance)) / problem.spread(validation),
         (float(times[0]), float(times[-1])),
         chosen,
         problem.kind.position_errors(problem, (decision.base.model, final.model), validation),
@@ -107,10 +104,10 @@ def signals_of(
         Signals(
             time,
             experiment.signal,
-            experiment.output,
-            nominal_output[i],
-            refitted[i],
-            improved[i],
+            experiment.output / experiment.weight,
+            nominal_output[i] / experiment.weight,
+            refitted[i] / experiment.weight,
+            improved[i] / experiment.weight,
             problem.kind.position_seen(problem, base.model, i, position),
             velocity,
             problem.kind.equivalent_input(problem, base.model, experiment.output - refitted[i]),

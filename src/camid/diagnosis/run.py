@@ -374,6 +374,6 @@ def _settled(problem: Problem, base: Fitted) -> bool:
 
     A remainder of the size of the output itself is not the remainder of a model.
     """
-    if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * float(np.std(problem.output)):
+    if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * problem.output_spread:
         return False
     return bool(np.sqrt(base.cost / len(base.residual)) <= KNOWN_REMAINDER * problem.remainder)

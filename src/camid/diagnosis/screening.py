@@ -166,7 +166,7 @@ class Signatures:
         if self._simulated is None or problem.kind.phases_add_up:
             return {}
         difference = problem.output - base.residual - self._simulated
-        if float(np.std(difference)) > NEAR * float(np.std(problem.output)):
+        if float(np.std(difference)) > NEAR * problem.output_spread:
             return {}
         known = {key: self._changes[key] for key in listed if key in self._changes}
         return {key: change for key, (effect, change) in known.items() if alike(effect, listed[key])}
@@ -234,7 +234,7 @@ def _listed(effects: Iterator[Effect]) -> Iterator[tuple[_Key, Effect]]:
 def _judged(problem: Problem, views: Sequence[Metric], effect: Effect, change: Array) -> ScreenedEffect:
     """What the residual says about an effect that changes the output so, shape (M,)."""
     best = ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
-    if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * (float(np.std(problem.output)) or 1.0):
+    if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * problem.output_spread:
         return best
     imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
     for view in views:

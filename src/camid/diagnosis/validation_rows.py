@@ -36,13 +36,16 @@ def with_validation(
     if any(rows.any() for rows in held_out):
         return problem, held_out, False
     experiments = problem.experiments
-    if len(experiments) > 1:
-        validation = [np.zeros(len(e.used), bool) for e in experiments[:-1]] + [experiments[-1].used.copy()]
+    runs = [i if e.same_run_as is None else e.same_run_as for i, e in enumerate(experiments)]
+    last = runs[-1]
+    if last > 0:
+        judging = np.ones(len(experiments[last].used), bool)
         # The last recording's initial state has to come from somewhere: from its first fifth.
-        if experiments[-1].estimate_initial_state:
-            validation[-1][: len(validation[-1]) // 5] = False
+        if experiments[last].estimate_initial_state:
+            judging[: len(judging) // 5] = False
     else:
-        validation = [_quiet_part(problem, nominal)]
+        judging = _quiet_part(problem, nominal)
+    validation = [e.used & (judging if run == last else False) for e, run in zip(experiments, runs, strict=True)]
     used = [e.used & ~rows for e, rows in zip(experiments, validation, strict=True)]
     return problem.with_used(used), validation, True
 

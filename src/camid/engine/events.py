@@ -47,7 +47,7 @@ def _slope(
     if m.equations.function != 0:
         driven = entering(m.equations, state, signal, force)
         if not m.equations.forced:
-            at = m.equations.first + m.equations.order
+            at = m.equations.first + m.equations.order + (2 if m.equations.reads else 0)
             output = state[at]
             free_rates(m.equations, state, driven, result)
             # What follows the plant was taken to be driven by the output of an earlier stage.

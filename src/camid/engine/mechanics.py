@@ -71,6 +71,8 @@ class Chain:
         Of a nonlinear plant; ``initial_state`` is then its states.
     input_log : InputLog, optional
         The input at times of its own, which takes the place of the samples at the frames.
+    weight : float
+        Factor of what the sensor reads.
 
     Raises
     ------
@@ -90,6 +92,7 @@ class Chain:
     known_force: tuple[Array, str] | None = None
     equations: NonlinearPlant | None = None
     input_log: InputLog | None = None
+    weight: float = 1.0
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""
@@ -191,6 +194,10 @@ def _line(chain: Chain, unit: float) -> _Line:
         offset += order
         if i == last:
             position = row.copy()
+            if chain.equations is not None and chain.equations.seen is not None:
+                # Forces depend on the plant's output, and not on what a column of the sensor reads.
+                position = np.zeros(size + 1)
+                position[where[0] + len(chain.equations.equations.states)] = 1.0
             _refuse_direct(chain, np.array([direct_input, direct_force]))
     if direct_input or direct_force:
         raise MotionJumps("the input passes the plant without delay: its motion jumps")

@@ -32,6 +32,8 @@ class NonlinearPlant:
     equations : Equations
     values : ndarray, shape (p,)
         Of the constants.
+    seen : int, optional
+        Number of the reading that the sensor sees in place of the output.
 
     Raises
     ------
@@ -41,6 +43,7 @@ class NonlinearPlant:
 
     equations: Equations
     values: Array
+    seen: int | None = None
 
     @property
     def start(self) -> Array:
@@ -63,12 +66,15 @@ class NonlinearPlant:
         Without forces y grows with its rate, and that with the acceleration.
         """
         about, order = self.about_start, self.function.order
-        matrix = np.zeros((order + 2, order + 2))
+        size = order + 2 if self.seen is None else order + 4
+        matrix, enters = np.zeros((size, size)), np.zeros(size)
         matrix[:order, :order] = about.state_matrix
         matrix[order, order + 1] = 1.0
         matrix[order + 1, :order] = about.rate_row @ about.state_matrix
-        enters = np.concatenate([about.input_vector, [about.rate_input], [about.rate_row @ about.input_vector]])
-        return matrix, enters, np.eye(order + 2)[order], np.zeros(1)
+        enters[: order + 2] = [*about.input_vector, about.rate_input, about.rate_row @ about.input_vector]
+        if self.seen is not None:  # a reading grows with its rate, which follows from the states
+            matrix[order + 2, order + 3] = 1.0
+        return matrix, enters, np.eye(size)[size - 2], np.zeros(1)
 
     def limits(self, limited: Sequence[LimitedState]) -> Array:
         """Limited states as compiled code takes them, shape (l, 6); see :class:`PlantEquations`.
@@ -104,9 +110,10 @@ class NonlinearPlant:
         of it, and ``dry`` whether one is dry friction.
         """
         first, driving, driving_input = line
-        order, (function, data) = self.function.order, self.function.compiled.addresses()
+        code = plant_function(self.equations, self.seen)
+        order, (function, data) = code.order, code.compiled.addresses()
         given = np.concatenate([np.zeros(order + 1), self.values])
-        found = np.zeros(order + 2)
+        found = np.zeros(code.compiled.count)
         extremes = np.array([np.full(order, np.inf), np.full(order, -np.inf), np.zeros(order)])
         return PlantEquations(
             function,
@@ -124,4 +131,5 @@ class NonlinearPlant:
             dry,
             extremes,
             self.limits(limited),
+            self.seen is not None,
         )

@@ -31,8 +31,8 @@ class PlantEquations(NamedTuple):
         What enters the plant: this row of the chain's state, and this much of the input.
     given : ndarray, shape (n + 1 + p,)
         Room for the states and the input, and the constants.
-    found : ndarray, shape (n + 2,)
-        Room for the rates, the output and its rate.
+    found : ndarray, shape (n + 2,) or (n + 4,)
+        Room for the rates, the output and its rate, a reading and its rate.
     addresses : tuple of (int, int)
         Where ``found`` and ``given`` lie in memory.
     rate_input : float
@@ -48,6 +48,8 @@ class PlantEquations(NamedTuple):
     limits : ndarray, shape (l, 6)
         States that run over an edge: index, level at which that begins, rate of the outflow in 1/s, width over which it
         sets in, share that reaches another state, and the index of that (-1: none).
+    reads : bool
+        Whether a reading and its rate follow output and rate, in the state and in ``found``.
     """
 
     function: int
@@ -65,12 +67,13 @@ class PlantEquations(NamedTuple):
     follows_acceleration: bool
     extremes: Array
     limits: Array
+    reads: bool
 
 
 def no_equations() -> PlantEquations:
     """What stands for a linear plant."""
     empty, extremes, limits = np.zeros(0), np.zeros((3, 0)), np.zeros((0, 6))
-    nothing = (empty, empty, (0, 0), 0.0, 0.0, False, False, extremes, limits)
+    nothing = (empty, empty, (0, 0), 0.0, 0.0, False, False, extremes, limits, False)
     return PlantEquations(0, 0, 0, 0, empty, 0.0, *nothing)
 
 
@@ -107,6 +110,9 @@ def project(e: PlantEquations, state: Array) -> None:
     _evaluate(e, state, 0.0)
     state[e.first + e.order] = e.found[e.order]
     state[e.first + e.order + 1] = e.found[e.order + 1]
+    if e.reads:
+        state[e.first + e.order + 2] = e.found[e.order + 2]
+        state[e.first + e.order + 3] = e.found[e.order + 3]
 
 
 @kernel
@@ -137,6 +143,9 @@ def plant_rates(e: PlantEquations, state: Array, signal: float, result: Array) -
                 result[first + int(limit[5])] += limit[4] * spilt
     result[first + count] = e.found[count + 1]
     result[first + count + 1] = 0.0
+    if e.reads:
+        result[first + count + 2] = e.found[count + 3]
+        result[first + count + 3] = 0.0
     if not e.follows_acceleration:
         return
     for i in range(count):
@@ -155,6 +164,8 @@ def free_rates(e: PlantEquations, state: Array, signal: float, result: Array) ->
     """Fill the plant's part of the chain's rates where no force acts, and the output in the state."""
     plant_rates(e, state, signal, result)
     state[e.first + e.order] = e.found[e.order]
+    if e.reads:
+        state[e.first + e.order + 2] = e.found[e.order + 2]
 
 
 @kernel

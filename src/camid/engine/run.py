@@ -81,17 +81,19 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
         if motion.control is not None:
             return motion.control
         return observed(chain, motion, time)
+    return _observed(chain, output, time)
+
+
+def _observed(chain: Chain, output: Array, time: Array) -> Array:
+    """What effects on the reading make of it, weighted."""
     for effect in chain.effects:
         output = effect.observe(output, time)
-    return output
+    return output if chain.weight == 1.0 else chain.weight * output
 
 
 def observed(chain: Chain, motion: Motion, time: Array) -> Array:
     """Samples of the sensor, shape (N,), of a motion at the recorded times."""
-    output = _read(chain, motion, time, chain.declared())
-    for effect in chain.effects:
-        output = effect.observe(output, time)
-    return output
+    return _observed(chain, _read(chain, motion, time, chain.declared()), time)
 
 
 def _overrides(effect: Effect, *names: str) -> bool:
@@ -216,11 +218,7 @@ def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -
     """What the sensor makes of a motion."""
     frames = time[0] + acquisition.period * np.arange(len(time))
     exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
-    return _exposed(chain, motion, frames - acquisition.latency, exposure)
-
-
-def _exposed(chain: Chain, motion: Motion, end: Array, exposure: float) -> Array:
-    """What exposures yield that end at times of the motion, shape (N,)."""
+    end = frames - acquisition.latency
     start = end - exposure
     for effect in chain.effects:
         start, end = effect.windows(motion, start, end)
@@ -229,24 +227,6 @@ def _exposed(chain: Chain, motion: Motion, end: Array, exposure: float) -> Array
         if measured is not None:
             return measured
     return motion.mean(start, end)
-
-
-def seen(chain: Chain, motion: Motion, end: Array, exposure: float) -> Array:
-    """Samples of a sensor whose exposures end at any times of a motion, shape (N,).
-
-    Parameters
-    ----------
-    chain : Chain
-    motion : Motion
-    end : ndarray, shape (N,)
-        Seconds.
-    exposure : float
-        Seconds.
-    """
-    output = _exposed(chain, motion, end, exposure)
-    for effect in chain.effects:
-        output = effect.observe(output, end)
-    return output
 
 
 def _steps(chain: Chain, acquisition: Acquisition) -> int:

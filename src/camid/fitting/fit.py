@@ -224,7 +224,7 @@ class _OutputError:
     def __init__(self, problem: Problem, packing: Packing, whitening: Array, derivative: _Derivative) -> None:
         self.problem, self.packing, self.whitening, self.derivative = problem, packing, whitening, derivative
         # About the middle of what was recorded: an offset may be far larger than the motion.
-        worst = RUNAWAY_RESIDUAL * (float(np.std(problem.output)) or 1.0)
+        worst = RUNAWAY_RESIDUAL * problem.output_spread
         self.lowest, self.highest = (float(np.mean(problem.output)) + side * worst for side in (-1.0, 1.0))
         self.latest: list[tuple[Array, Array]] = []
 

@@ -20,6 +20,7 @@ from camid.fitting.plants.linear import FreeDecay, LinearPlant
 from camid.fitting.plants.named_constants import NamedConstants
 from camid.fitting.plants.pendulum import PendulumKind
 from camid.fitting.plants.physical import PhysicalFreeDecay, PhysicalKind
+from camid.fitting.plants.several_readings import SeveralReadings
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
@@ -75,6 +76,8 @@ def _uncontrolled(believed: Simulation) -> PlantKind:
         named: type[NamedConstants] = EquationsKind
         if believed.physical.equations is None:
             named = PhysicalKind if driven else PhysicalFreeDecay
+        elif believed.output_columns:
+            named = SeveralReadings
         structure, offset = structure_of(believed), believed.known_offset
         return named(physical=believed.physical, structure=structure, offset=offset, skew=believed.known_skew)
     kind = LinearPlant if driven else FreeDecay

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,7 +26,7 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
     fitted = kind.refit(problem, problem.with_initial_states(nominal))
     covariance = kind.coefficient_covariance(structure, fitted)
     residuals = [e.output - s for e, s in zip(problem.experiments, problem.simulate(fitted.model), strict=True)]
-    spread = float(np.std(problem.output)) or 1.0
+    spread = problem.output_spread
 
     def error(rows: list[NDArray[np.bool_]]) -> float:
         values = np.concatenate([r[k] for r, k in zip(residuals, rows, strict=True)])
@@ -43,8 +45,10 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
         [],
         **_constants(fitted),
     )
+    found = kind.written_back(task.believed, structure, fitted)
+    exposure = problem.acquisition.exposure if found.sensor == "camera" else None
     return Identification(
-        simulation=kind.written_back(task.believed, structure, fitted),
+        simulation=replace(found, exposure=exposure),
         estimate=estimate,
         # Where a constant follows the recordings as well, a fit has ended nowhere.
         converged=estimate.converged and error([e.used for e in problem.experiments]) < 1.0,

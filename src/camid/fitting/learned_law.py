@@ -85,7 +85,7 @@ def blank_laws(problem: Problem, fitted: Fitted) -> dict[str, LearnedEffect]:
     """Laws that do nothing, on knots over what the recordings visit, by what they depend on."""
     found: dict[str, LearnedEffect] = {}
     seen = _visited(problem, fitted)
-    for name in (*FORCES, "input", "reading"):
+    for name in (*FORCES, "input", *(["reading"] if problem.kind.one_reading else [])):
         over, times = FORCES.get(name, (name, None))
         low, high = float(np.min(seen[over])), float(np.max(seen[over]))
         if not np.isfinite(high - low) or high <= low or (times and not np.any(seen[times])):

@@ -132,7 +132,7 @@ def _measure(problem: Problem, scale: str, value: float) -> float:
     if scale == "period":
         return float(problem.acquisition.period)
     if scale == "output":
-        return float(np.std(problem.output)) or 1.0
+        return problem.output_spread
     if scale == "input":
         return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
     if scale == "resolution":

@@ -114,6 +114,11 @@ class Problem:
         """Recorded outputs on the fitted rows, shape (M,)."""
         return self.fitted([e.output for e in self.experiments])
 
+    @cached_property
+    def output_spread(self) -> float:
+        """Standard deviation of the recorded outputs on the fitted rows; see :meth:`spread`."""
+        return self.spread([e.used for e in self.experiments])
+
     @property
     def acquisition(self) -> Acquisition:
         """Declared acquisition of the first recording."""
@@ -123,6 +128,15 @@ class Problem:
     def duration(self) -> float:
         """Seconds of the longest recording."""
         return max(float(t[-1] - t[0]) for t in self.times)
+
+    def spread(self, rows: Sequence[NDArray[np.bool_]]) -> float:
+        """Standard deviation of the recorded outputs on some rows of each recording, of every column about its mean."""
+        columns: dict[int | None, list[Array]] = {}
+        for experiment, chosen in zip(self.experiments, rows, strict=True):
+            columns.setdefault(experiment.seen, []).append(experiment.output[chosen])
+        parts = [np.concatenate(part) for part in columns.values()]
+        square = sum(float(np.sum((part - np.mean(part)) ** 2)) for part in parts if len(part))
+        return float(np.sqrt(square / max(sum(map(len, parts)), 1))) or 1.0
 
     def fitted(self, rows: Sequence[Array]) -> Array:
         """The fitted rows of all recordings, concatenated."""
@@ -177,15 +191,17 @@ class Problem:
     def chain(self, model: Model, index: int) -> Chain:
         """Chain of a model as recording ``index`` saw it."""
         experiment = self.experiments[index]
+        run = index if experiment.same_run_as is None else experiment.same_run_as
         return Chain(
             self.structure.plant(model.coefficients),
             experiment.acquisition,
             (*self.kind.forces(model), *model.effects),
-            model.initial[index] if model.initial else None,
+            model.initial[run] if model.initial else None,
             self.kind.state_before_record(experiment),
             None if self.steps is None else self.steps[index],
             self.kind.loop(index),
-            equations=self.kind.nonlinear(model),
+            equations=self.kind.nonlinear(model, experiment.seen),
+            weight=experiment.weight,
             input_log=experiment.input_log,
         )
 
@@ -222,9 +238,13 @@ class Problem:
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
         """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) per recording."""
-        found = []
+        found: list[tuple[Array, Array]] = []
         for i, (e, t) in enumerate(zip(self.experiments, self.times, strict=True)):
-            motion = move(self.chain(model, i), e.signal, t)
+            if e.same_run_as is not None:
+                found.append(found[e.same_run_as])
+                continue
+            chain = self.chain(model, i)
+            motion = move(replace(chain, equations=self.kind.nonlinear(model)), e.signal, t)
             nodes = np.round((t - motion.start) / motion.step).astype(int)
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +17,7 @@ from camid.fitting.from_simulation import kind_of, model_of, problem_of
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
 from camid.identification.experiment import Experiment
-from camid.identification.from_recordings import acquisition_of
+from camid.identification.from_recordings import acquisition_of, readings_of
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
 from camid.simulation.model import Simulation
@@ -36,6 +38,13 @@ def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Arra
     InputError
         If the simulation cannot be run, or its initial state not be fitted.
     """
+    _refuse_unknown_clock(simulation)
+    kind = kind_of(simulation, [recording])
+    exact = None if simulation.effects else kind.simulated_exactly(simulation, recording)
+    return _by_engine(kind, simulation, recording) if exact is None else (exact, None)
+
+
+def _refuse_unknown_clock(simulation: Simulation) -> None:
     for name, value in (("latency", simulation.latency), ("skew", simulation.skew)):
         if value == "estimate":
             raise InputError(
@@ -43,9 +52,34 @@ def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Arra
                 where=f"{simulation.source}, sensor.{name}",
                 hint="camid identify and camid diagnose estimate it; or write a number",
             )
-    kind = kind_of(simulation, [recording])
-    exact = None if simulation.effects else kind.simulated_exactly(simulation, recording)
-    return _by_engine(kind, simulation, recording) if exact is None else (exact, None)
+
+
+def simulated_readings(simulation: Simulation, recording: Recording) -> dict[str, Array]:
+    """Samples of several columns of a sensor, by their names; shapes (N,).
+
+    Raises
+    ------
+    InputError
+        If the simulation cannot be run, or its initial state not be fitted.
+    """
+    _refuse_unknown_clock(simulation)
+    effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
+    parts = readings_of(recording, simulation)
+    experiments = [
+        replace(e, same_run_as=None if i == 0 else 0, estimate_initial_state=e.estimate_initial_state and i == 0)
+        for i, (_, e) in enumerate(parts)
+    ]
+    structure = Structure.fixed(simulation.plant.monic)
+    problem = problem_of(simulation, structure, [part for part, _ in parts], experiments).all_fixed()
+    try:
+        start = problem.with_initial_states(model_of(problem, effects))
+        if simulation.estimates_initial_state:
+            start = fit(problem, start, steps=STEPS, fixed=len(effects)).model
+        outputs = [output / e.weight for output, e in zip(problem.simulate(start), experiments, strict=True)]
+    except (ValueError, ArithmeticError) as error:
+        where = simulation.effects[0].where if simulation.effects else simulation.source
+        raise InputError(str(error), where=where, hint="check the values of plant and effects") from None
+    return dict(zip(simulation.output_columns, outputs, strict=True))
 
 
 def _by_engine(kind: PlantKind, simulation: Simulation, recording: Recording) -> tuple[Array, Array | None]:

@@ -36,6 +36,12 @@ class Experiment:
         Whether the latency of the sensor, and the rate of its clock, are unknown. One for all experiments of a rig.
     input_log : InputLog, optional
         The input at times of its own; ``signal`` then holds what stands for it in the rows of the frames.
+    seen : int, optional
+        Number of the column, where a sensor has several.
+    weight : float
+        Factor that ``output`` holds, so that the noise of all columns is the same.
+    same_run_as : int, optional
+        Index of the experiment that is the first column of the same run, whose initial state is that of all.
     """
 
     signal: Array
@@ -49,6 +55,9 @@ class Experiment:
     estimate_latency: bool = False
     estimate_skew: bool = False
     input_log: InputLog | None = None
+    seen: int | None = None
+    weight: float = 1.0
+    same_run_as: int | None = None
 
     @property
     def position(self) -> Array:

@@ -17,6 +17,7 @@ from camid.identification.experiment import Experiment
 from camid.identification.unknown_constants import with_unknown_constants
 from camid.recording.read import read_recordings
 from camid.recording.recording import Recording
+from camid.recording.time_grid import noise_of
 from camid.recording.two_rates import sum_of_logs
 from camid.recording.units import Conversion
 from camid.simulation.model import Simulation
@@ -34,7 +35,7 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
     roles = {
         "time": simulation.time_column if reading.period is None else None,
         "input": simulation.input_column,
-        "output": simulation.output_column,
+        **_output_roles(simulation),
         "reference": None if simulation.controller is None else simulation.controller.reference,
         "experiment": reading.experiment,
         "time of the frames": reading.frame_time,
@@ -45,11 +46,16 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
             raise InputError(
                 f"{one} and {other} are the same column '{first}'", where=simulation.source, hint="name two columns"
             )
-    named = [roles["input"], roles["reference"], simulation.output_column if output_needed else None]
-    required = [*(column for column in named if column is not None), *reading.added]
-    optional = [] if output_needed else [simulation.output_column]
+    outputs = simulation.output_columns or (simulation.output_column,)
+    named = [roles["input"], roles["reference"]]
+    required = [
+        *(column for column in named if column is not None),
+        *(outputs if output_needed else ()),
+        *reading.added,
+    ]
+    optional = [] if output_needed else [*outputs]
     held = [column for column in (roles["input"], roles["reference"], *reading.added) if column is not None]
-    conversions = {simulation.output_column: _from_zero(reading.output, simulation), **reading.added}
+    conversions = {**dict.fromkeys(outputs, _from_zero(reading.output, simulation)), **reading.added}
     if roles["input"] is not None:
         conversions[roles["input"]] = replace(reading.input, offset=reading.input.offset + simulation.known_bias)
     if roles["reference"] is not None:
@@ -68,6 +74,13 @@ def load_recordings(recording: RecordingSource, simulation: Simulation, *, outpu
     if simulation.input_column is None or not reading.added:
         return found
     return [_with_added(one, simulation.input_column, list(reading.added)) for one in found]
+
+
+def _output_roles(simulation: Simulation) -> dict[str, str]:
+    """What the output columns are called in messages."""
+    if not simulation.output_columns:
+        return {"output": simulation.output_column}
+    return {f"the reading {column}": column for column in simulation.output_columns}
 
 
 def _with_added(recording: Recording, column: str, added: Sequence[str]) -> Recording:
@@ -138,6 +151,27 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
     )
 
 
+def readings_of(recording: Recording, simulation: Simulation) -> list[tuple[Recording, Experiment]]:
+    """A recording as identification sees it, once for each column of the sensor.
+
+    Several columns have the motion, the times and the initial state in common. Each is weighted by the noise that its
+    fourth differences show, as that of the first.
+    """
+    if not simulation.output_columns:
+        return [(recording, experiment_of(recording, simulation))]
+    noises = [noise_of(recording.columns[column]) for column in simulation.output_columns]
+    found = []
+    for number, column in enumerate(simulation.output_columns):
+        columns = {**recording.columns, simulation.output_column: recording.columns[column]}
+        part = replace(recording, columns=columns, source=f"{recording.source}, {column}", warnings=())
+        if number == 0:
+            part = replace(part, warnings=recording.warnings)
+        weight = noises[0] / noises[number] if noises[0] > 0.0 and noises[number] > 0.0 else 1.0
+        experiment = experiment_of(part, simulation)
+        found.append((part, replace(experiment, output=weight * experiment.output, seen=number, weight=weight)))
+    return found
+
+
 def validation_rows(recording: Recording, simulation: Simulation) -> NDArray[np.bool_]:
     """Rows that the simulation keeps for validation, shape (N,)."""
     if simulation.validation is None:
@@ -160,14 +194,21 @@ def experiments_of(
         raise InputError("the same recording is named twice", where=str(sources[0]), hint="it would count twice")
     if progress:
         progress("reading the recording")
-    recordings = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
-    experiments, held_out = [], []
-    for one in recordings:
-        experiment = experiment_of(one, believed)
-        rows = validation_rows(one, believed)
-        held_out.append(rows & experiment.used)
-        experiments.append(replace(experiment, used=experiment.used & ~rows))
-        _refuse_constant(one, believed)
+    runs = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
+    recordings: list[Recording] = []
+    experiments: list[Experiment] = []
+    held_out = []
+    for one in runs:
+        first = len(recordings)
+        for number, (part, experiment) in enumerate(readings_of(one, believed)):
+            rows = validation_rows(one, believed)
+            held_out.append(rows & experiment.used)
+            run = None if number == 0 else first
+            alone = experiment.estimate_initial_state and run is None
+            used = experiment.used & ~rows
+            experiments.append(replace(experiment, used=used, same_run_as=run, estimate_initial_state=alone))
+            recordings.append(part)
+            _refuse_constant(part, believed)
     if believed.validation is not None and not any(rows.any() for rows in held_out):
         raise InputError(
             f"no row of the recording lies between {believed.validation[0]:g} s and {believed.validation[1]:g} s",

@@ -38,7 +38,7 @@ def integrates(believed: Simulation) -> bool:
 
 def why_no_offset(experiments: Sequence[Experiment], believed: Simulation) -> str | None:
     """Why a sensor's offset of which nothing is said is not estimated, in words; None where it is, or is declared."""
-    if not _unsaid(believed, believed.offset):
+    if not _unsaid(believed, believed.offset) or believed.output_columns:
         return None
     if believed.estimates_initial_state and integrates(believed):
         return "the sensor's offset is not estimated: the plant integrates, and its initial state holds it"
@@ -49,6 +49,8 @@ def why_no_offset(experiments: Sequence[Experiment], believed: Simulation) -> st
 
 def estimates_offset(experiments: Sequence[Experiment], believed: Simulation) -> bool:
     """Whether the sensor's offset is estimated."""
+    if believed.output_columns:  # constants of what they read
+        return False
     return _unsaid(believed, believed.offset) and why_no_offset(experiments, believed) is None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -41,6 +42,8 @@ class Equations:
         What the input is called in them.
     start : tuple of float
         State at rest before the recording, or where a fit of the initial state starts; the plant is linearised there.
+    readings : tuple of str
+        What several columns of the sensor read, expressions of states and constants; else it reads the output.
     """
 
     names: tuple[str, ...]
@@ -48,6 +51,7 @@ class Equations:
     output: str
     input: str = "u"
     start: tuple[float, ...] = ()
+    readings: tuple[str, ...] = ()
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -63,33 +67,45 @@ class Equations:
 
 
 class PlantFunction:
-    """Equations as machine code: rates of the states, the output, and its rate.
+    """Equations as machine code: rates of the states, the output and its rate, and those of a reading, if it has one.
 
     Attributes
     ----------
     compiled : Compiled
-        Of the n states, the input and the p constants, shape (n + 1 + p,), to the n rates, the output and its rate.
+        Of the n states, the input and the p constants, shape (n + 1 + p,), to the n rates, the output and its rate, and
+        the reading and its rate.
     order : int
         Number of states n.
     measured_state : int or None
         State that the output is, where it is one.
+    compiled_slopes : Compiled or None
+        Derivatives of rates, output and its rate by the n states and the input, row by row; None where a function with
+        a kink has none.
     """
 
-    def __init__(self, equations: Equations) -> None:
-        import symengine
-
+    def __init__(self, equations: Equations, seen: int | None = None) -> None:
+        """Of equations; ``seen`` is the number of the reading that is compiled with them."""
         every = (*equations.state_names, equations.input, *equations.names)
         rates = [parsed(text, every) for _, text in equations.states]
-        output = parsed(equations.output, (*equations.state_names, *equations.names))
-        for name in KINKED:
-            if f"{name}(" in str(output):
-                raise ValueError(f"the output '{equations.output}' has a kink ({name}): write it without")
+        output, *readings = (self._smooth(equations, text) for text in (equations.output, *equations.readings))
         known = symbols(equations.state_names)
-        rate = sum((output.diff(x) * f for x, f in zip(known, rates, strict=True)), symengine.Integer(0))
+        followed = [output] if seen is None else [output, readings[seen]]
         self.order = len(rates)
-        self.used = {str(symbol) for part in (*rates, output) for symbol in part.free_symbols}
-        self.compiled = Compiled(symbols(every), [*rates, output, rate])
+        self.used = {str(symbol) for part in (*rates, output, *readings) for symbol in part.free_symbols}
+        found = [*rates, *(part for one in followed for part in (one, _rate(one, known, rates)))]
+        self.compiled = Compiled(symbols(every), found)
+        moves = symbols((*equations.state_names, equations.input))
+        self.compiled_slopes = _slopes(found[: self.order + 2], moves, every)
         self.measured_state = next((i for i, symbol in enumerate(known) if output == symbol), None)
+
+    @staticmethod
+    def _smooth(equations: Equations, text: str) -> Any:
+        """An expression of states and constants, without kinks."""
+        found = parsed(text, (*equations.state_names, *equations.names))
+        for name in KINKED:
+            if f"{name}(" in str(found):
+                raise ValueError(f"the output '{text}' has a kink ({name}): write it without")
+        return found
 
     def depends_on(self, constant: str) -> bool:
         """Whether a constant is in any of the equations."""
@@ -100,16 +116,31 @@ class PlantFunction:
         return self.compiled(np.concatenate([state, [signal], constants]))
 
 
+def _slopes(found: Sequence[Any], by: Sequence[Any], every: Sequence[str]) -> Compiled | None:
+    """Derivatives of expressions, compiled; None where they have none that can be written down."""
+    derivatives = [expression.diff(symbol) for expression in found for symbol in by]
+    if any(name in str(derivative) for derivative in derivatives for name in (*KINKED, "Derivative", "Subs")):
+        return None
+    return Compiled(symbols(every), derivatives)
+
+
+def _rate(output: Any, states: Sequence[Any], rates: Sequence[Any]) -> Any:
+    """Rate of an output of the states."""
+    import symengine
+
+    return sum((output.diff(x) * f for x, f in zip(states, rates, strict=True)), symengine.Integer(0))
+
+
 @lru_cache(maxsize=64)
-def plant_function(equations: Equations) -> PlantFunction:
-    """The machine code of equations, compiled once.
+def plant_function(equations: Equations, seen: int | None = None) -> PlantFunction:
+    """The machine code of equations, compiled once; ``seen`` is the number of the reading that it has.
 
     Raises
     ------
     ValueError
         If an expression is none.
     """
-    return PlantFunction(equations)
+    return PlantFunction(equations, seen)
 
 
 @dataclass(frozen=True)
@@ -160,6 +191,25 @@ def linearised(function: PlantFunction, state: Array, constants: Array) -> Linea
         If they are not numbers there.
     """
     order = function.order
+    if function.compiled_slopes is None:
+        table = _differences(function, state, constants)
+    else:
+        point = np.concatenate([state, [0.0], constants])
+        table = function.compiled_slopes(point).reshape(order + 2, order + 1)
+    if not np.all(np.isfinite(table)):
+        raise ValueError("the equations have no slope at the state of the start")
+    return Linearisation(
+        table[:order, :order],
+        table[:order, order],
+        table[order, :order],
+        table[order + 1, :order],
+        float(table[order + 1, order]),
+    )
+
+
+def _differences(function: PlantFunction, state: Array, constants: Array) -> Array:
+    """Derivatives of rates, output and its rate by states and input, shape (n + 2, n + 1), by central differences."""
+    order = function.order
     table = np.empty((order + 2, order + 1))
     for i in range(order + 1):
         here = float(state[i]) if i < order else 0.0
@@ -173,15 +223,7 @@ def linearised(function: PlantFunction, state: Array, constants: Array) -> Linea
                 signal = side
             ends.append(function(moved, signal, constants))
         table[:, i] = (ends[0] - ends[1]) / (2.0 * step)
-    if not np.all(np.isfinite(table)):
-        raise ValueError("the equations have no slope at the state of the start")
-    return Linearisation(
-        table[:order, :order],
-        table[:order, order],
-        table[order, :order],
-        table[order + 1, :order],
-        float(table[order + 1, order]),
-    )
+    return table
 
 
 def transfer_function_of(equations: Equations, values: Array) -> TransferFunction:

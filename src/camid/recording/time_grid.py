@@ -86,7 +86,7 @@ class Grid:
         known = values[np.isfinite(values)]
         if self.regular or len(known) < FEWEST_FOR_NOISE:
             return self.regular
-        noise = float(np.std(np.diff(known, 4))) / np.sqrt(VARIANCE_OF_FOURTH_DIFFERENCES)
+        noise = noise_of(known)
         levels = np.unique(known)
         rounding = float(np.min(np.diff(levels))) / np.sqrt(12.0) if len(levels) > 1 else np.inf
         change = float(np.sqrt(np.mean(np.diff(known) ** 2))) / self.period * self.scatter
@@ -145,6 +145,11 @@ class Grid:
         knots = np.concatenate([[min(edges[0], self.recorded[0])], self.recorded, [max(edges[-1], self.recorded[-1])]])
         area = np.concatenate([[0.0], np.cumsum(np.diff(knots) * np.concatenate([values[:1], values]))])
         return np.diff(np.interp(edges, knots, area)) / self.period
+
+
+def noise_of(values: Array) -> float:
+    """Standard deviation of the noise of values, shape (N,), by their fourth differences."""
+    return float(np.std(np.diff(values, 4))) / float(np.sqrt(VARIANCE_OF_FOURTH_DIFFERENCES))
 
 
 def spline(time: Array, values: Array, wanted: Array) -> Array:

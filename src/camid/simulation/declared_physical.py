@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from camid.errors import InputError, nearest_match
@@ -19,8 +20,16 @@ if TYPE_CHECKING:
 FORMS = ("transfer_function", "state_space", "equations")
 
 
-def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
+def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str, str]) -> dict[str, Any]:
     """What a file says about a plant of named constants, as arguments of :class:`camid.simulation.model.Simulation`.
+
+    Parameters
+    ----------
+    written : PhysicalPart
+    where : callable
+        Gives file, line and key of a path of keys.
+    columns : mapping of str to str
+        Several columns of the sensor and what they read, as expressions.
 
     Raises
     ------
@@ -30,6 +39,8 @@ def declared_physical(written: PhysicalPart, where: Where) -> dict[str, Any]:
     constants = written.physical
     names = _names(constants, where)
     form = _form(constants, names, where)
+    if isinstance(form, Equations) and columns:
+        form = _with_readings(form, columns, where)
     for key, given in (("fixed", constants.fixed), ("units", constants.units or {})):
         _refuse_strangers(given, names, where("plant", "physical", key))
     deviations = written.standard_deviations
@@ -149,6 +160,20 @@ def _equations(written: EquationsPart, names: tuple[str, ...], where: Where) -> 
             hint="expressions hold names, numbers, + - * / ^ and functions such as sqrt",
         ) from None
     return form
+
+
+def _with_readings(form: Equations, columns: Mapping[str, str], where: Where) -> Equations:
+    """The equations with what several columns read."""
+    for column, text in columns.items():
+        try:
+            plant_function(replace(form, readings=(str(text),)))
+        except ValueError as error:
+            raise InputError(
+                str(error),
+                where=where("sensor", "columns", column),
+                hint="expressions hold states, parameters, numbers, + - * / ^ and functions such as sin",
+            ) from None
+    return replace(form, readings=tuple(map(str, columns.values())))
 
 
 def _texts(expressions: Sequence[str | float]) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 POLYNOMIALS = ("numerator", "denominator")
 
 
-def declared_plant(written: TransferFunctionPart | PendulumPart | PhysicalPart, where: Where) -> dict[str, Any]:
+def declared_plant(
+    written: TransferFunctionPart | PendulumPart | PhysicalPart, where: Where, columns: Mapping[str, str] | None = None
+) -> dict[str, Any]:
     """What a file says about the plant, as arguments of :class:`camid.simulation.model.Simulation`.
 
     Parameters
@@ -29,6 +32,8 @@ def declared_plant(written: TransferFunctionPart | PendulumPart | PhysicalPart, 
         The key ``plant``.
     where : callable
         Gives file, line and key of a path of keys.
+    columns : mapping of str to str, optional
+        Several columns of the sensor and what they read, as expressions.
 
     Raises
     ------
@@ -37,10 +42,16 @@ def declared_plant(written: TransferFunctionPart | PendulumPart | PhysicalPart, 
     """
     from camid.simulation.plant_schema import PendulumPart, PhysicalPart
 
+    if columns is not None and (not isinstance(written, PhysicalPart) or written.physical.equations is None):
+        raise InputError(
+            "several columns read states of a plant of equations, and this plant has none",
+            where=where("sensor", "columns"),
+            hint="write plant: {physical: {equations: …}}, or name one column",
+        )
     if isinstance(written, PendulumPart):
         return _pendulum(written, where)
     if isinstance(written, PhysicalPart):
-        return declared_physical(written, where)
+        return declared_physical(written, where, columns or {})
     return _transfer_function(written, where)
 
 

@@ -97,7 +97,8 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         return place(name, content, list(path))
 
     reading = declared_reading(file, where)
-    plant = declared_plant(file.plant, where)
+    output = _output_column(file, where)
+    plant = declared_plant(file.plant, where, file.sensor.columns)
     validation, driven, sensor = file.validation, file.input, file.sensor
     if validation is not None and not validation.start < validation.end:
         raise InputError("start is not before end", where=where("validation"), hint="swap them")
@@ -110,11 +111,12 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
     # Without a time column, what camid writes still has one.
     time_column = file.time.column
     if time_column is None:
-        time_column = "time" if sensor.column == "t" else "t"
+        time_column = "time" if output == "t" else "t"
     return Simulation(
         time_column=time_column,
         input_column=None if driven is None else driven.column,
-        output_column=sensor.column,
+        output_column=output,
+        output_columns=tuple(sensor.columns or ()),
         hold="zoh" if driven is None else driven.hold,
         sensor=sensor.kind,
         exposure=sensor.exposure,
@@ -137,6 +139,29 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         reading=reading,
         **plant,
     )
+
+
+def _output_column(file: SimulationFile, where: Where) -> str:
+    """The output column, or the first of several; InputError where none is named, or several cannot be."""
+    sensor = file.sensor
+    if (sensor.column is None) == (sensor.columns is None):
+        said = "no column is named" if sensor.column is None else "column and columns are both given"
+        raise InputError(said, where=where("sensor"), hint="say column: y, or columns: {x: …, y: …}")
+    if sensor.column is not None:
+        return str(sensor.column)
+    if sensor.offset not in (None, 0.0):
+        raise InputError(
+            "an offset of several columns",
+            where=where("sensor", "offset"),
+            hint="write a constant for each into what they read, such as x0 + length * sin(angle)",
+        )
+    if file.controller is not None:
+        raise InputError(
+            "a controller has one position, and the sensor several columns",
+            where=where("sensor", "columns"),
+            hint="name the column that it controls",
+        )
+    return str(next(iter(sensor.columns or ())))
 
 
 def _refuse_unused_input(plant: Mapping[str, Any], driven: bool, where: Where) -> None:

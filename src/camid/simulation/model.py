@@ -107,6 +107,8 @@ class Simulation:
         loop): a structure no larger than that is known, and not looked for again.
     reading : Reading
         How the file of a recording is to be read, units included.
+    output_columns : tuple of str
+        Several columns of one sensor, ``output_column`` the first; what they read is in the plant's equations.
     """
 
     time_column: str
@@ -137,6 +139,7 @@ class Simulation:
     controller: Controller | None = None
     remainder: float | None = None
     reading: Reading = field(default_factory=Reading)
+    output_columns: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.plant, TransferFunction):
@@ -221,7 +224,7 @@ class Simulation:
     def to_mapping(self) -> dict[str, Any]:
         """The file's content."""
         reading = self.reading
-        sensor: dict[str, Any] = {"column": self.output_column, **reading.output.to_mapping()}
+        sensor: dict[str, Any] = self._columns() | reading.output.to_mapping()
         if reading.frame_time is not None:
             sensor["time"] = reading.frame_time
         sensor["kind"] = self.sensor
@@ -259,6 +262,14 @@ class Simulation:
             content["remainder"] = float(self.remainder)
         content["effects"] = [effect.to_mapping() for effect in self.effects]
         return content
+
+    def _columns(self) -> dict[str, Any]:
+        """Which columns the sensor has, as the file says it."""
+        if not self.output_columns:
+            return {"column": self.output_column}
+        assert self.physical is not None
+        assert self.physical.equations is not None
+        return {"columns": dict(zip(self.output_columns, self.physical.equations.readings, strict=True))}
 
     @property
     def states_characteristics(self) -> bool:

@@ -129,7 +129,14 @@ class InputPart(Converted):
 class SensorPart(Scaled):
     """The output column and the sensor that measures it."""
 
-    column: Text = Field(description="Name of the output column.")
+    column: NotNull[Text] = Field(
+        default=None, description="Name of the output column, which reads the plant's output."
+    )
+    columns: NotNull[Annotated[dict[Text, NonEmptyText], Field(min_length=2)]] = Field(
+        default=None,
+        description="Several columns of one sensor, each with what it reads: an expression of the states and constants "
+        "of a plant of equations.",
+    )
     time: NotNull[Text] = Field(
         default=None,
         description="Name of the column with the times at which frames were delivered, in seconds of the time column, "

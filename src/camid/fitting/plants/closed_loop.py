@@ -104,9 +104,9 @@ class ClosedLoop(PlantKind):
         """Those of what is controlled."""
         return self.plant.forces(model)
 
-    def nonlinear(self, model: Model) -> NonlinearPlant | None:
+    def nonlinear(self, model: Model, seen: int | None = None) -> NonlinearPlant | None:
         """Those of what is controlled."""
-        return self.plant.nonlinear(model)
+        return self.plant.nonlinear(model, seen)
 
     def prepared(self, problem: Problem) -> Self:
         """The same with what is controlled prepared."""

@@ -80,9 +80,9 @@ class EquationsKind(NamedConstants):
         """Changes of the coefficients by relative changes of the constants."""
         return sensitive_to(self.equations, self.physical.values)
 
-    def nonlinear(self, model: Model) -> NonlinearPlant:
-        """The equations with the constants of a model."""
-        return NonlinearPlant(self.equations, self.values_of(model))
+    def nonlinear(self, model: Model, seen: int | None = None) -> NonlinearPlant:
+        """The equations with the constants of a model, as a column of the sensor sees them."""
+        return NonlinearPlant(self.equations, self.values_of(model), seen)
 
     def rest_of(self, model: Model) -> Callable[[float], dict[str, float] | None]:
         """State at rest, by name, at an output; None where it rests nowhere."""
@@ -96,13 +96,13 @@ class EquationsKind(NamedConstants):
         """The model with the declared start, and with the first recorded outputs where a state is the output."""
         initial: list[Array | None] = []
         measured = self.nonlinear(model).function.measured_state
-        for experiment, recorded in zip(problem.experiments, self.recorded_positions(problem), strict=True):
+        for experiment in problem.experiments:
             if not experiment.estimate_initial_state:
                 initial.append(None)
                 continue
             state = np.array(self.equations.start, dtype=float)
-            if measured is not None:
-                first = self.at_plant(recorded, model)[experiment.used][:FIRST_ROWS]
+            if measured is not None and experiment.seen is None:
+                first = self.at_plant(experiment.output, model)[experiment.used][:FIRST_ROWS]
                 state[measured] = float(np.mean(first))
             initial.append(state)
         return replace(model, initial=tuple(initial))

@@ -67,6 +67,8 @@ class PlantKind:
         Places of the chain whose faults the residual does not show.
     why_hidden : str
         Why not.
+    one_reading : bool
+        Whether the residual is that of one reading, and not of several columns that read different things.
     offset, bias : float
         What the sensor reads at the plant's zero, and what is added to the input, as they are believed.
     skew : float
@@ -90,6 +92,7 @@ class PlantKind:
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated",)
     hidden_places: ClassVar[frozenset[str]] = frozenset()
     why_hidden: ClassVar[str] = ""
+    one_reading: ClassVar[bool] = True
 
     @property
     def phases_add_up(self) -> bool:
@@ -171,8 +174,8 @@ class PlantKind:
             found += (FrameSkew(skew=model.constants[SKEW.name]),)
         return found
 
-    def nonlinear(self, model: Model) -> NonlinearPlant | None:
-        """The equations of a model, where the plant is nonlinear; None for a linear plant with forces."""
+    def nonlinear(self, model: Model, seen: int | None = None) -> NonlinearPlant | None:
+        """The equations of a model, as a column of the sensor sees them; None for a linear plant with forces."""
         return None
 
     def rest_of(self, model: Model) -> Callable[[float], dict[str, float] | None] | None:
@@ -295,13 +298,17 @@ class PlantKind:
         angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
         exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
         lag = acquisition.latency + 0.5 * exposure
-        response = problem.structure.plant(model.coefficients).frequency_response(np.maximum(angular, 1e-6 / period))
+        response = self.seen_plant(problem, model).frequency_response(np.maximum(angular, 1e-6 / period))
         response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
         power = np.abs(response) ** 2
         power = np.where(np.isfinite(power), power, 0.0)
         regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
         spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
         return np.asarray(np.fft.irfft(spectrum, size)[:count])
+
+    def seen_plant(self, problem: Problem, model: Model) -> TransferFunction:
+        """From the input to what the sensor sees, for small motions."""
+        return problem.structure.plant(model.coefficients)
 
     def position_errors(
         self, problem: Problem, models: tuple[Model, Model], rows: Sequence[NDArray[np.bool_]]
