@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import camid
+from camid.errors import InputError
 from tests.support.two_rates import SIMULATION, two_rates
 
 TRUTH = np.array([105.3, 2.7, 81.0])
@@ -53,3 +54,32 @@ def test_diagnose_finds_nothing_and_what_is_there():
     found = camid.diagnose(two_rates(curve=lambda u: np.clip(u, -0.4, 0.4)), with_state("zero"))
     assert found.findings[0].identifier == "saturation"
     assert found.findings[0].parameters["limit"].value == pytest.approx(0.4, abs=0.02)
+
+
+FIXED = {
+    "transfer_function": {
+        "transfer_function": {"numerator": [105.3], "denominator": [1.0, 2.7, 81.0]},
+        "free": {"numerator": [False], "denominator": [False, False, False]},
+    },
+    "physical": {
+        "physical": {
+            "parameters": {"gain": 105.3, "damping": 2.7, "stiffness": 81.0},
+            "fixed": ["gain", "damping", "stiffness"],
+            "transfer_function": {"numerator": ["gain"], "denominator": ["1", "damping", "stiffness"]},
+        }
+    },
+}
+
+
+@pytest.mark.parametrize("form", FIXED)
+def test_a_latency_alone_is_estimated(form):
+    """Where the plant is known and the clock is not."""
+    sensor = {**SIMULATION["sensor"], "latency": "estimate", "offset": 0.0}
+    found = camid.identify(two_rates(), {**SIMULATION, "plant": FIXED[form], "sensor": sensor}).simulation
+    assert abs(found.latency - 0.004) < 3.5 * found.latency_deviation < 5e-4
+
+
+@pytest.mark.parametrize("command", [camid.identify, camid.diagnose])
+def test_validation_rows_that_leave_nothing_to_fit_are_refused(command):
+    with pytest.raises(InputError, match="the validation rows, -1 s to 100 s, leave no row to fit"):
+        command(two_rates(), {**SIMULATION, "validation": {"start": -1.0, "end": 100.0}})

@@ -106,7 +106,8 @@ def _refuse_undetermined(
             where=recordings[0].source,
             hint="record longer, or choose a lower order",
         )
-    if not structure.free.any() and believed.physical is None:
+    clock_open = "estimate" in (believed.latency, believed.skew)
+    if not structure.free.any() and believed.physical is None and not clock_open:
         raise InputError("no coefficient is free", where=believed.source, hint="free one under plant.free")
 
 

@@ -215,6 +215,13 @@ def experiments_of(
             where=f"{believed.source}, validation",
             hint=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
         )
+    if not any(e.used.any() for e in experiments):
+        start, end = believed.validation or (0.0, 0.0)
+        raise InputError(
+            f"the validation rows, {start:g} s to {end:g} s, leave no row to fit",
+            where=f"{believed.source}, validation",
+            hint=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
+        )
     if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
         raise InputError(
             f"column '{believed.input_column}' is zero throughout",

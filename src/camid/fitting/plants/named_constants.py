@@ -179,5 +179,5 @@ class NamedConstants(PlantKind, ABC):
         InputError
             That says so.
         """
-        if not self.estimated:
+        if not self.estimated and not (self.latency_free or self.skew_free):
             raise InputError("no constant is free", where=task.believed.source, hint="take one out of fixed")
