@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +58,43 @@ def apply() -> None:
     mpl.use("Agg")
     mpl.rcdefaults()
     mpl.rcParams.update(SETTINGS)
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """The look for figures that a user asks for: no trace in the settings of matplotlib, and names drawn as they are.
+
+    Figures are made by :class:`matplotlib.figure.Figure`, not by pyplot, which would choose a backend.
+    """
+    import matplotlib as mpl
+
+    defaults = {k: v for k, v in mpl.rcParamsDefault.items() if not k.startswith(("backend", "interactive", "toolbar"))}
+    with mpl.rc_context():
+        mpl.rcParams.update(defaults)
+        mpl.rcParams.update(SETTINGS)
+        mpl.rcParams.update({"text.parse_math": False, "axes.formatter.useoffset": False})  # a column may be called $x
+        yield
+
+
+def rendered(figure: Figure, suffix: str) -> bytes:
+    """The figure as the content of a PNG, SVG or PDF file, the same at every run."""
+    nameless: dict[str, dict[str, Any]] = {
+        "png": {"Software": None},
+        "svg": {"Date": None, "Creator": None},
+        "pdf": {"CreationDate": None, "Producer": None},
+    }
+    content = BytesIO()
+    with look():
+        figure.savefig(content, format=suffix, metadata=nameless[suffix])
+    return content.getvalue()
+
+
+def image_element(figure: Figure) -> str:
+    """The figure as an image within HTML, for a notebook."""
+    from base64 import b64encode
+
+    width = round(96.0 * float(figure.get_size_inches()[0]))
+    return f'<img width="{width}" src="data:image/png;base64,{b64encode(rendered(figure, "png")).decode("ascii")}">'
 
 
 def separate_panels(figure: Figure, share: float = 0.08) -> None:

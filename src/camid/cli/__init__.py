@@ -1,4 +1,5 @@
-"""The command line: ``camid init``, ``track``, ``join``, ``identify``, ``order``, ``simulate`` and ``diagnose``.
+"""The command line: ``camid init``, ``track``, ``join``, ``identify``, ``order``, ``simulate``, ``diagnose``, and the
+commands with a picture: ``compare``, ``bode``, ``poles``, ``step`` and ``residuals``.
 
 Exit code 0: done. 2: the input is wrong, and one line says what, where and how to fix it.
 """
@@ -12,7 +13,20 @@ from io import TextIOWrapper
 import click
 
 from camid import __version__
-from camid.cli import diagnose, identify, init, join, order, simulate, track
+from camid.cli import (
+    bode,
+    compare,
+    diagnose,
+    identify,
+    init,
+    join,
+    order,
+    poles,
+    residuals,
+    simulate,
+    step,
+    track,
+)
 from camid.errors import InputError
 
 INTERRUPTED = 130
@@ -25,12 +39,17 @@ def cli() -> None:
 
 
 for command in (
+    bode.bode,
+    compare.compare,
     diagnose.diagnose,
     identify.identify,
     init.init,
     join.join,
     order.order,
+    poles.poles,
+    residuals.residuals,
     simulate.simulate,
+    step.step,
     track.track,
 ):
     cli.add_command(command)

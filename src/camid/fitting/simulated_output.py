@@ -38,13 +38,20 @@ def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Arra
     InputError
         If the simulation cannot be run, or its initial state not be fitted.
     """
-    _refuse_unknown_clock(simulation)
+    refuse_unknown_clock(simulation)
     kind = kind_of(simulation, [recording])
     exact = None if simulation.effects else kind.simulated_exactly(simulation, recording)
     return _by_engine(kind, simulation, recording) if exact is None else (exact, None)
 
 
-def _refuse_unknown_clock(simulation: Simulation) -> None:
+def refuse_unknown_clock(simulation: Simulation) -> None:
+    """Refuse a latency or a skew that is still to be estimated.
+
+    Raises
+    ------
+    InputError
+        That says so.
+    """
     for name, value in (("latency", simulation.latency), ("skew", simulation.skew)):
         if value == "estimate":
             raise InputError(
@@ -62,7 +69,7 @@ def simulated_readings(simulation: Simulation, recording: Recording) -> dict[str
     InputError
         If the simulation cannot be run, or its initial state not be fitted.
     """
-    _refuse_unknown_clock(simulation)
+    refuse_unknown_clock(simulation)
     effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
     parts = readings_of(recording, simulation)
     experiments = [

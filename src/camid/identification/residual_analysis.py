@@ -193,6 +193,35 @@ def analyse_residual(
     return _tested(Rows.of(scaled, residual, table, np.column_stack(others), lags, first), lags)
 
 
+def analyse_given(experiments: Sequence[Experiment], residual: Array, sensitivities: Array) -> ResidualAnalysis:
+    """Test a residual that another model than a linear plant leaves, as the engine simulates it.
+
+    No other declaration is tried: the test of independence is that of the lagged inputs alone.
+
+    Parameters
+    ----------
+    experiments : sequence of Experiment
+        ``used`` marks the rows of the residual; ``signal`` is what it must not depend on.
+    residual : ndarray, shape (M,)
+        On the used rows of all experiments, concatenated.
+    sensitivities : ndarray, shape (M, p)
+        Derivatives of the simulated output by what was fitted.
+    """
+    longest = max(int(np.count_nonzero(e.used)) for e in experiments)
+    lags = min(LARGEST_LAG, longest // ROWS_PER_LAG)
+    recorded = np.concatenate([e.position[e.used] for e in experiments])
+    largest = float(np.max(np.abs(residual), initial=0.0))
+    if np.linalg.norm(residual) <= ROUNDING * float(np.linalg.norm(recorded)):
+        return ResidualAnalysis(lags, None, None, 0, np.nan, at_rounding=True)
+    if lags < 1 or len(residual) <= 3 * (sensitivities.shape[1] + len(experiments)):
+        return ResidualAnalysis(lags, None, None, 0, np.nan)
+    first = max(0, min(e.acquisition.window()[0] for e in experiments) - 4)
+    driven = max(float(np.max(np.abs(e.signal), initial=0.0)) for e in experiments) or 1.0
+    scaled = [replace(e, signal=e.signal / driven) for e in experiments]
+    nothing = np.zeros((len(residual), 0))
+    return _tested(Rows.of(scaled, residual / largest, sensitivities, nothing, lags, first), lags)
+
+
 def _otherwise(predictor: Predictor, which: int, parameters: Array) -> Array:
     """Simulated output if hold (0), exposure (1) or latency (2) were another, shape (rows,)."""
 

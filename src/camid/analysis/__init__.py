@@ -1,0 +1,1 @@
+"""What models say (responses, poles, steps) and how they follow a recording (fit, residual), with uncertainty."""

@@ -1,0 +1,168 @@
+"""The linear plant of a simulation as frequency responses, poles and steps show it, with its uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.analysis.spread import has_covariance, states_accuracy, varied
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
+from camid.effects.declared import effects_of
+from camid.engine.mechanics import Chain
+from camid.errors import InputError
+from camid.number_text import plain
+from camid.physical.equations import plant_function
+from camid.simulation.model import DeclaredEffect, Simulation
+
+Array = NDArray[np.float64]
+
+# Share of a standard deviation for a difference that replaces a derivative.
+SMALL = 1e-3
+# Rate of a state, relative to its size and the fastest pole, below which the plant rests.
+AT_REST = 1e-6
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """B(s)/A(s) with a monic denominator, and how uncertain it is.
+
+    Attributes
+    ----------
+    name : str
+        What a legend calls it.
+    simulation : Simulation
+    plant : TransferFunction
+        Linear effects before, beside and after the plant included; of a nonlinear plant that of small motions.
+    factor : ndarray, shape (m + 1 + n, r), or None
+        F with the covariance F Fᵀ of [b_0 … b_m, a_1 … a_n]; None where the model states none.
+    linearised : tuple of str
+        What is nonlinear and not in it, a sentence each.
+    remarks : tuple of str
+        What else is not in it.
+    """
+
+    name: str
+    simulation: Simulation
+    plant: TransferFunction
+    factor: Array | None
+    linearised: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, simulation: Simulation, name: str) -> LinearModel:
+        """The linear part of a simulation.
+
+        Raises
+        ------
+        InputError
+            If an effect is declared wrongly.
+        """
+        effects = effects_of(simulation)
+        linear = tuple(e for e in effects if is_linear(e))
+        plant = _whole(simulation.plant, linear).monic
+        size = len(plant.numerator)
+        columns = []
+        for ends in varied(replace(simulation, effects=_declared(simulation, linear)), SMALL):
+            there, back = (_coefficients(_whole(end.plant, effects_of(end)).monic, size) for end in ends)
+            columns.append((there - back) / (2.0 * SMALL))
+        moving = [c for c in columns if np.any(c)]
+        factor = np.column_stack(moving) if moving else None
+        if factor is not None and not np.all(np.isfinite(factor)):
+            factor = None
+        linearised = tuple(_linearised(simulation, name, effects))
+        return cls(name, simulation, plant, factor, linearised, tuple(_remarks(simulation, name, effects, factor)))
+
+    @property
+    def deviations(self) -> Array | None:
+        """Standard deviations of [b_0 … b_m, a_1 … a_n]."""
+        return None if self.factor is None else np.sqrt(np.sum(self.factor**2, axis=1))
+
+    def moved(self, direction: Array, share: float) -> TransferFunction:
+        """The plant with its coefficients moved by a share of a direction, shape (m + 1 + n,)."""
+        split = len(self.plant.numerator)
+        numbers = np.array([*self.plant.numerator, *self.plant.denominator[1:]]) + share * direction
+        return TransferFunction(tuple(numbers[:split]), (1.0, *numbers[split:]))
+
+
+def linear_models(models: Mapping[str, Simulation]) -> list[LinearModel]:
+    """The linear part of each; InputError names the one that has none."""
+    found = []
+    for name, simulation in models.items():
+        try:
+            found.append(LinearModel.of(simulation, name))
+        except InputError:
+            raise
+        except (ValueError, ArithmeticError) as error:
+            raise InputError(f"no linear plant: {error}", where=simulation.source, hint="check its constants") from None
+    return found
+
+
+def is_linear(effect: Effect) -> bool:
+    """Whether an effect is linear dynamics before, beside or after the plant."""
+    return any(part is not None for part in (effect.before_plant(), effect.beside_plant(), effect.after_plant()))
+
+
+def _declared(simulation: Simulation, kept: tuple[Effect, ...]) -> tuple[DeclaredEffect, ...]:
+    """Declarations of some of the effects."""
+    names = {e.identifier for e in kept}
+    return tuple(d for d in simulation.effects if d.identifier in names)
+
+
+def _whole(plant: TransferFunction, effects: tuple[Effect, ...]) -> TransferFunction:
+    return Chain(plant, Acquisition(1.0), effects).whole_plant() if effects else plant
+
+
+def _coefficients(plant: TransferFunction, zeros: int) -> Array:
+    """[b_0 … b_m, a_1 … a_n] with as many coefficients of the numerator as are asked for."""
+    numerator = np.zeros(max(zeros, len(plant.numerator)))
+    numerator[len(numerator) - len(plant.numerator) :] = plant.numerator
+    return np.array([*numerator[-zeros:], *plant.denominator[1:]])
+
+
+def _linearised(simulation: Simulation, name: str, effects: tuple[Effect, ...]) -> list[str]:
+    """What a linear picture of this model leaves out of its physics."""
+    said = []
+    if simulation.pendulum is not None:
+        said.append(f"{name}: a pendulum, linearised about its rest at {plain(simulation.pendulum.rest, 4, 'rad')}")
+    physical = simulation.physical
+    if physical is not None and physical.equations is not None:
+        said.append(f"{name}: nonlinear equations, {_where_linearised(simulation)}")
+    left_out = [e.identifier for e in effects if not is_linear(e) and not e.corrects_declaration]
+    if left_out:
+        said.append(f"{name}: without {', '.join(left_out)} (not linear dynamics of the plant)")
+    return said
+
+
+def _remarks(simulation: Simulation, name: str, effects: tuple[Effect, ...], factor: Array | None) -> list[str]:
+    """What else is to be known of the plant alone."""
+    said = []
+    if simulation.controller is not None:
+        said.append(f"{name}: the plant without its controller")
+    if simulation.input_column is None:
+        said.append(f"{name}: a free decay says nothing of the numerator, which is as it was declared")
+    if factor is None:
+        why = "no covariance" if states_accuracy(simulation) and not has_covariance(simulation) else "no accuracy"
+        said.append(f"{name}: without a band, as the model states {why} (camid identify writes one that does)")
+    elif any(is_linear(e) for e in effects):
+        said.append(f"{name}: effects enter the band without their correlation with the plant, which no file states")
+    return said
+
+
+def _where_linearised(simulation: Simulation) -> str:
+    """About which state equations are linearised, and whether the plant rests there."""
+    physical = simulation.physical
+    assert physical is not None
+    equations = physical.equations
+    assert equations is not None
+    start = np.array(equations.start or [0.0] * len(equations.states), dtype=float)
+    pairs = zip(equations.state_names, start, strict=True)
+    about = ", ".join(f"{name} = {plain(float(value))}" for name, value in pairs)
+    rates = plant_function(equations)(start, 0.0, physical.values)[: len(start)]
+    speed = float(np.max(np.abs(simulation.plant.poles()), initial=0.0))
+    rests = np.max(np.abs(rates), initial=0.0) <= AT_REST * speed * max(float(np.max(np.abs(start), initial=0.0)), 1.0)
+    return f"linearised about {about}, without input" + ("" if rests else ", where it does not rest")

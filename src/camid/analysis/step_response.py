@@ -1,0 +1,338 @@
+"""Step responses of models with bands: linear ones by python-control, others by the engine.
+
+A step from rest at t = 0 goes into the plant's input; what is shown is the motion, before any sensor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.analysis.linear_model import SMALL, LinearModel, is_linear
+from camid.analysis.spread import varied
+from camid.analysis.view import ShortTable, View, common_mapping
+from camid.chain.plant import TransferFunction
+from camid.effects.declared import effects_of
+from camid.errors import InputError
+from camid.fitting.simulated_output import simulated_output
+from camid.identification.from_recordings import load_recordings
+from camid.number_text import plain, with_deviation
+from camid.recording.options import Reading
+from camid.simulation.model import Simulation
+from camid.writing import without_infinities
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+POINTS = 1001
+# Rows of the engine, and what it is moved by for the band: there, differences of a whole standard deviation.
+ROWS_OF_ENGINE, WHOLE = 1001, 1.0
+# Limits of rise and settling, as shares of the final value.
+RISE, SETTLED = (0.1, 0.9), 0.02
+# A motion whose last tenth still changes by more of its span has no final value yet.
+STILL_MOVING = 0.02
+PLACES = ("actuator", "plant")
+
+
+@dataclass(frozen=True)
+class StepCurve:
+    """Step response of a model.
+
+    Attributes
+    ----------
+    name : str
+    time : ndarray, shape (N,)
+        Seconds.
+    output : ndarray, shape (N,)
+        In units of y.
+    deviation : ndarray, shape (N,), or None
+        Standard deviation.
+    characteristics : dict of str to (float, float or None)
+        ``final_value`` (y), ``rise_time`` (s, from 10 to 90 %), ``overshoot`` (a share), ``peak_time`` (s) and
+        ``settling_time`` (s, within 2 %) with standard deviations; those that it has.
+    linear : bool
+        Whether it is proportional to the step.
+    """
+
+    name: str
+    time: Array
+    output: Array
+    deviation: Array | None
+    characteristics: dict[str, tuple[float, float | None]]
+    linear: bool
+
+
+def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
+    """Step response of a model on a grid of times from zero on, shape (N,).
+
+    Raises
+    ------
+    InputError
+        If the engine cannot run it.
+    """
+    alone = _plant_alone(model.simulation)
+    if alone is None:
+        return _linear(model, time, amplitude)
+    grid = np.linspace(time[0], time[-1], ROWS_OF_ENGINE)
+    output = _by_engine(alone, grid, amplitude)
+    spreads = [tuple(_by_engine(end, grid, amplitude) for end in ends) for ends in varied(alone, WHOLE)]
+    return _curve(model.name, grid, output, [(a, b) for a, b in spreads], WHOLE, None, linear=False)
+
+
+def _linear(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
+    output = _by_control(model.plant, time, amplitude)
+    spreads = []
+    finals = []
+    for direction in () if model.factor is None else model.factor.T:
+        ends = [model.moved(direction, side * SMALL) for side in (1.0, -1.0)]
+        spreads.append((_by_control(ends[0], time, amplitude), _by_control(ends[1], time, amplitude)))
+        finals.append((amplitude * ends[0].static_gain(), amplitude * ends[1].static_gain()))
+    stable = bool(np.all(model.plant.poles().real < 0.0))
+    final = (amplitude * model.plant.static_gain(), finals) if stable else None
+    return _curve(model.name, time, output, spreads, SMALL, final, linear=True)
+
+
+def _by_control(plant: TransferFunction, time: Array, amplitude: float) -> Array:
+    import control
+
+    return amplitude * np.asarray(control.step_response(plant.to_control(), time).outputs).ravel()
+
+
+def _curve(
+    name: str,
+    time: Array,
+    output: Array,
+    spreads: list[tuple[Array, Array]],
+    share: float,
+    final: tuple[float, list[tuple[float, float]]] | None,
+    *,
+    linear: bool,
+) -> StepCurve:
+    """The curve with its band, from the responses to both sides of each direction."""
+    value = _final_value(output) if final is None and not linear else None if final is None else final[0]
+    found = _characteristics(time, output, value)
+    sides: list[tuple[dict[str, float], dict[str, float]]] = []
+    for i, (there, back) in enumerate(spreads):
+        ends = final[1][i] if final is not None else (_final_value(there), _final_value(back))
+        ends = ends if value is not None else (None, None)  # type: ignore[assignment]
+        sides.append((_characteristics(time, there, ends[0]), _characteristics(time, back, ends[1])))
+    stated: dict[str, tuple[float, float | None]] = {}
+    for key, number in found.items():
+        changes = [(a[key] - b[key]) / (2.0 * share) for a, b in sides if key in a and key in b]
+        known = bool(changes) and len(changes) == len(sides)
+        stated[key] = number, float(np.linalg.norm(changes)) if known else None
+    table = np.array([(a - b) / (2.0 * share) for a, b in spreads])
+    return StepCurve(name, time, output, np.sqrt(np.sum(table**2, axis=0)) if spreads else None, stated, linear)
+
+
+def _final_value(output: Array) -> float | None:
+    """Where a motion has come to rest; None where it has not."""
+    tail = output[-max(len(output) // 10, 2) :]
+    return float(tail[-1]) if np.ptp(tail) <= STILL_MOVING * max(float(np.ptp(output)), 1e-300) else None
+
+
+def _characteristics(time: Array, output: Array, final: float | None) -> dict[str, float]:
+    """What engineers read off a step response, interpolated between the points.
+
+    python-control's ``step_info`` ends at points of the grid, between which the standard deviations lie.
+    """
+    if final is None or final == 0.0 or not np.isfinite(final):
+        return {}
+    share = output / final
+    found = {"final_value": final}
+    low, high = (_first_crossing(time, share, level) for level in RISE)
+    if low is not None and high is not None:
+        found["rise_time"] = high - low
+    peak = int(np.argmax(share))
+    if share[peak] > 1.0 and 0 < peak < len(share) - 1:
+        # The vertex of the parabola through the highest point and its neighbours.
+        left, middle, right = share[peak - 1 : peak + 2]
+        curvature = left - 2.0 * middle + right
+        offset = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
+        found["overshoot"] = float(middle - 0.25 * (left - right) * offset - 1.0)
+        found["peak_time"] = float(time[peak] + offset * (time[1] - time[0]))
+    outside = np.flatnonzero(np.abs(share - 1.0) > SETTLED)
+    if len(outside) and outside[-1] < len(share) - 1:
+        last = outside[-1]
+        edge = 1.0 + SETTLED * np.sign(share[last] - 1.0)
+        found["settling_time"] = float(np.interp(0.0, *_between(share, time, last, edge)))
+    return found
+
+
+def _between(share: Array, time: Array, row: int, level: float) -> tuple[Array, Array]:
+    """Distances from a level at a row and the next, ascending, with their times."""
+    pairs = sorted(zip((share[row : row + 2] - level).tolist(), time[row : row + 2].tolist(), strict=True))
+    return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
+
+
+def _first_crossing(time: Array, share: Array, level: float) -> float | None:
+    above = np.flatnonzero(share >= level)
+    if not len(above):
+        return None
+    if above[0] == 0:
+        return float(time[0])
+    return float(np.interp(0.0, *_between(share, time, int(above[0]) - 1, level)))
+
+
+def _plant_alone(simulation: Simulation) -> Simulation | None:
+    """A nonlinear plant with its actuator, at rest and seen at once; None where all of it is linear."""
+    kept = tuple(
+        declared
+        for declared, effect in zip(simulation.effects, effects_of(simulation), strict=True)
+        if effect.place in PLACES and not effect.noise_like and not effect.corrects_declaration
+    )
+    linear = all(map(is_linear, effects_of(replace(simulation, effects=kept))))
+    pendulum, physical = simulation.pendulum, simulation.physical
+    if pendulum is None and (physical is None or physical.equations is None) and linear:
+        return None
+    return replace(
+        simulation,
+        time_column="t",
+        input_column="u",
+        output_column="y",
+        hold="zoh",
+        sensor="instant",
+        exposure=None,
+        latency=0.0,
+        skew=0.0,
+        offset=None,
+        bias=None,
+        initial_state="zero",
+        controller=None,
+        effects=kept,
+        reading=Reading(),
+        pendulum=None if pendulum is None else replace(pendulum, rest=0.0),  # angles from rest
+    )
+
+
+def remarks_of_step(model: LinearModel) -> tuple[str, ...]:
+    """What is to be known of a step response, a sentence each."""
+    alone = _plant_alone(model.simulation)
+    if alone is None:
+        return (*model.linearised, *model.remarks)
+    left_out = [e.identifier for e in model.simulation.effects if e not in alone.effects]
+    said = f"{model.name}: nonlinear, run as it is from rest: another amplitude has another shape"
+    return (said + (f"; without {', '.join(left_out)}" if left_out else ""), *model.remarks)
+
+
+def _by_engine(simulation: Simulation, time: Array, amplitude: float) -> Array:
+    import pandas as pd
+
+    if simulation.pendulum is not None:  # how sure its rest is does not matter to angles from it
+        simulation = replace(simulation, pendulum=replace(simulation.pendulum, rest=0.0))
+    table = pd.DataFrame({"t": time, "u": np.full(len(time), amplitude)})
+    recording = load_recordings(table, simulation, output_needed=False)[0]
+    output, _ = simulated_output(simulation, recording)
+    if not np.all(np.isfinite(output)):
+        raise InputError("its step response exceeds every number", where=simulation.source, hint="a smaller step?")
+    return output
+
+
+def times_for(models: list[LinearModel], duration: float | None) -> Array:
+    """Times in seconds from zero on: as long as python-control takes for the slowest model, or as asked for."""
+    import control
+
+    if duration is None:
+        duration = max(float(control.step_response(m.plant.to_control()).time[-1]) for m in models)
+    return np.linspace(0.0, duration, POINTS)
+
+
+@dataclass(frozen=True, repr=False)
+class StepResponses(View):
+    """What ``camid.step`` returns.
+
+    Attributes
+    ----------
+    curves : list of StepCurve
+    amplitude : float
+        In units of u.
+    symbols : tuple of str
+        Of input and output.
+    remarks : tuple of str
+    """
+
+    curves: list[StepCurve]
+    amplitude: float
+    symbols: tuple[str, str]
+    remarks: tuple[str, ...] = ()
+
+    columns: ClassVar[tuple[str, ...]] = ("model", "time", "output", "output_deviation")
+
+    @property
+    def numbers(self) -> pd.DataFrame:
+        """``model``, ``time`` (s), ``output`` (units of y) and its standard deviation, NaN where it is not known."""
+        import pandas as pd
+
+        nothing = np.nan
+        parts = [
+            pd.DataFrame(
+                {
+                    "model": c.name,
+                    "time": c.time,
+                    "output": c.output,
+                    "output_deviation": nothing if c.deviation is None else c.deviation,
+                }
+            )
+            for c in self.curves
+        ]
+        return pd.concat(parts, ignore_index=True)
+
+    def short_table(self) -> ShortTable:
+        """What engineers read off a step response."""
+        source, output = self.symbols
+        asked = (
+            ("final_value", f"final value, {output}", 1.0),
+            ("rise_time", "rise time, s", 1.0),
+            ("overshoot", "overshoot, %", 100.0),
+            ("peak_time", "peak at, s", 1.0),
+            ("settling_time", "settled after, s", 1.0),
+        )
+        rows = []
+        for curve in self.curves:
+            cells = []
+            for key, _, factor in asked:
+                value, deviation = curve.characteristics.get(key, (None, None))
+                if value is None:
+                    cells.append("–")
+                elif deviation is None or not deviation > 0.0:
+                    cells.append(plain(factor * value, 4))
+                else:
+                    cells.append(with_deviation(factor * value, factor * deviation))
+            rows.append((curve.name, *cells))
+        size = plain(self.amplitude, 4)
+        return ShortTable(f"Response to a step of {size} {source}", ("model", *(name for _, name, _ in asked)), rows)
+
+    def said(self) -> tuple[str, ...]:
+        """What is not in it."""
+        return self.remarks
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Content of ``--json``."""
+        curves = [
+            without_infinities(
+                {
+                    "name": c.name,
+                    "linear": c.linear,
+                    "time": c.time.tolist(),
+                    "output": c.output.tolist(),
+                    "output_deviation": None if c.deviation is None else c.deviation.tolist(),
+                    "characteristics": {
+                        key: {"value": value, "standard_deviation": deviation}
+                        for key, (value, deviation) in c.characteristics.items()
+                    },
+                }
+            )
+            for c in self.curves
+        ]
+        return common_mapping(self, amplitude=self.amplitude, unit=self.symbols[1], models=curves)
+
+    def _draw(self) -> Figure:
+        from camid.drawing.steps import draw
+
+        return draw(self)

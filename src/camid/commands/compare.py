@@ -1,0 +1,154 @@
+"""``camid.compare``: recorded and simulated outputs of several models, with the fit in per cent."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.analysis.comparison import CONTROL, OUTPUT, ComparedSignal, Comparison, rows_between
+from camid.analysis.models import ModelSource, named_models
+from camid.commands.simulate import simulate
+from camid.errors import InputError
+from camid.identification.from_recordings import RecordingSource
+from camid.simulation.model import Simulation
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+Span = tuple[float, float]
+
+
+def compare(
+    recording: RecordingSource,
+    *models: ModelSource,
+    held_out: Span | None = None,
+    zoom: Span | None = None,
+) -> Comparison:
+    """Simulate a recording with models, and say how well each follows it.
+
+    Parameters
+    ----------
+    recording : path or DataFrame
+    *models : path, mapping, Simulation or result of ``camid.identify`` or ``camid.diagnose``
+        Of any kind, effects included; in a closed loop the control is compared, too.
+    held_out : tuple of float, optional
+        Start and end in seconds of the rows that were not fitted; those that the models declare as ``validation``.
+    zoom : tuple of float, optional
+        Start and end in seconds of what the picture shows; the fits are those of all rows.
+
+    Returns
+    -------
+    Comparison
+        ``fits`` and ``numbers`` are tables, ``figure()`` draws, ``save(path)`` writes.
+
+    Raises
+    ------
+    InputError
+        If recording and models do not fit together, or models hold out other rows or read other columns.
+    """
+    simulations = named_models(models)
+    spans = _held_out(simulations, held_out)
+    tables = {name: simulate(recording, simulation) for name, simulation in simulations.items()}
+    source = Path(recording).name if isinstance(recording, str | os.PathLike) else "the recording"
+    signals = _signals(simulations, tables, spans, source)
+    _refuse_empty(signals, held_out, zoom, source)
+    said = [sentence for table in tables.values() for sentence in table.attrs.get("warnings", [])]
+    return Comparison(signals, tuple(simulations), source, zoom, tuple(dict.fromkeys(said)))
+
+
+def _held_out(simulations: Mapping[str, Simulation], asked: Span | None) -> list[Span]:
+    """Spans in seconds that no model was fitted to."""
+    for span in () if asked is None else (asked,):
+        if not span[0] < span[1]:
+            raise InputError(f"the held-out part starts at {span[0]:g} s and ends at {span[1]:g} s", hint="swap them")
+    if asked is not None:
+        return [asked]
+    declared = {name: s.validation for name, s in simulations.items() if s.validation is not None}
+    if len(set(declared.values())) > 1:
+        parts = ", ".join(f"{name}: {start:g} to {end:g} s" for name, (start, end) in declared.items())
+        raise InputError(f"the models hold out different rows ({parts})", hint="say which with --held-out START END")
+    return [*dict.fromkeys(declared.values())]
+
+
+def _signals(
+    simulations: Mapping[str, Simulation], tables: Mapping[str, pd.DataFrame], spans: list[Span], source: str
+) -> list[ComparedSignal]:
+    """The output of each experiment, and its control where a model is a closed loop."""
+    first, table = next(iter(simulations.values())), next(iter(tables.values()))
+    experiments = [None] if "experiment" not in table else [*dict.fromkeys(table["experiment"])]
+    leave_out = max(s.reading.leave_out for s in simulations.values())
+    loops = {name for name, t in tables.items() if "simulated_input" in t}
+    found = []
+    for experiment in experiments:
+        parts = {
+            name: t if experiment is None else t[t["experiment"] == experiment].reset_index(drop=True)
+            for name, t in tables.items()
+        }
+        for kind, wanted in ((OUTPUT, set(tables)), (CONTROL, loops)):
+            chosen = {name: part for name, part in parts.items() if name in wanted}
+            if not chosen:
+                continue
+            time, recorded, simulated = _same_rows(chosen, simulations, kind, source)
+            names = next(iter({name: simulations[name] for name in chosen}.values())).symbols
+            found.append(
+                ComparedSignal(
+                    kind,
+                    str(names[1] if kind == OUTPUT else names[0] or first.input_column),
+                    experiment,
+                    time,
+                    recorded,
+                    simulated,
+                    time >= time[0] + leave_out,
+                    rows_between(time, spans),
+                )
+            )
+    return found
+
+
+def _same_rows(
+    tables: Mapping[str, pd.DataFrame], simulations: Mapping[str, Simulation], kind: str, source: str
+) -> tuple[Array, Array, dict[str, Array]]:
+    """Times, what was recorded, and what each model makes of it; InputError where models read something else."""
+    simulated: dict[str, Array] = {}
+    reference: tuple[str, Array, Array] | None = None
+    for name, table in tables.items():
+        simulation = simulations[name]
+        column = simulation.output_column if kind == OUTPUT else str(simulation.input_column)
+        if column not in table:
+            raise InputError(f"no column '{column}' to compare with", where=source, hint="record the output, too")
+        time, recorded = (table[c].to_numpy(dtype=float) for c in (simulation.time_column, column))
+        if reference is None:
+            reference = name, time, recorded
+        other, times, values = reference
+        same = len(time) == len(times) and np.allclose(time, times, rtol=1e-9, atol=1e-12)
+        if not (same and np.allclose(recorded, values, rtol=1e-9, atol=0.0, equal_nan=True)):
+            raise InputError(
+                f"{other} and {name} read different values as the {kind}",
+                where=source,
+                hint="compare models that name the same columns, units, start and end",
+            )
+        simulated[name] = table["simulated" if kind == OUTPUT else "simulated_input"].to_numpy(dtype=float)
+    assert reference is not None
+    return reference[1], reference[2], simulated
+
+
+def _refuse_empty(signals: list[ComparedSignal], held_out: Span | None, zoom: Span | None, source: str) -> None:
+    """Refuse spans that hold no row, and a recording of which nothing is left to compare."""
+    for name, span in (("held-out", held_out), ("zoomed", zoom)):
+        if span is None:
+            continue
+        if not any(np.count_nonzero(rows_between(s.time, [span])) > 1 for s in signals):
+            first, last = min(s.time[0] for s in signals), max(s.time[-1] for s in signals)
+            raise InputError(
+                f"no two rows lie in the {name} part from {span[0]:g} to {span[1]:g} s",
+                where=source,
+                hint=f"the recording lasts from {first:g} s to {last:g} s",
+            )
+    if not any((s.compared & np.isfinite(s.recorded)).any() for s in signals):
+        raise InputError("no row with an output is left to compare", where=source, hint="choose a shorter leave_out")

@@ -1,0 +1,131 @@
+"""Poles and zeros in the complex plane with 95 % ellipses, and enlarged where an ellipse is too small to be seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camid import plotting as style
+from camid.drawing.lines import BAND_OPACITY, COLOURS, line_of, new_figure, range_of, short
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from camid.analysis.poles_and_zeros import PolesAndZeros, Root
+
+# An ellipse smaller than this share of the map is enlarged; one that is larger than the map by this factor is cut.
+SMALL_SHARE, LARGEST_SHARE = 0.03, 0.6
+MOST_ENLARGED = 3
+# Half width of an enlarged panel, in half axes of its largest ellipse, and within which roots share a panel.
+ROOM, NEAR = 1.6, 12.0
+DAMPING_RATIOS = (0.1, 0.3, 0.5, 0.7, 0.9)
+
+
+def draw(result: PolesAndZeros) -> Figure:
+    """The map, and beside it what is too small on it."""
+    roots, names = result.roots, result.names
+    limits = _limits(roots)
+    groups = _enlarged(roots, limits)
+    figure = new_figure(4.0 if groups else 4.4, style.PAGE_WIDTH if groups else 5.2)
+    grid = figure.add_gridspec(max(len(groups), 1), 2 if groups else 1, width_ratios=(1.7, 1.0) if groups else None)
+    axes = figure.add_subplot(grid[:, 0])
+    _damping_rays(axes, limits)
+    _draw_roots(axes, roots, names, label=True)
+    axes.axhline(0.0, color=style.GREY, linewidth=0.6)
+    axes.axvline(0.0, color=style.GREY, linewidth=0.6)
+    axes.set(xlim=limits[0], ylim=limits[1], xlabel="real part, rad/s", ylabel="imaginary part, rad/s")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    for row, group in enumerate(groups):
+        panel = figure.add_subplot(grid[row, 1])
+        _enlarge(panel, roots, names, group)
+    return figure
+
+
+def _limits(roots: Sequence[Root]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits of the map: all roots, the origin, and ellipses that are not far larger."""
+    points = np.array([0.0, *(r.value for r in roots)], dtype=complex)
+    span = max(float(np.max(np.abs(points))), 1e-300)
+    ellipses = [e for r in roots if (e := r.ellipse()) is not None]
+    near = [e for e in ellipses if np.max(np.abs(e - e.mean())) < LARGEST_SHARE * span]
+    every = np.concatenate([points, *near])
+    real, imaginary = range_of([every.real], 0.12), range_of([every.imag], 0.12)
+    least = 0.12 * span
+    return (
+        (min(real[0], -least), max(real[1], least)),
+        (min(imaginary[0], -least), max(imaginary[1], least)),
+    )
+
+
+def _radius(root: Root) -> float:
+    ellipse = root.ellipse()
+    return 0.0 if ellipse is None else float(np.max(np.abs(ellipse - root.value)))
+
+
+def _enlarged(roots: Sequence[Root], limits: tuple[tuple[float, float], tuple[float, float]]) -> list[list[Root]]:
+    """Groups of roots in the upper half plane whose ellipses are too small on the map."""
+    span = max(limits[0][1] - limits[0][0], limits[1][1] - limits[1][0])
+    small = [r for r in roots if r.value.imag >= 0.0 and 0.0 < _radius(r) < SMALL_SHARE * span]
+    groups: list[list[Root]] = []
+    for root in small:
+        for group in groups:
+            if abs(root.value - group[0].value) < NEAR * max(_radius(root), *(_radius(r) for r in group)):
+                group.append(root)
+                break
+        else:
+            groups.append([root])
+    return groups[:MOST_ENLARGED]
+
+
+def _enlarge(axes: Axes, roots: Sequence[Root], names: Sequence[str], group: Sequence[Root]) -> None:
+    reach = ROOM * max(_radius(r) for r in group)
+    low = min(r.value.real for r in group) - reach, min(r.value.imag for r in group) - reach
+    high = max(r.value.real for r in group) + reach, max(r.value.imag for r in group) + reach
+    _draw_roots(axes, roots, names, label=False)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_title(f"enlarged: {', '.join(dict.fromkeys(short(r.model, 20) for r in group))}", fontsize=7.0)
+    axes.tick_params(labelsize=6.0)
+    axes.locator_params(nbins=4)
+
+
+def _draw_roots(axes: Axes, roots: Sequence[Root], names: Sequence[str], *, label: bool) -> None:
+    """Crosses and circles with their ellipses."""
+    for index, name in enumerate(names):
+        colour = COLOURS[index % len(COLOURS)]
+        for kind, marker in (("pole", "x"), ("zero", "o")):
+            own = [r for r in roots if r.model == name and r.kind == kind]
+            if not own:
+                continue
+            values = np.array([r.value for r in own])
+            axes.plot(
+                values.real, values.imag, linestyle="", marker=marker, color=colour, zorder=3.0,
+                markersize=6.0 + 1.5 * (index % 2), markerfacecolor="none", markeredgewidth=1.3,
+                label=f"{short(name)}: {kind}s" if label else None,
+            )  # fmt: skip
+            for root in own:
+                ellipse = root.ellipse()
+                if ellipse is None:
+                    continue
+                if root.is_real:
+                    axes.plot(ellipse.real, ellipse.imag, color=colour, linewidth=3.0, alpha=0.5, zorder=2.0)
+                    continue
+                axes.fill(ellipse.real, ellipse.imag, color=colour, alpha=BAND_OPACITY, linewidth=0, zorder=2.0)
+                axes.plot(ellipse.real, ellipse.imag, linewidth=0.9, zorder=2.2, **line_of(index))
+
+
+def _damping_rays(axes: Axes, limits: tuple[tuple[float, float], tuple[float, float]]) -> None:
+    """Lines of equal damping ratio, named at the edge."""
+    left, top = -limits[0][0], limits[1][1]
+    if limits[1][1] <= 0.2 * -limits[0][0]:
+        return  # no pair of complex roots
+    for ratio in DAMPING_RATIOS:
+        x, y = ratio, float(np.sqrt(1.0 - ratio**2))
+        size = min(left / x, top / y)
+        for sign in (1.0, -1.0):
+            axes.plot([0.0, -size * x], [0.0, sign * size * y], color="#D9D9D9", linewidth=0.5, zorder=0.8)
+        axes.annotate(
+            f"ζ {ratio:g}", (-size * x, size * y), fontsize=6.0, color="#606060", ha="center", va="center",
+            xytext=(5.0 * x, -5.0 * y), textcoords="offset points", zorder=0.9,
+        )  # fmt: skip
