@@ -1,7 +1,8 @@
 """Camera-aware identification of machine dynamics.
 
 ``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose``
-finds what it leaves out, ``track`` makes a recording of a video, ``init_recording`` a first simulation of a recording.
+finds what it leaves out, ``track`` makes a recording of a video, ``init_recording`` a first simulation of a recording;
+``compare``, ``bode``, ``poles``, ``step`` and ``residuals`` draw models.
 They mirror the commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
 """
 
@@ -9,12 +10,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from camid.commands.bode import bode
+    from camid.commands.compare import compare
     from camid.commands.diagnose import diagnose
     from camid.commands.identify import identify
     from camid.commands.init_recording import init_recording
     from camid.commands.join import join
     from camid.commands.order import select_order
+    from camid.commands.poles import poles
+    from camid.commands.residuals import residuals
     from camid.commands.simulate import simulate
+    from camid.commands.step import step
     from camid.commands.track import track
     from camid.diagnosis.diagnosis import Diagnosis
     from camid.errors import InputError
@@ -34,14 +40,19 @@ _MODULE_OF = {
     "Recording": "recording.recording",
     "Simulation": "simulation.model",
     "Track": "tracking.result",
+    "bode": "commands.bode",
+    "compare": "commands.compare",
     "diagnose": "commands.diagnose",
     "identify": "commands.identify",
     "init_recording": "commands.init_recording",
     "join": "commands.join",
     "load_simulation": "simulation.file",
+    "poles": "commands.poles",
     "read_recording": "recording.read",
+    "residuals": "commands.residuals",
     "select_order": "commands.order",
     "simulate": "commands.simulate",
+    "step": "commands.step",
     "track": "commands.track",
     "write_simulation": "simulation.file",
 }
@@ -54,14 +65,19 @@ __all__ = [
     "Simulation",
     "Track",
     "__version__",
+    "bode",
+    "compare",
     "diagnose",
     "identify",
     "init_recording",
     "join",
     "load_simulation",
+    "poles",
     "read_recording",
+    "residuals",
     "select_order",
     "simulate",
+    "step",
     "track",
     "write_simulation",
 ]

@@ -31,6 +31,7 @@ FEWEST_ROWS = 16
 # Independent averages for each of the segments that overlap by half with a Hann window: 1/(1 + 2/36).
 INDEPENDENT = 0.947
 LEAST_COHERENCE = 1e-6
+CHANCE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,15 @@ class EmpiricalResponse:
         """Standard deviation of the magnitude over the magnitude, and of the phase in rad."""
         kept = np.clip(self.coherence, LEAST_COHERENCE, 1.0)
         return np.sqrt((1.0 - kept) / (2.0 * self.averages * kept))
+
+    @property
+    def is_seen(self) -> NDArray[np.bool_]:
+        """Where the coherence is more than noise alone would show in one of a thousand frequencies.
+
+        That is 1 − α^(1/(n − 1)) (Carter 1987, Proc. IEEE 75, 236–255).
+        """
+        degrees = max(self.averages - 1.0, 1e-3)
+        return np.asarray(self.coherence > 1.0 - CHANCE ** (1.0 / degrees))
 
 
 def hold_response(angular_frequency: Array, acquisition: Acquisition) -> NDArray[np.complex128]:

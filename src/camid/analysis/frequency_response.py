@@ -28,9 +28,7 @@ DECIBELS = 20.0 / log(10.0)
 POINTS = 500
 # Points about a resonance, within so many half widths of it.
 POINTS_OF_RESONANCE, HALF_WIDTHS = 61, 8.0
-ROWS_SHOWN = 9
-# Points of a recording whose relative standard deviation is larger say nothing, and are not drawn.
-LARGEST_DEVIATION = 0.5
+ROWS_SHOWN = 7
 
 
 @dataclass(frozen=True)
@@ -94,13 +92,6 @@ class ResponseCurve:
         """Standard deviation of the magnitude in dB."""
         return None if self.relative_deviation is None else DECIBELS * self.relative_deviation
 
-    @property
-    def is_seen(self) -> NDArray[np.bool_]:
-        """Where the noise does not cover it."""
-        if self.relative_deviation is None:
-            return np.ones(len(self.magnitude), bool)
-        return np.asarray(self.relative_deviation <= LARGEST_DEVIATION)
-
 
 def _response(plant: Any, angular_frequency: Array) -> ComplexArray:
     """B(jω)/A(jω), by python-control."""
@@ -117,7 +108,7 @@ def frequencies_for(
         found = control.frequency_response([m.plant.to_control() for m in models])[0].omega
         limits = float(found[0]), float(found[-1])
         if empirical is not None and len(empirical.angular_frequency):
-            limits = min(limits[0], float(empirical.angular_frequency[0])), max(limits[1], empirical.nyquist)
+            limits = min(limits[0], 0.8 * float(empirical.angular_frequency[0])), max(limits[1], empirical.nyquist)
     grid = [np.geomspace(*limits, POINTS)]
     for model in models:
         for pole in model.plant.poles():
@@ -184,29 +175,23 @@ class FrequencyResponses(View):
 
     def short_table(self) -> ShortTable:
         """Magnitude and phase at a few frequencies."""
-        omega = self.curves[0].angular_frequency
         rows = []
-        for at in np.geomspace(omega[0], omega[-1], ROWS_SHOWN):
-            cells = [plain(float(at), 3), plain(float(at / (2.0 * pi)), 3)]
-            for curve in self.curves:
-                magnitude, phase = np.interp(at, omega, curve.decibels), np.degrees(np.interp(at, omega, curve.phase))
-                if curve.relative_deviation is None or curve.phase_deviation is None:
-                    cells += [_fixed(magnitude, 2), _fixed(phase, 1)]
-                    continue
-                spreads = (DECIBELS * curve.relative_deviation, np.degrees(curve.phase_deviation))
-                cells += [
-                    with_deviation(float(value), max(float(np.interp(at, omega, spread)), 1e-9))
-                    for value, spread in zip((magnitude, phase), spreads, strict=True)
-                ]
-            rows.append(tuple(cells))
-        names = [h for c in self.curves for h in (f"{c.name}, dB", f"{c.name}, °")]
-        return ShortTable(f"Frequency response: {self.shows}", ("rad/s", "Hz", *names), rows)
+        for curve in self.curves:
+            omega, label = curve.angular_frequency, curve.name
+            for at in np.geomspace(omega[0], omega[-1], ROWS_SHOWN):
+                magnitude = _estimate(at, omega, curve.decibels, curve.decibel_deviation, 2)
+                turned = None if curve.phase_deviation is None else np.degrees(curve.phase_deviation)
+                phase = _estimate(at, omega, np.degrees(curve.phase), turned, 1)
+                rows.append((label, plain(float(at), 3), plain(float(at / (2.0 * pi)), 3), magnitude, phase))
+                label = ""
+        headings = ("model", "rad/s", "Hz", "magnitude, dB", "phase, °")
+        return ShortTable(f"Frequency response: {self.shows}", headings, rows)
 
     def said(self) -> tuple[str, ...]:
         """What is not in it."""
         found = [*self.remarks]
         if self.empirical is not None:
-            hidden = int(np.count_nonzero(self.empirical.relative_deviation > LARGEST_DEVIATION))
+            hidden = int(np.count_nonzero(~self.empirical.is_seen))
             found.append(
                 f"{RECORDED}: Welch's method, segments of {plain(self.empirical.segment, 3, 's')}, hold "
                 + ("divided out" if self.seen_by_camera else "and sensor divided out")
@@ -237,8 +222,13 @@ class FrequencyResponses(View):
         return draw(self)
 
 
-def _fixed(value: float, decimals: int) -> str:
-    return f"{value:.{decimals}f}".replace("-", "−")
+def _estimate(at: float, omega: Array, values: Array, deviations: Array | None, decimals: int) -> str:
+    """A value at a frequency, with its standard deviation where that is known."""
+    value = float(np.interp(at, omega, values))
+    deviation = 0.0 if deviations is None else float(np.interp(at, omega, deviations))
+    if not deviation > 0.0:
+        return f"{value:.{decimals}f}".replace("-", "−")
+    return with_deviation(value, deviation)
 
 
 def _rows(name: str, curve: ResponseCurve, coherence: Array | None) -> dict[str, Any]:

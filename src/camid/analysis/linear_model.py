@@ -26,6 +26,10 @@ SMALL = 1e-3
 # Rate of a state, relative to its size and the fastest pole, below which the plant rests.
 AT_REST = 1e-6
 
+NO_BAND = "without a band, as it states no accuracy (what camid identify writes does)"
+ONLY_DEVIATIONS = "without a band, as it states standard deviations and no covariance"
+UNCORRELATED = "effects enter the band without their correlation with the plant, which no file states"
+
 
 @dataclass(frozen=True)
 class LinearModel:
@@ -42,7 +46,7 @@ class LinearModel:
         F with the covariance F Fᵀ of [b_0 … b_m, a_1 … a_n]; None where the model states none.
     linearised : tuple of str
         What is nonlinear and not in it, a sentence each.
-    remarks : tuple of str
+    others : tuple of str
         What else is not in it.
     """
 
@@ -51,7 +55,7 @@ class LinearModel:
     plant: TransferFunction
     factor: Array | None
     linearised: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, simulation: Simulation, name: str) -> LinearModel:
@@ -75,7 +79,17 @@ class LinearModel:
         if factor is not None and not np.all(np.isfinite(factor)):
             factor = None
         linearised = tuple(_linearised(simulation, name, effects))
-        return cls(name, simulation, plant, factor, linearised, tuple(_remarks(simulation, name, effects, factor)))
+        return cls(name, simulation, plant, factor, linearised, tuple(_others(simulation, name)))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What else is to be known of a linear picture: what is not in it, and how sure it is."""
+        if self.factor is None:
+            known = states_accuracy(self.simulation) and not has_covariance(self.simulation)
+            return *self.others, f"{self.name}: {ONLY_DEVIATIONS if known else NO_BAND}"
+        if self.simulation.effects and any(map(is_linear, effects_of(self.simulation))):
+            return *self.others, f"{self.name}: {UNCORRELATED}"
+        return self.others
 
     @property
     def deviations(self) -> Array | None:
@@ -138,18 +152,13 @@ def _linearised(simulation: Simulation, name: str, effects: tuple[Effect, ...]) 
     return said
 
 
-def _remarks(simulation: Simulation, name: str, effects: tuple[Effect, ...], factor: Array | None) -> list[str]:
+def _others(simulation: Simulation, name: str) -> list[str]:
     """What else is to be known of the plant alone."""
     said = []
     if simulation.controller is not None:
         said.append(f"{name}: the plant without its controller")
     if simulation.input_column is None:
         said.append(f"{name}: a free decay says nothing of the numerator, which is as it was declared")
-    if factor is None:
-        why = "no covariance" if states_accuracy(simulation) and not has_covariance(simulation) else "no accuracy"
-        said.append(f"{name}: without a band, as the model states {why} (camid identify writes one that does)")
-    elif any(is_linear(e) for e in effects):
-        said.append(f"{name}: effects enter the band without their correlation with the plant, which no file states")
     return said
 
 

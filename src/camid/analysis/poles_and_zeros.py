@@ -82,7 +82,7 @@ class Root:
             return None
         x, y, radius = self.value.real, self.value.imag, abs(self.value)
         slope = np.array([-(y**2), x * y]) / radius**3
-        return float(np.sqrt(max(slope @ self.covariance @ slope, 0.0)))
+        return float(np.sqrt(max(float(slope @ self.covariance @ slope), 0.0)))
 
     def ellipse(self, count: int = 181) -> NDArray[np.complex128] | None:
         """Points of the 95 % ellipse, shape (count,); of a real root an interval of the same probability.
@@ -111,8 +111,12 @@ def roots_of(model: LinearModel) -> Iterator[Root]:
         factor = None if model.factor is None else model.factor[rows]
         if factor is not None and kind == "pole":  # the leading coefficient is one
             factor = np.vstack([np.zeros(factor.shape[1]), factor])
-        for value in sorted(values, key=lambda r: (abs(r), r.imag)):
-            yield Root(model.name, kind, complex(value), _covariance(complex(value), np.array(coefficients), factor))
+        for value in sorted(map(complex, values), key=_from_the_origin):
+            yield Root(model.name, kind, value, _covariance(value, np.array(coefficients), factor))
+
+
+def _from_the_origin(root: complex) -> tuple[float, float]:
+    return abs(root), root.imag
 
 
 def _covariance(root: complex, coefficients: Array, factor: Array | None) -> Array | None:
@@ -191,9 +195,9 @@ class PolesAndZeros(View):
             imaginary = "" if root.is_real else _estimate(root.value.imag, root.deviation_along(1j))
             frequency = _estimate(root.natural_frequency, root.frequency_deviation)
             damping = "" if root.is_real else _estimate(root.damping_ratio, root.damping_deviation)
-            rows.append((root.model, root.kind, real, imaginary and f"± j({imaginary})", frequency, damping))
-        headings = ("model", "kind", "real part, rad/s", "imaginary part, rad/s", "|s|, rad/s", "damping ratio")
-        return ShortTable("Poles and zeros ± standard deviations", headings, rows)
+            rows.append((root.model, root.kind, real, imaginary, frequency, damping))
+        headings = ("model", "root", "real part", "± imaginary part", "|s|", "damping ratio")
+        return ShortTable("Poles and zeros, rad/s, ± standard deviations", headings, rows, texts=2)
 
     def said(self) -> tuple[str, ...]:
         """What is not in it."""

@@ -84,14 +84,14 @@ class ResidualCorrelations(View):
         if self.signals[1]:
             independent = f"independent of {self.signals[1]}"
             rows.append((independent, probability(found.independence_p), self._outside("crosscorrelation")))
-        share = "" if self.nrmse is None else f": {percentage(self.nrmse)} of the standard deviation"
-        return ShortTable(
-            f"Residual of {self.signals[0]}, {self.model}{share}", ("hypothesis", "p", "outside of 99 % bounds"), rows
-        )
+        headings = ("hypothesis", "p", "outside of 99 % bounds")
+        return ShortTable(f"Residual of {self.signals[0]}, {self.model}", headings, rows)
 
     def said(self) -> tuple[str, ...]:
         """What was found, and what was done to the rows."""
-        return (self.analysis.summary(), *self.remarks)
+        share = "–" if self.nrmse is None else percentage(self.nrmse)
+        size = f"residual: {share} of the standard deviation of {self.signals[0]}"
+        return (size, self.analysis.summary(), *self.remarks)
 
     def to_mapping(self) -> dict[str, Any]:
         """Content of ``--json``."""

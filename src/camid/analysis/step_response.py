@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.analysis.linear_model import SMALL, LinearModel, is_linear
-from camid.analysis.spread import varied
+from camid.analysis.linear_model import NO_BAND, SMALL, UNCORRELATED, LinearModel, is_linear
+from camid.analysis.spread import has_covariance, varied
 from camid.analysis.view import ShortTable, View, common_mapping
 from camid.chain.plant import TransferFunction
 from camid.effects.declared import effects_of
@@ -37,6 +37,8 @@ ROWS_OF_ENGINE, WHOLE = 1001, 1.0
 RISE, SETTLED = (0.1, 0.9), 0.02
 # A motion whose last tenth still changes by more of its span has no final value yet.
 STILL_MOVING = 0.02
+# Less than this share past the final value is rounding.
+NO_OVERSHOOT = 1e-6
 PLACES = ("actuator", "plant")
 
 
@@ -116,12 +118,14 @@ def _curve(
 ) -> StepCurve:
     """The curve with its band, from the responses to both sides of each direction."""
     value = _final_value(output) if final is None and not linear else None if final is None else final[0]
-    found = _characteristics(time, output, value)
+    found = _characteristics(time, output, value, linear=linear)
     sides: list[tuple[dict[str, float], dict[str, float]]] = []
     for i, (there, back) in enumerate(spreads):
         ends = final[1][i] if final is not None else (_final_value(there), _final_value(back))
-        ends = ends if value is not None else (None, None)  # type: ignore[assignment]
-        sides.append((_characteristics(time, there, ends[0]), _characteristics(time, back, ends[1])))
+        ends = ends if value is not None else (None, None)
+        curves = zip((there, back), ends, strict=True)
+        first, second = (_characteristics(time, curve, end, linear=linear) for curve, end in curves)
+        sides.append((first, second))
     stated: dict[str, tuple[float, float | None]] = {}
     for key, number in found.items():
         changes = [(a[key] - b[key]) / (2.0 * share) for a, b in sides if key in a and key in b]
@@ -137,47 +141,36 @@ def _final_value(output: Array) -> float | None:
     return float(tail[-1]) if np.ptp(tail) <= STILL_MOVING * max(float(np.ptp(output)), 1e-300) else None
 
 
-def _characteristics(time: Array, output: Array, final: float | None) -> dict[str, float]:
-    """What engineers read off a step response, interpolated between the points.
+def _characteristics(time: Array, output: Array, final: float | None, *, linear: bool) -> dict[str, float]:
+    """What engineers read off a step response, between the points of its grid.
 
-    python-control's ``step_info`` ends at points of the grid, between which the standard deviations lie.
+    python-control's ``step_info`` ends at points of the grid, and standard deviations may be smaller than its steps. A
+    spline of a motion that sticks would swing past its kinks: of a nonlinear one it keeps the shape.
     """
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
     if final is None or final == 0.0 or not np.isfinite(final):
         return {}
-    share = output / final
+    curve = (CubicSpline if linear else PchipInterpolator)(time, output / final)
     found = {"final_value": final}
-    low, high = (_first_crossing(time, share, level) for level in RISE)
-    if low is not None and high is not None:
-        found["rise_time"] = high - low
-    peak = int(np.argmax(share))
-    if share[peak] > 1.0 and 0 < peak < len(share) - 1:
-        # The vertex of the parabola through the highest point and its neighbours.
-        left, middle, right = share[peak - 1 : peak + 2]
-        curvature = left - 2.0 * middle + right
-        offset = 0.5 * (left - right) / curvature if curvature < 0.0 else 0.0
-        found["overshoot"] = float(middle - 0.25 * (left - right) * offset - 1.0)
-        found["peak_time"] = float(time[peak] + offset * (time[1] - time[0]))
-    outside = np.flatnonzero(np.abs(share - 1.0) > SETTLED)
-    if len(outside) and outside[-1] < len(share) - 1:
-        last = outside[-1]
-        edge = 1.0 + SETTLED * np.sign(share[last] - 1.0)
-        found["settling_time"] = float(np.interp(0.0, *_between(share, time, last, edge)))
+    low, high = (_crossings(curve, level) for level in RISE)
+    if len(low) and len(high):
+        found["rise_time"] = float(high[0] - low[0])
+    peaks = curve.derivative().roots(extrapolate=False)
+    peaks = peaks[np.isfinite(peaks)]
+    if len(peaks) and np.max(curve(peaks)) > 1.0 + NO_OVERSHOOT:
+        highest = int(np.argmax(curve(peaks)))
+        found["overshoot"], found["peak_time"] = float(curve(peaks[highest]) - 1.0), float(peaks[highest])
+    if abs(float(curve(time[-1])) - 1.0) < SETTLED:
+        edges = np.concatenate([_crossings(curve, 1.0 + side * SETTLED) for side in (1.0, -1.0)])
+        found["settling_time"] = float(np.max(edges, initial=0.0))
     return found
 
 
-def _between(share: Array, time: Array, row: int, level: float) -> tuple[Array, Array]:
-    """Distances from a level at a row and the next, ascending, with their times."""
-    pairs = sorted(zip((share[row : row + 2] - level).tolist(), time[row : row + 2].tolist(), strict=True))
-    return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
-
-
-def _first_crossing(time: Array, share: Array, level: float) -> float | None:
-    above = np.flatnonzero(share >= level)
-    if not len(above):
-        return None
-    if above[0] == 0:
-        return float(time[0])
-    return float(np.interp(0.0, *_between(share, time, int(above[0]) - 1, level)))
+def _crossings(curve: Any, level: float) -> Array:
+    """Times at which a spline crosses a level, ascending."""
+    times = np.asarray(curve.solve(level, extrapolate=False), dtype=float)
+    return np.sort(times[np.isfinite(times)])
 
 
 def _plant_alone(simulation: Simulation) -> Simulation | None:
@@ -216,9 +209,12 @@ def remarks_of_step(model: LinearModel) -> tuple[str, ...]:
     alone = _plant_alone(model.simulation)
     if alone is None:
         return (*model.linearised, *model.remarks)
-    left_out = [e.identifier for e in model.simulation.effects if e not in alone.effects]
     said = f"{model.name}: nonlinear, run as it is from rest: another amplitude has another shape"
-    return (said + (f"; without {', '.join(left_out)}" if left_out else ""), *model.remarks)
+    left_out = [e.identifier for e in model.simulation.effects if e not in alone.effects]
+    said += f"; without {', '.join(left_out)}" if left_out else ""
+    if any(effect.standard_deviations for effect in alone.effects):
+        return said, *model.others, f"{model.name}: {UNCORRELATED}"
+    return said, *model.others, *([] if has_covariance(alone) else [f"{model.name}: {NO_BAND}"])
 
 
 def _by_engine(simulation: Simulation, time: Array, amplitude: float) -> Array:
@@ -287,26 +283,28 @@ class StepResponses(View):
         """What engineers read off a step response."""
         source, output = self.symbols
         asked = (
-            ("final_value", f"final value, {output}", 1.0),
-            ("rise_time", "rise time, s", 1.0),
-            ("overshoot", "overshoot, %", 100.0),
-            ("peak_time", "peak at, s", 1.0),
-            ("settling_time", "settled after, s", 1.0),
+            ("final_value", "final value", output, 1.0),
+            ("rise_time", "rise time, 10 to 90 %", "s", 1.0),
+            ("overshoot", "overshoot", "%", 100.0),
+            ("peak_time", "peak after", "s", 1.0),
+            ("settling_time", "settled within 2 % after", "s", 1.0),
         )
         rows = []
         for curve in self.curves:
-            cells = []
-            for key, _, factor in asked:
+            label = curve.name
+            for key, quantity, unit, factor in asked:
                 value, deviation = curve.characteristics.get(key, (None, None))
                 if value is None:
-                    cells.append("–")
-                elif deviation is None or not deviation > 0.0:
-                    cells.append(plain(factor * value, 4))
-                else:
-                    cells.append(with_deviation(factor * value, factor * deviation))
-            rows.append((curve.name, *cells))
-        size = plain(self.amplitude, 4)
-        return ShortTable(f"Response to a step of {size} {source}", ("model", *(name for _, name, _ in asked)), rows)
+                    continue
+                text = plain(factor * value, 4)
+                if deviation is not None and deviation > 0.0:
+                    text = with_deviation(factor * value, factor * deviation)
+                rows.append((label, quantity, text, unit))
+                label = ""
+            if label:
+                rows.append((label, "has not come to rest", "–", ""))
+        size, headings = plain(self.amplitude, 4), ("model", "quantity", "value ± standard deviation", "unit")
+        return ShortTable(f"Response to a step of {size} {source}", headings, rows, texts=2)
 
     def said(self) -> tuple[str, ...]:
         """What is not in it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -30,13 +31,14 @@ class ShortTable:
     ----------
     title : str
     headings : tuple of str
-        The first column is text, the others are numbers.
-    rows : list of tuple of str
+        The first ``texts`` columns are text, the others are numbers.
+    rows : sequence of tuple of str
     """
 
     title: str
     headings: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
+    texts: int = 1
 
 
 class View(ABC):
@@ -117,9 +119,8 @@ class View(ABC):
         table = self.short_table()
         rows = ["; ".join(row) for row in table.rows[:ROWS_OF_REPR]]
         more = [] if len(table.rows) <= ROWS_OF_REPR else [f"… {len(table.rows) - ROWS_OF_REPR} more"]
-        return (
-            "\n".join([f"<{type(self).__name__}: {'; '.join(table.headings)}", *(f"  {r}" for r in rows + more)]) + ">"
-        )
+        head = f"<{type(self).__name__}: {'; '.join(table.headings)}"
+        return "\n".join([head, *(f"  {row}" for row in rows + more)]) + ">"
 
     def _repr_html_(self) -> str:
         """Picture (where matplotlib is there), table and remarks, for a notebook."""

@@ -1,5 +1,4 @@
-"""The command line: ``camid init``, ``track``, ``join``, ``identify``, ``order``, ``simulate``, ``diagnose``, and the
-commands with a picture: ``compare``, ``bode``, ``poles``, ``step`` and ``residuals``.
+"""The command line: a module a command.
 
 Exit code 0: done. 2: the input is wrong, and one line says what, where and how to fix it.
 """

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.diagnosis import Diagnosis
+from camid.commands.results import DiagnosisResult
 from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.diagnosis.watch import TIME_LIMIT, Watch
@@ -30,7 +30,7 @@ def diagnose(
     *,
     progress: Callable[[str], None] | None = None,
     time_limit: float | None = TIME_LIMIT,
-) -> Diagnosis:
+) -> DiagnosisResult:
     """Find, name and model what a simulation leaves out.
 
     Parameters
@@ -48,8 +48,9 @@ def diagnose(
 
     Returns
     -------
-    Diagnosis
-        :func:`camid.diagnosis.results_folder.write_diagnosis` puts it into files.
+    DiagnosisResult
+        :func:`camid.diagnosis.results_folder.write_diagnosis` puts it into files; ``compare``, ``bode``, ``poles``,
+        ``step`` and ``residuals`` draw it beside what was believed.
 
     Raises
     ------
@@ -88,7 +89,7 @@ def diagnose(
         raise InputError(
             f"no diagnosis: {error}", where=recordings[0].source, hint="check the simulation and the units"
         ) from None
-    return replace(
+    found = replace(
         diagnosis,
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
@@ -100,6 +101,7 @@ def diagnose(
             *([late] if (late := watch.warning()) else []),
         ],
     )
+    return DiagnosisResult.of(found, recording if isinstance(recording, list | tuple) else [recording], believed)
 
 
 def _left_open(improved: Simulation) -> list[str]:

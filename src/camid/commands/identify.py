@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from camid.chain.plant import TransferFunction
+from camid.commands.results import IdentificationResult
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of, problem_of, refuse_stillness, structure_of
 from camid.fitting.identification_task import IdentificationTask
@@ -29,7 +30,7 @@ def identify(
     structure: tuple[int, int] | None = None,
     method: str = "srivc",
     progress: Callable[[str], None] | None = None,
-) -> Identification:
+) -> IdentificationResult:
     """Re-estimate the plant of a simulation from one or several recordings of the same rig.
 
     Parameters
@@ -47,12 +48,18 @@ def identify(
     progress : callable, optional
         Called with a sentence about the current step.
 
+    Returns
+    -------
+    IdentificationResult
+        Estimates and tests of the residual; ``compare``, ``bode``, ``poles``, ``step`` and ``residuals`` draw them.
+
     Raises
     ------
     InputError
         If recording and simulation do not fit together or the data are too few.
     """
-    return _identified(recording, load_simulation(simulation), structure, method, progress)
+    found = _identified(recording, load_simulation(simulation), structure, method, progress)
+    return IdentificationResult.of(found, recording if isinstance(recording, list | tuple) else [recording])
 
 
 def _identified(

@@ -18,7 +18,7 @@ def residuals(
     """Autocorrelation of the residual, and its correlation with the input, with 99 % bounds.
 
     Of a model that ``camid.identify`` wrote, with the recordings that it was fitted to, these are the numbers of
-    ``--residuals``; plants that the engine runs (effects, pendulums, equations, closed loops) are tested in the same way.
+    ``--residuals``. Plants that the engine runs (effects, pendulums, equations, closed loops) are tested likewise.
 
     Parameters
     ----------

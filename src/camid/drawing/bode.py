@@ -9,16 +9,18 @@ import numpy as np
 
 from camid import plotting as style
 from camid.drawing.lines import BAND, band, line_of, new_figure, range_of, short
+from camid.number_text import plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
     from camid.analysis.frequency_response import FrequencyResponses
 
 # Bands are not allowed to make an axis this much longer than the curves do.
 ROOM_DB, ROOM_DEGREES = 12.0, 40.0
-FINEST_PHASE = 90.0
+MANY_DECADES = 2e3
 
 
 def draw(result: FrequencyResponses) -> Figure:
@@ -42,20 +44,35 @@ def draw(result: FrequencyResponses) -> Figure:
     omega = result.curves[0].angular_frequency
     lower.set_xlim(float(omega[0]), float(omega[-1]))
     hertz = upper.secondary_xaxis("top", functions=(lambda w: w / (2.0 * pi), lambda f: 2.0 * pi * f))
-    hertz.set_xlabel(
-        f"frequency, Hz                    ({result.shows}; bands of 95 %)"
-        if _has_band(result)
-        else f"frequency, Hz                    ({result.shows})"
+    hertz.set_xlabel("frequency, Hz")
+    for axis in (lower.xaxis, hertz.xaxis):
+        _name_ticks(axis, float(omega[-1] / omega[0]))
+    upper.tick_params(labelbottom=False)
+    upper.legend(
+        loc="lower left",
+        title=result.shows + ("; bands of 95 %" if _has_band(result) else ""),
+        alignment="left",
+        frameon=True,
+        framealpha=0.85,
+        edgecolor="none",
     )
-    upper.legend(loc="lower left")
     if result.empirical is not None:
         for axes in (upper, lower):
-            axes.axvline(result.empirical.nyquist, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
-        lower.annotate(
-            "Nyquist", (result.empirical.nyquist, 0.03), xycoords=("data", "axes fraction"), ha="right", fontsize=6.5,
-            xytext=(-2, 0), textcoords="offset points", color="#404040",
+            axes.axvline(result.empirical.nyquist, color=style.BLACK, linewidth=0.8, linestyle=(0, (1, 2)))
+        upper.annotate(
+            "Nyquist", (result.empirical.nyquist, 0.97), xycoords=("data", "axes fraction"), ha="right", va="top",
+            xytext=(-3, 0), textcoords="offset points", fontsize=6.5,
         )  # fmt: skip
     return figure
+
+
+def _name_ticks(axis: Axis, ratio: float) -> None:
+    """Numbers at the ticks of a logarithmic axis, more of them where it spans few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if ratio < MANY_DECADES else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _has_band(result: FrequencyResponses) -> bool:
@@ -67,7 +84,7 @@ def _dots(result: FrequencyResponses, upper: Axes, lower: Axes) -> None:
     if result.empirical is None:
         return
     curve = result.recorded_curve()
-    seen = curve.is_seen
+    seen = result.empirical.is_seen
     for axes, values, deviation in (
         (upper, curve.decibels, curve.decibel_deviation),
         (lower, np.degrees(curve.phase), np.degrees(curve.phase_deviation)),  # type: ignore[arg-type]
@@ -96,7 +113,7 @@ def _limits(result: FrequencyResponses, upper: Axes, lower: Axes) -> None:
     degrees = [np.degrees(c.phase) for c in result.curves]
     if result.empirical is not None:
         dots = result.recorded_curve()
-        shown = dots.is_seen
+        shown = result.empirical.is_seen
         low, high = range_of(decibels, 0.0)
         decibels.append(np.clip(dots.decibels[shown], low - ROOM_DB, high + ROOM_DB))
         low, high = range_of(degrees, 0.0)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # More experiments would make the panels too small to read.
 MOST_PANELS = 4
 # Rows up to which every recorded one is a dot of its own.
-MOST_DOTS = 250
+MOST_DOTS = 400
 
 
 def draw(result: Comparison) -> Figure:
@@ -31,7 +31,6 @@ def draw(result: Comparison) -> Figure:
         lower.sharex(upper)
         upper.tick_params(labelbottom=False)
         rows = _rows(signal, result.zoom)
-        _shade(signal, upper, lower)
         dots = np.count_nonzero(rows) <= MOST_DOTS
         look = {"marker": "o", "markersize": 2.8, "linestyle": "", "markerfacecolor": "white", "markeredgewidth": 0.6}
         upper.plot(
@@ -45,6 +44,7 @@ def draw(result: Comparison) -> Figure:
             upper.plot(signal.time[rows], simulated[rows], label=label, zorder=2.5, **line_of(index))
             missed = signal.recorded - simulated
             lower.plot(signal.time[rows], missed[rows], linewidth=0.9, zorder=2.5, **line_of(index))
+        _shade(signal, upper, lower)
         _label(signal, upper, lower, rows)
     panels[-1].set_xlabel("time, s")
     if len(result.signals) > len(shown):

@@ -37,7 +37,15 @@ def draw(result: PolesAndZeros) -> Figure:
     axes.axhline(0.0, color=style.GREY, linewidth=0.6)
     axes.axvline(0.0, color=style.GREY, linewidth=0.6)
     axes.set(xlim=limits[0], ylim=limits[1], xlabel="real part, rad/s", ylabel="imaginary part, rad/s")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    known = any(r.covariance is not None for r in roots)
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=2,
+        borderaxespad=0.2,
+        title="with ellipses (on the real axis intervals) of 95 %" if known else None,
+        alignment="left",
+    )
     for row, group in enumerate(groups):
         panel = figure.add_subplot(grid[row, 1])
         _enlarge(panel, roots, names, group)
@@ -52,11 +60,9 @@ def _limits(roots: Sequence[Root]) -> tuple[tuple[float, float], tuple[float, fl
     near = [e for e in ellipses if np.max(np.abs(e - e.mean())) < LARGEST_SHARE * span]
     every = np.concatenate([points, *near])
     real, imaginary = range_of([every.real], 0.12), range_of([every.imag], 0.12)
-    least = 0.12 * span
-    return (
-        (min(real[0], -least), max(real[1], least)),
-        (min(imaginary[0], -least), max(imaginary[1], least)),
-    )
+    wide = 0.15 * float(np.max(np.abs(points.real))) or 0.12 * span
+    high = 0.12 * span
+    return (min(real[0], -wide), max(real[1], wide)), (min(imaginary[0], -high), max(imaginary[1], high))
 
 
 def _radius(root: Root) -> float:
@@ -85,7 +91,8 @@ def _enlarge(axes: Axes, roots: Sequence[Root], names: Sequence[str], group: Seq
     high = max(r.value.real for r in group) + reach, max(r.value.imag for r in group) + reach
     _draw_roots(axes, roots, names, label=False)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set_title(f"enlarged: {', '.join(dict.fromkeys(short(r.model, 20) for r in group))}", fontsize=7.0)
+    names_here = ", ".join(dict.fromkeys(short(r.model, 20) for r in group))
+    axes.set_title(f"enlarged, rad/s: {names_here}", fontsize=7.0)
     axes.tick_params(labelsize=6.0)
     axes.locator_params(nbins=4)
 
@@ -126,6 +133,6 @@ def _damping_rays(axes: Axes, limits: tuple[tuple[float, float], tuple[float, fl
         for sign in (1.0, -1.0):
             axes.plot([0.0, -size * x], [0.0, sign * size * y], color="#D9D9D9", linewidth=0.5, zorder=0.8)
         axes.annotate(
-            f"ζ {ratio:g}", (-size * x, size * y), fontsize=6.0, color="#606060", ha="center", va="center",
-            xytext=(5.0 * x, -5.0 * y), textcoords="offset points", zorder=0.9,
+            f"ζ {ratio:g}", (-0.93 * size * x, 0.93 * size * y), fontsize=6.0, color="#505050", ha="center",
+            va="center", zorder=0.9, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
         )  # fmt: skip

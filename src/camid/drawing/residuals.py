@@ -8,7 +8,7 @@ import numpy as np
 
 from camid import plotting as style
 from camid.drawing.lines import BAND_OPACITY, new_figure, short
-from camid.number_text import equals_probability
+from camid.number_text import equals_probability, plain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,17 +34,12 @@ def draw(result: ResidualCorrelations) -> Figure:
         verdict = _p(result.analysis.independence_p)
         panels[1].set(ylabel="cross-correlation", title=f"residual of {of} with {source}{verdict}")
         panels[1].axvline(0.0, color=style.GREY, linewidth=0.6, zorder=1.0)
-    panels[-1].set_xlabel(
-        "lag, periods" + (f" (negative: {source} of the future, which tells of feedback)" if driven else "")
-    )
+    future = f" (negative: {source} of the future, which tells of feedback)" if driven else ""
+    panels[-1].set_xlabel(f"lag in periods of {plain(1e3 * result.period, 4, 'ms')}{future}")
     for axes in panels:
         axes.title.set_ha("left")
         axes.title.set_x(0.0)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.6)
-        seconds = axes.secondary_xaxis("top", functions=(lambda lag: lag * result.period, lambda s: s / result.period))
-        seconds.tick_params(labelsize=6.0, pad=0.5)
-        if axes is panels[0]:
-            seconds.set_xlabel("lag, s", fontsize=6.5, loc="right", labelpad=1.0)
     return figure
 
 
@@ -57,7 +52,7 @@ def _stems(axes: Axes, table: pd.DataFrame, name: str) -> None:
     lag, value = table["lag"].to_numpy(float), table[name].to_numpy(float)
     bound = table[f"bound_{name}"].to_numpy(float)
     axes.fill_between(
-        lag, -bound, bound, color=style.BLUE, alpha=BAND_OPACITY, linewidth=0, label="99 % of right models lie within"
+        lag, -bound, bound, color=style.BLUE, alpha=BAND_OPACITY, linewidth=0, label="99 % bounds of a right model"
     )
     outside = np.abs(value) > bound
     axes.vlines(lag, 0.0, value, color=np.where(outside, style.VERMILION, style.BLACK).tolist(), linewidth=1.2)
@@ -67,4 +62,4 @@ def _stems(axes: Axes, table: pd.DataFrame, name: str) -> None:
         axes.set_xlim(float(lag[0]) - 0.8, float(lag[-1]) + 0.8)
         reach = 1.18 * float(np.nanmax(np.abs(np.concatenate([value, bound]))))
         axes.set_ylim(-reach, reach)
-    axes.legend(loc="upper right", ncols=3, frameon=True, framealpha=0.85, edgecolor="none")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.1)
