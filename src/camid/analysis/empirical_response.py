@@ -134,7 +134,7 @@ def empirical_response(
         segments += count
         u, y = one.columns[column], one.columns[simulation.output_column]
         drive = u if simulation.controller is None else one.columns[simulation.controller.reference]
-        pairs = {"du": (drive, u), "dy": (drive, y), "dd": (drive, drive), "yy": (y, y)}
+        pairs = {"du": (drive, u), "dy": (drive, y), "dd": (drive, drive), "uu": (u, u), "yy": (y, y)}
         for name, (first, second) in pairs.items():
             frequency, spectrum = csd(first, second, 1.0 / acquisition.period, "hann", rows, rows // 2)
             sums[name] = sums.get(name, np.zeros(len(frequency))) + count * spectrum
@@ -145,7 +145,11 @@ def empirical_response(
         raise InputError(f"column '{column}' does not move", where=recordings[0].source, hint="excite the rig")
     with np.errstate(divide="ignore", invalid="ignore"):
         response = sums["dy"][inner] / sums["du"][inner] / hold_response(angular, acquisition)
-        coherence = np.abs(sums["dy"][inner]) ** 2 / (sums["dd"][inner].real * sums["yy"][inner].real)
+        # Both spectra of a ratio vary; that of an input with itself does not.
+        powers = {name: sums[name][inner].real for name in ("dd", "uu", "yy")}
+        inverse = (powers["dd"] * powers["yy"]) / np.abs(sums["dy"][inner]) ** 2
+        inverse += (powers["dd"] * powers["uu"]) / driven**2 - 1.0
+        coherence = 1.0 / inverse
     if not seen_by_camera:
         response = response / sensor_response(angular, acquisition)
     known = np.isfinite(response) & np.isfinite(coherence)

@@ -191,13 +191,14 @@ class PolesAndZeros(View):
         for root in self.roots:
             if root.value.imag < 0.0:
                 continue
-            real = _estimate(root.value.real, root.deviation_along(1.0))
-            imaginary = "" if root.is_real else _estimate(root.value.imag, root.deviation_along(1j))
-            frequency = _estimate(root.natural_frequency, root.frequency_deviation)
-            damping = "" if root.is_real else _estimate(root.damping_ratio, root.damping_deviation)
-            rows.append((root.model, root.kind, real, imaginary, frequency, damping))
-        headings = ("model", "root", "real part", "± imaginary part", "|s|", "damping ratio")
-        return ShortTable("Poles and zeros, rad/s, ± standard deviations", headings, rows, texts=2)
+            position = [_estimate(root.value.real, root.deviation_along(1.0))]
+            shape = [_estimate(root.natural_frequency, root.frequency_deviation)]
+            if not root.is_real:
+                position.append(f"± j({_estimate(root.value.imag, root.deviation_along(1j))})")
+                shape.append(f"ζ = {_estimate(root.damping_ratio, root.damping_deviation)}")
+            rows.append((root.model, root.kind, "\n".join(position), "\n".join(shape)))
+        headings = ("model", "root", "position, rad/s", "natural frequency, rad/s")
+        return ShortTable("Poles and zeros ± standard deviations", headings, rows, texts=2)
 
     def said(self) -> tuple[str, ...]:
         """What is not in it."""

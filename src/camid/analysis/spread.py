@@ -26,7 +26,8 @@ Rebuild = Callable[[Array], Simulation]
 def states_accuracy(simulation: Simulation) -> bool:
     """Whether a model says how accurate it is: whether an estimate made it, and not a belief."""
     named = simulation.pendulum or simulation.physical or simulation
-    return named.standard_deviations is not None or any(e.standard_deviations for e in simulation.effects)
+    stated = named.standard_deviations is not None or named.covariance is not None
+    return stated or any(effect.standard_deviations for effect in simulation.effects)
 
 
 def has_covariance(simulation: Simulation) -> bool:

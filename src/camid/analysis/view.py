@@ -33,6 +33,7 @@ class ShortTable:
     headings : tuple of str
         The first ``texts`` columns are text, the others are numbers.
     rows : sequence of tuple of str
+        A cell may have several lines.
     """
 
     title: str
@@ -117,7 +118,7 @@ class View(ABC):
 
     def __repr__(self) -> str:
         table = self.short_table()
-        rows = ["; ".join(row) for row in table.rows[:ROWS_OF_REPR]]
+        rows = ["; ".join(row).replace("\n", ", ") for row in table.rows[:ROWS_OF_REPR]]
         more = [] if len(table.rows) <= ROWS_OF_REPR else [f"… {len(table.rows) - ROWS_OF_REPR} more"]
         head = f"<{type(self).__name__}: {'; '.join(table.headings)}"
         return "\n".join([head, *(f"  {row}" for row in rows + more)]) + ">"
@@ -138,7 +139,8 @@ def html_table(table: ShortTable) -> str:
     import pandas as pd
 
     body = pd.DataFrame(table.rows, columns=list(table.headings)).to_html(index=False, border=0)
-    return f"<p><b>{escape(table.title)}</b></p>{body}"
+    lines = body.replace("\\n", "<br>")  # a cell of several lines, as pandas writes it
+    return f"<p><b>{escape(table.title)}</b></p>{lines}"
 
 
 def files_of(path: str | os.PathLike[str]) -> list[Path]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from camid.analysis.comparison import CONTROL, OUTPUT, ComparedSignal, Comparison, rows_between
 from camid.analysis.models import ModelSource, named_models
-from camid.commands.simulate import simulate
+from camid.commands.simulate import simulated_table
 from camid.errors import InputError
 from camid.identification.from_recordings import RecordingSource
 from camid.simulation.model import Simulation
@@ -54,7 +54,7 @@ def compare(
     """
     simulations = named_models(models)
     spans = _held_out(simulations, held_out)
-    tables = {name: simulate(recording, simulation) for name, simulation in simulations.items()}
+    tables = {name: simulated_table(recording, simulation, spans) for name, simulation in simulations.items()}
     source = Path(recording).name if isinstance(recording, str | os.PathLike) else "the recording"
     signals = _signals(simulations, tables, spans, source)
     _refuse_empty(signals, held_out, zoom, source)

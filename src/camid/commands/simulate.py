@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
 from camid.fitting.simulated_output import simulated_output, simulated_readings
 from camid.identification.from_recordings import RecordingSource, SimulationSource, load_recordings, warnings_of
+from camid.recording.recording import Recording
 from camid.recording.time_grid import spline
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
@@ -45,11 +47,17 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
         If recording and simulation do not fit together, the initial state, an offset or a bias is to be fitted and
         there is no output, or the latency is not known yet.
     """
-    return _simulated_table(recording, load_simulation(simulation))
+    return simulated_table(recording, load_simulation(simulation))
 
 
-def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.DataFrame:
-    """Table of the simulated output for every experiment in a recording."""
+def simulated_table(
+    recording: RecordingSource, believed: Simulation, held_out: Sequence[tuple[float, float]] = ()
+) -> pd.DataFrame:
+    """Table of the simulated output for every experiment in a recording; see :func:`simulate`.
+
+    An initial state that is to be estimated is not fitted to rows between the starts and ends, in seconds, of
+    ``held_out``.
+    """
     import pandas as pd
 
     recordings = load_recordings(recording, believed, output_needed=believed.is_fitted_to_output)
@@ -69,10 +77,11 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
     parts = []
     for one in recordings:
         control: Array | None = None
+        rows = _rows_between(one, held_out) if held_out else None
         if believed.output_columns:
-            readings = {f"simulated_{name}": v for name, v in simulated_readings(believed, one).items()}
+            readings = {f"simulated_{name}": v for name, v in simulated_readings(believed, one, rows).items()}
         else:
-            output, control = simulated_output(believed, one)
+            output, control = simulated_output(believed, one, rows)
             readings = {"simulated": output}
         if not all(np.all(np.isfinite(values)) for values in readings.values()):
             raise InputError(
@@ -103,3 +112,7 @@ def _simulated_table(recording: RecordingSource, believed: Simulation) -> pd.Dat
     if said := warnings_of(recordings):
         result.attrs["warnings"] = list(said)
     return result
+
+
+def _rows_between(recording: Recording, spans: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    return np.any([(recording.time >= start) & (recording.time <= end) for start, end in spans], axis=0)

@@ -19,8 +19,10 @@ from camid.simulation.model import Simulation
 Array = NDArray[np.float64]
 
 
-def exact_output(simulation: Simulation, recording: Recording) -> Array:
+def exact_output(simulation: Simulation, recording: Recording, held_out: NDArray[np.bool_] | None = None) -> Array:
     """Samples of the sensor, shape (N,), with the initial state fitted where the simulation asks for that.
+
+    Rows in ``held_out``, shape (N,), do not take part in that fit.
 
     Raises
     ------
@@ -35,17 +37,36 @@ def exact_output(simulation: Simulation, recording: Recording) -> Array:
         return sample(simulation.plant, signal, acquisition) + simulation.known_offset
     monic = simulation.plant.monic
     structure = Structure.fixed(monic)
-    experiment = experiment_to_fit(recording, simulation)
+    experiment = experiment_to_fit(recording, simulation, held_out)
     refuse_too_short_for_initial_state(experiment, structure, recording)
     predictor = Predictor.around(structure, [experiment], np.array(monic.denominator))
     simulated = predictor.simulate(predictor.with_fitted_initial_states(structure.coefficients()))[0]
     return from_first_known(simulated, predictor.experiments[0])
 
 
-def experiment_to_fit(recording: Recording, simulation: Simulation) -> Experiment:
-    """A recording as a simulation run is fitted to it: with those constants unknown that are declared so."""
+def experiment_to_fit(
+    recording: Recording, simulation: Simulation, held_out: NDArray[np.bool_] | None = None
+) -> Experiment:
+    """A recording as a simulation run is fitted to it: with those constants unknown that are declared so.
+
+    Rows in ``held_out``, shape (N,), are not fitted; InputError if there are no others.
+    """
     offset, bias = simulation.offset == "estimate", simulation.bias == "estimate"
-    return replace(experiment_of(recording, simulation), estimate_offset=offset, estimate_bias=bias)
+    found = replace(experiment_of(recording, simulation), estimate_offset=offset, estimate_bias=bias)
+    return without_held_out(found, held_out, recording)
+
+
+def without_held_out(experiment: Experiment, held_out: NDArray[np.bool_] | None, recording: Recording) -> Experiment:
+    """The experiment without the rows in ``held_out``, shape (N,); InputError if no other is used."""
+    if held_out is None:
+        return experiment
+    if not np.any(experiment.used & ~held_out):
+        raise InputError(
+            "all rows are held out, and none is left to fit the initial state to",
+            where=recording.source,
+            hint="hold out fewer",
+        )
+    return replace(experiment, used=experiment.used & ~held_out)
 
 
 def refuse_too_short_for_initial_state(experiment: Experiment, structure: Structure, recording: Recording) -> None:

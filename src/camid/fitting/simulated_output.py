@@ -11,7 +11,12 @@ from camid.effects.base import Effect
 from camid.effects.declared import effects_of
 from camid.engine.mechanics import Chain
 from camid.errors import InputError
-from camid.fitting.exact_output import experiment_to_fit, from_first_known, refuse_too_short_for_initial_state
+from camid.fitting.exact_output import (
+    experiment_to_fit,
+    from_first_known,
+    refuse_too_short_for_initial_state,
+    without_held_out,
+)
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import kind_of, model_of, problem_of
 from camid.fitting.plant_with_effects import Model
@@ -28,10 +33,13 @@ Array = NDArray[np.float64]
 STEPS = 40
 
 
-def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Array, Array | None]:
+def simulated_output(
+    simulation: Simulation, recording: Recording, held_out: NDArray[np.bool_] | None = None
+) -> tuple[Array, Array | None]:
     """Samples of the sensor and, in a closed loop, what the controller puts out; shapes (N,).
 
-    The output is the expected one: effects that change the noise alone leave it as it is.
+    The output is the expected one: effects that change the noise alone leave it as it is. An initial state that is to
+    be estimated is fitted to the recorded output, but not to the rows in ``held_out``, shape (N,).
 
     Raises
     ------
@@ -40,8 +48,8 @@ def simulated_output(simulation: Simulation, recording: Recording) -> tuple[Arra
     """
     refuse_unknown_clock(simulation)
     kind = kind_of(simulation, [recording])
-    exact = None if simulation.effects else kind.simulated_exactly(simulation, recording)
-    return _by_engine(kind, simulation, recording) if exact is None else (exact, None)
+    exact = None if simulation.effects else kind.simulated_exactly(simulation, recording, held_out)
+    return _by_engine(kind, simulation, recording, held_out) if exact is None else (exact, None)
 
 
 def refuse_unknown_clock(simulation: Simulation) -> None:
@@ -61,8 +69,10 @@ def refuse_unknown_clock(simulation: Simulation) -> None:
             )
 
 
-def simulated_readings(simulation: Simulation, recording: Recording) -> dict[str, Array]:
-    """Samples of several columns of a sensor, by their names; shapes (N,).
+def simulated_readings(
+    simulation: Simulation, recording: Recording, held_out: NDArray[np.bool_] | None = None
+) -> dict[str, Array]:
+    """Samples of several columns of a sensor, by their names; shapes (N,); see :func:`simulated_output`.
 
     Raises
     ------
@@ -73,8 +83,12 @@ def simulated_readings(simulation: Simulation, recording: Recording) -> dict[str
     effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
     parts = readings_of(recording, simulation)
     experiments = [
-        replace(e, same_run_as=None if i == 0 else 0, estimate_initial_state=e.estimate_initial_state and i == 0)
-        for i, (_, e) in enumerate(parts)
+        replace(
+            without_held_out(e, held_out, part),
+            same_run_as=None if i == 0 else 0,
+            estimate_initial_state=e.estimate_initial_state and i == 0,
+        )
+        for i, (part, e) in enumerate(parts)
     ]
     structure = Structure.fixed(simulation.plant.monic)
     problem = problem_of(simulation, structure, [part for part, _ in parts], experiments).all_fixed()
@@ -89,11 +103,13 @@ def simulated_readings(simulation: Simulation, recording: Recording) -> dict[str
     return dict(zip(simulation.output_columns, outputs, strict=True))
 
 
-def _by_engine(kind: PlantKind, simulation: Simulation, recording: Recording) -> tuple[Array, Array | None]:
+def _by_engine(
+    kind: PlantKind, simulation: Simulation, recording: Recording, held_out: NDArray[np.bool_] | None
+) -> tuple[Array, Array | None]:
     try:
         effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
         if simulation.is_fitted_to_output:
-            chain, experiment = _with_fitted_state(simulation, recording, effects)
+            chain, experiment = _with_fitted_state(simulation, recording, effects, held_out)
             output, control = kind.output_and_control(chain, experiment.signal, recording.time)
             return (from_first_known(output, experiment) if control is None else output), control
         chain, signal = _at_rest(kind, simulation, recording, effects)
@@ -124,10 +140,13 @@ def _at_rest(
 
 
 def _with_fitted_state(
-    simulation: Simulation, recording: Recording, effects: tuple[Effect, ...]
+    simulation: Simulation,
+    recording: Recording,
+    effects: tuple[Effect, ...],
+    held_out: NDArray[np.bool_] | None,
 ) -> tuple[Chain, Experiment]:
     """The chain with the initial state that fits the recorded output best, and what that was fitted to."""
-    experiment = experiment_to_fit(recording, simulation)
+    experiment = experiment_to_fit(recording, simulation, held_out)
     structure = Structure.fixed(simulation.plant.monic)
     refuse_too_short_for_initial_state(experiment, structure, recording)
     problem = problem_of(simulation, structure, [recording], [experiment]).all_fixed()

@@ -194,8 +194,13 @@ class PlantKind:
         """Whether an initial state is that before the first frame's exposure, and not that at the first sample."""
         return experiment.free_motion_before_record
 
-    def simulated_exactly(self, simulation: Simulation, recording: Recording) -> Array | None:
-        """Output, shape (N,), of the plant without effects where no integrator is needed; None where one is."""
+    def simulated_exactly(
+        self, simulation: Simulation, recording: Recording, held_out: NDArray[np.bool_] | None = None
+    ) -> Array | None:
+        """Output, shape (N,), of the plant without effects where no integrator is needed; None where one is.
+
+        Rows in ``held_out``, shape (N,), do not take part in the fit of an unknown initial state.
+        """
         return None
 
     def output_and_control(self, chain: Chain, signal: Array, time: Array) -> tuple[Array, Array | None]:

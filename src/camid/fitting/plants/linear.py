@@ -42,9 +42,11 @@ class LinearPlant(PlantKind):
 
     method: ClassVar[str | None] = None
 
-    def simulated_exactly(self, simulation: Simulation, recording: Recording) -> Array | None:
+    def simulated_exactly(
+        self, simulation: Simulation, recording: Recording, held_out: NDArray[np.bool_] | None = None
+    ) -> Array | None:
         """The exact path, without integrator, which knows no skew and no input with times of its own."""
-        return None if self.skew != 0.0 or recording.logs else exact_output(simulation, recording)
+        return None if self.skew != 0.0 or recording.logs else exact_output(simulation, recording, held_out)
 
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
