@@ -140,6 +140,10 @@ CALLS = {
         ("simulate", "slide.csv", "--simulation", "slide.yaml", "--output", "simulated.parquet"),
         r"writing a Parquet file needs PyArrow: pip install 'camid\[formats\]'; or write CSV",
     ),
+    "control": (
+        ("bode", "slide.yaml", "--output", "bode.csv"),
+        r"a frequency response needs python-control: pip install 'camid\[control\]'",
+    ),
 }
 
 

@@ -63,9 +63,10 @@ class ResponseCurve:
         shift = np.zeros(len(angular_frequency))
         if camera is not None:
             seen = sensor_response(angular_frequency, camera)
-            delay = camera.latency + (0.0 if camera.sensor == "instant" else 0.5 * float(camera.exposure or 0.0))
-            # What is no delay of it is a sign.
-            shift = -angular_frequency * delay + np.angle(seen * np.exp(1j * angular_frequency * delay))
+            exposure = 0.0 if camera.sensor == "instant" else float(camera.exposure or 0.0)
+            # Where the exposure holds whole cycles the mean is zero, and half a turn ahead beyond.
+            turns = np.floor(angular_frequency * exposure / (2.0 * pi))
+            shift = pi * turns - angular_frequency * (camera.latency + 0.5 * exposure)
         spreads = []
         for direction in () if model.factor is None else model.factor.T:
             there, back = (_response(model.moved(direction, s), angular_frequency) for s in (SMALL, -SMALL))

@@ -195,8 +195,9 @@ def _analysed(
             return None
         rows = _exact_residual(wanted, simulation, experiments)
         return analysis, rows, np.concatenate([e.output[e.used] for e in experiments])
-    problem = problem_of(simulation, structure, recordings, experiments)
-    result = _at_model(problem, simulation, fitted=fitted)
+    known = problem_of(simulation, Structure.fixed(simulation.plant), recordings, experiments).all_fixed()
+    problem = problem_of(simulation, structure, recordings, experiments) if fitted else known
+    result = _at_model(problem, known, simulation, fitted=fitted)
     if not np.all(np.isfinite(result.residual)):
         return None
     driven = problem.experiments
@@ -217,12 +218,14 @@ def _exact_residual(structure: Structure, simulation: Simulation, experiments: l
     return predictor.linearise(predictor.with_fitted_initial_states(coefficients))[0]
 
 
-def _at_model(problem: Problem, simulation: Simulation, *, fitted: bool) -> Fitted:
-    """The model with the initial states and unknown constants that fit, and what it leaves."""
+def _at_model(problem: Problem, known: Problem, simulation: Simulation, *, fitted: bool) -> Fitted:
+    """The model with the initial states and unknown constants that fit, and what it leaves.
+
+    ``known`` is the problem with nothing else to be fitted, ``problem`` that in which what a fit took is accounted for.
+    """
     effects = tuple(e for e in effects_of(simulation) if not e.noise_like)
-    fixed = problem.all_fixed()
-    start = fixed.with_initial_states(model_of(fixed, effects))
-    if any(state is not None for state in start.initial) or simulation.is_fitted_to_output:
-        start = fit(fixed, start, steps=STEPS, fixed=len(effects)).model
-    pinned = (problem if fitted else fixed).pinned(start, finest=True)
+    start = known.with_initial_states(model_of(known, effects))
+    if any(state is not None for state in start.initial) or known.kind.free_constants():
+        start = fit(known, start, steps=STEPS, fixed=len(effects)).model
+    pinned = problem.pinned(start, finest=True)
     return evaluate(pinned, start, 0 if fitted else len(effects))

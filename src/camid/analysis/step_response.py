@@ -209,7 +209,10 @@ def remarks_of_step(model: LinearModel) -> tuple[str, ...]:
     alone = _plant_alone(model.simulation)
     if alone is None:
         return (*model.linearised, *model.remarks)
-    said = f"{model.name}: nonlinear, run as it is from rest: another amplitude has another shape"
+    physical = model.simulation.physical
+    equations = None if physical is None else physical.equations
+    begin = "rest" if equations is None or not any(equations.start) else "the start of its equations"
+    said = f"{model.name}: nonlinear, run as it is from {begin}: another amplitude has another shape"
     left_out = [e.identifier for e in model.simulation.effects if e not in alone.effects]
     said += f"; without {', '.join(left_out)}" if left_out else ""
     if any(effect.standard_deviations for effect in alone.effects):

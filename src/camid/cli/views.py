@@ -59,7 +59,7 @@ def show(view: View, output: Path | None, as_json: bool) -> None:
     console, found = Console(highlight=False), view.short_table()
     table = Table(title=Text(found.title), title_justify="left")
     for i, heading in enumerate(found.headings):
-        table.add_column(Text(heading), justify="left" if i < found.texts else "right")
+        table.add_column(Text(heading), overflow="fold", justify="left" if i < found.texts else "right")
     for row in found.rows:
         table.add_row(*map(Text, row))
     console.print(table)

@@ -66,7 +66,10 @@ def _held_out(simulations: Mapping[str, Simulation], asked: Span | None) -> list
     """Spans in seconds that no model was fitted to."""
     for span in () if asked is None else (asked,):
         if not span[0] < span[1]:
-            raise InputError(f"the held-out part starts at {span[0]:g} s and ends at {span[1]:g} s", hint="swap them")
+            raise InputError(
+                f"the held-out part starts at {span[0]:g} s and ends at {span[1]:g} s",
+                hint="give the earlier one first",
+            )
     if asked is not None:
         return [asked]
     declared = {name: s.validation for name, s in simulations.items() if s.validation is not None}

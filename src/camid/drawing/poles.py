@@ -21,6 +21,8 @@ SMALL_SHARE, LARGEST_SHARE = 0.03, 0.6
 MOST_ENLARGED = 3
 # Half width of an enlarged panel, in half axes of its largest ellipse, and within which roots share a panel.
 ROOM, NEAR = 1.6, 12.0
+# Names of rays that are nearer, as a share of the height, would touch.
+LEAST_GAP = 0.035
 DAMPING_RATIOS = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 
@@ -60,24 +62,31 @@ def _limits(roots: Sequence[Root]) -> tuple[tuple[float, float], tuple[float, fl
     near = [e for e in ellipses if np.max(np.abs(e - e.mean())) < LARGEST_SHARE * span]
     every = np.concatenate([points, *near])
     real, imaginary = range_of([every.real], 0.12), range_of([every.imag], 0.12)
+    if not np.any(points.imag):
+        imaginary = (0.0, 0.0)
     wide = 0.15 * float(np.max(np.abs(points.real))) or 0.12 * span
     high = 0.12 * span
     return (min(real[0], -wide), max(real[1], wide)), (min(imaginary[0], -high), max(imaginary[1], high))
 
 
-def _radius(root: Root) -> float:
+def _reach(root: Root) -> tuple[float, float]:
+    """Half width and half height of a root's ellipse."""
     ellipse = root.ellipse()
-    return 0.0 if ellipse is None else float(np.max(np.abs(ellipse - root.value)))
+    if ellipse is None:
+        return 0.0, 0.0
+    return float(np.max(np.abs((ellipse - root.value).real))), float(np.max(np.abs((ellipse - root.value).imag)))
 
 
 def _enlarged(roots: Sequence[Root], limits: tuple[tuple[float, float], tuple[float, float]]) -> list[list[Root]]:
     """Groups of roots in the upper half plane whose ellipses are too small on the map."""
-    span = max(limits[0][1] - limits[0][0], limits[1][1] - limits[1][0])
-    small = [r for r in roots if r.value.imag >= 0.0 and 0.0 < _radius(r) < SMALL_SHARE * span]
+    width, height = limits[0][1] - limits[0][0], limits[1][1] - limits[1][0]
     groups: list[list[Root]] = []
-    for root in small:
+    for root in roots:
+        x, y = _reach(root)
+        if root.value.imag < 0.0 or not 0.0 < max(x / width, y / height) < SMALL_SHARE:
+            continue
         for group in groups:
-            if abs(root.value - group[0].value) < NEAR * max(_radius(root), *(_radius(r) for r in group)):
+            if abs(root.value - group[0].value) < NEAR * max(x, y, *(max(_reach(r)) for r in group)):
                 group.append(root)
                 break
         else:
@@ -86,11 +95,12 @@ def _enlarged(roots: Sequence[Root], limits: tuple[tuple[float, float], tuple[fl
 
 
 def _enlarge(axes: Axes, roots: Sequence[Root], names: Sequence[str], group: Sequence[Root]) -> None:
-    reach = ROOM * max(_radius(r) for r in group)
-    low = min(r.value.real for r in group) - reach, min(r.value.imag for r in group) - reach
-    high = max(r.value.real for r in group) + reach, max(r.value.imag for r in group) + reach
+    wide, high = (ROOM * max(_reach(r)[i] for r in group) for i in (0, 1))
+    high = high or wide
+    low = min(r.value.real for r in group) - wide, min(r.value.imag for r in group) - high
+    high_corner = max(r.value.real for r in group) + wide, max(r.value.imag for r in group) + high
     _draw_roots(axes, roots, names, label=False)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set(xlim=(low[0], high_corner[0]), ylim=(low[1], high_corner[1]))
     names_here = ", ".join(dict.fromkeys(short(r.model, 20) for r in group))
     axes.set_title(f"enlarged, rad/s: {names_here}", fontsize=7.0)
     axes.tick_params(labelsize=6.0)
@@ -127,11 +137,16 @@ def _damping_rays(axes: Axes, limits: tuple[tuple[float, float], tuple[float, fl
     left, top = -limits[0][0], limits[1][1]
     if limits[1][1] <= 0.2 * -limits[0][0]:
         return  # no pair of complex roots
+    last = np.inf
     for ratio in DAMPING_RATIOS:
         x, y = ratio, float(np.sqrt(1.0 - ratio**2))
         size = min(left / x, top / y)
         for sign in (1.0, -1.0):
             axes.plot([0.0, -size * x], [0.0, sign * size * y], color="#D9D9D9", linewidth=0.5, zorder=0.8)
+        height = 0.93 * size * y / (limits[1][1] - limits[1][0])
+        if last - height < LEAST_GAP:
+            continue
+        last = height
         axes.annotate(
             f"ζ {ratio:g}", (-0.93 * size * x, 0.93 * size * y), fontsize=6.0, color="#505050", ha="center",
             va="center", zorder=0.9, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
