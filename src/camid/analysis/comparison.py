@@ -35,12 +35,14 @@ def fit_percent(recorded: Array, simulated: Array) -> float | None:
     known = np.isfinite(recorded)
     if not known.any():
         return None
-    y, error = recorded[known], recorded[known] - simulated[known]
+    size = float(np.max(np.abs(recorded[known]))) or 1.0  # squares must not overflow
+    y, error = recorded[known] / size, (recorded[known] - simulated[known]) / size
     spread = float(np.linalg.norm(y - np.mean(y)))
     # What is left of a constant is rounding.
     if spread <= 1e-12 * float(np.linalg.norm(y)):
         return None
-    return 100.0 * (1.0 - float(np.linalg.norm(error)) / spread)
+    with np.errstate(over="ignore"):
+        return 100.0 * (1.0 - float(np.linalg.norm(error)) / spread)
 
 
 @dataclass(frozen=True)

@@ -228,7 +228,7 @@ def _estimate(at: float, omega: Array, values: Array, deviations: Array | None, 
     value = float(np.interp(at, omega, values))
     deviation = 0.0 if deviations is None else float(np.interp(at, omega, deviations))
     if not deviation > 0.0:
-        return f"{value:.{decimals}f}".replace("-", "−")
+        return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")  # not minus zero
     return with_deviation(value, deviation)
 
 

@@ -26,7 +26,7 @@ SMALL = 1e-3
 # Rate of a state, relative to its size and the fastest pole, below which the plant rests.
 AT_REST = 1e-6
 
-NO_BAND = "without a band, as it states no accuracy (what camid identify writes does)"
+NO_BAND = "without a band, as it states no accuracy (camid identify writes it where the data determine it)"
 ONLY_DEVIATIONS = "without a band, as it states standard deviations and no covariance"
 UNCORRELATED = "effects enter the band without their correlation with the plant, which no file states"
 

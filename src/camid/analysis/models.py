@@ -62,6 +62,12 @@ def _named(source: ModelSource, number: int, plants_alone: bool) -> tuple[str, s
     if plants_alone and is_control_system(source):
         plant = continuous_plant(source, name)
         return name, name, Simulation("t", "u", "y", plant, sensor="instant", source=name)
+    if not (isinstance(source, Mapping | Simulation) or is_control_system(source)):
+        raise InputError(
+            f"a {type(source).__name__} is not a model",
+            where=name,
+            hint="give a simulation (a path, a mapping) or what camid.identify or camid.diagnose returned",
+        )
     simulation = load_simulation(source)
     if simulation.source in {"simulation", "options"}:
         return name, name, replace(simulation, source=name)

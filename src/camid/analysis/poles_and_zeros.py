@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 ELLIPSE_95 = 2.447747
 # A slope that is smaller than this, relative to its terms, is that of a repeated root.
 REPEATED = 1e-6
+# Share of a value below which its deviation is the rounding error of differences.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -228,6 +230,6 @@ def _number(value: float | None) -> float:
 
 def _estimate(value: float, deviation: float | None) -> str:
     """With its deviation; a value that is not uncertain alone."""
-    if deviation is None or not deviation > 0.0:
-        return plain(value, 6)
+    if deviation is None or not deviation > ROUNDING * abs(value):
+        return plain(value + 0.0, 6)  # not minus zero
     return with_deviation(value, deviation)

@@ -19,7 +19,12 @@ from camid.fitting.problem import Problem
 from camid.fitting.simulated_output import STEPS, refuse_unknown_clock
 from camid.identification.experiment import Experiment
 from camid.identification.from_recordings import RecordingSource, experiments_of, warnings_of
-from camid.identification.residual_analysis import ResidualAnalysis, analyse_given, analyse_residual
+from camid.identification.residual_analysis import (
+    ResidualAnalysis,
+    analyse_given,
+    analyse_residual,
+    in_units_of_the_data,
+)
 from camid.identification.structure import Structure
 from camid.linear_algebra_threads import one_blas_thread
 from camid.number_text import percentage, probability
@@ -155,11 +160,12 @@ def residual_correlations(
         )
     if closed:
         remarks.append("in a closed loop the residual is that of the control, and it must not depend on the reference")
-    spread = float(np.std(recorded))
+    size = float(np.max(np.abs(recorded))) or 1.0  # squares must not overflow
+    spread = float(np.std(recorded / size))
     return ResidualCorrelations(
         analysis,
         recordings[0].period,
-        float(np.sqrt(np.mean(residual**2))) / spread if spread > 0.0 else None,
+        float(np.sqrt(np.mean((residual / size) ** 2))) / spread if spread > 0.0 else None,
         name,
         ", ".join(r.source for r in recordings),
         (
@@ -212,10 +218,11 @@ def _exact_residual(structure: Structure, simulation: Simulation, experiments: l
     """Residual of a linear plant, its unknown constants fitted."""
     from camid.identification.predictor import Predictor
 
-    monic = simulation.plant.monic
-    predictor = Predictor.around(structure, experiments, np.array(monic.denominator))
-    coefficients = np.array([*monic.numerator, *monic.denominator[1:]])
-    return predictor.linearise(predictor.with_fitted_initial_states(coefficients))[0]
+    structure, plant, scaled, _ = in_units_of_the_data(structure, simulation.plant.monic, experiments)
+    size = float(np.max(np.abs(experiments[0].output))) / (float(np.max(np.abs(scaled[0].output))) or 1.0)
+    predictor = Predictor.around(structure, scaled, np.array(plant.denominator))
+    coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
+    return size * predictor.linearise(predictor.with_fitted_initial_states(coefficients))[0]
 
 
 def _at_model(problem: Problem, known: Problem, simulation: Simulation, *, fitted: bool) -> Fitted:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.analysis.linear_model import NO_BAND, SMALL, UNCORRELATED, LinearModel, is_linear
-from camid.analysis.spread import has_covariance, varied
+from camid.analysis.linear_model import NO_BAND, ONLY_DEVIATIONS, SMALL, UNCORRELATED, LinearModel, is_linear
+from camid.analysis.spread import has_covariance, states_accuracy, varied
 from camid.analysis.view import ShortTable, View, common_mapping
 from camid.chain.plant import TransferFunction
 from camid.effects.declared import effects_of
@@ -20,6 +20,7 @@ from camid.errors import InputError
 from camid.fitting.simulated_output import simulated_output
 from camid.identification.from_recordings import load_recordings
 from camid.number_text import plain, with_deviation
+from camid.physical.equations import plant_function
 from camid.recording.options import Reading
 from camid.simulation.model import Simulation
 from camid.writing import without_infinities
@@ -35,11 +36,15 @@ POINTS = 1001
 ROWS_OF_ENGINE, WHOLE = 1001, 1.0
 # Limits of rise and settling, as shares of the final value.
 RISE, SETTLED = (0.1, 0.9), 0.02
+# Of nonlinear plants, whose final value is where they have come to rest, more is shown than of linear ones.
+LONGER = 1.6
 # A motion whose last tenth still changes by more of its span has no final value yet.
 STILL_MOVING = 0.02
 # Less than this share past the final value is rounding.
 NO_OVERSHOOT = 1e-6
 PLACES = ("actuator", "plant")
+
+TOO_UNCERTAIN = "without a band, as a standard deviation away from it no such plant can be run"
 
 
 @dataclass(frozen=True)
@@ -81,10 +86,22 @@ def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
     alone = _plant_alone(model.simulation)
     if alone is None:
         return _linear(model, time, amplitude)
+    physical = alone.physical
+    if physical is not None and physical.equations is not None:
+        equations = physical.equations
+        if not plant_function(equations).depends_on(equations.input):
+            raise InputError(
+                "no equation depends on the input, so a step of it moves nothing",
+                where=model.simulation.source,
+                hint="camid compare shows how it moves by itself",
+            )
     grid = np.linspace(time[0], time[-1], ROWS_OF_ENGINE)
     output = _by_engine(alone, grid, amplitude)
-    spreads = [tuple(_by_engine(end, grid, amplitude) for end in ends) for ends in varied(alone, WHOLE)]
-    return _curve(model.name, grid, output, [(a, b) for a, b in spreads], WHOLE, None, linear=False)
+    try:
+        spreads = [(_by_engine(a, grid, amplitude), _by_engine(b, grid, amplitude)) for a, b in varied(alone, WHOLE)]
+    except (ValueError, ArithmeticError):  # a deviation away there is no such plant
+        spreads = []
+    return _curve(model.name, grid, output, spreads, WHOLE, None, linear=False)
 
 
 def _linear(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
@@ -204,7 +221,7 @@ def _plant_alone(simulation: Simulation) -> Simulation | None:
     )
 
 
-def remarks_of_step(model: LinearModel) -> tuple[str, ...]:
+def remarks_of_step(model: LinearModel, curve: StepCurve) -> tuple[str, ...]:
     """What is to be known of a step response, a sentence each."""
     alone = _plant_alone(model.simulation)
     if alone is None:
@@ -215,9 +232,11 @@ def remarks_of_step(model: LinearModel) -> tuple[str, ...]:
     said = f"{model.name}: nonlinear, run as it is from {begin}: another amplitude has another shape"
     left_out = [e.identifier for e in model.simulation.effects if e not in alone.effects]
     said += f"; without {', '.join(left_out)}" if left_out else ""
+    if curve.deviation is None and states_accuracy(alone):
+        return said, *model.others, f"{model.name}: {TOO_UNCERTAIN if has_covariance(alone) else ONLY_DEVIATIONS}"
     if any(effect.standard_deviations for effect in alone.effects):
         return said, *model.others, f"{model.name}: {UNCORRELATED}"
-    return said, *model.others, *([] if has_covariance(alone) else [f"{model.name}: {NO_BAND}"])
+    return said, *model.others, *([f"{model.name}: {NO_BAND}"] if curve.deviation is None else [])
 
 
 def _by_engine(simulation: Simulation, time: Array, amplitude: float) -> Array:
@@ -238,7 +257,9 @@ def times_for(models: list[LinearModel], duration: float | None) -> Array:
     import control
 
     if duration is None:
-        duration = max(float(control.step_response(m.plant.to_control()).time[-1]) for m in models)
+        linear = [float(control.step_response(m.plant.to_control()).time[-1]) for m in models]
+        nonlinear = any(_plant_alone(m.simulation) is not None for m in models)
+        duration = max(linear) * (LONGER if nonlinear else 1.0)
     return np.linspace(0.0, duration, POINTS)
 
 

@@ -42,5 +42,5 @@ def step(*models: ModelSource, amplitude: float = 1.0, duration: float | None = 
     time = times_for(linear, duration)
     curves = [step_curve(model, time, amplitude) for model in linear]
     source, output = next(iter(simulations.values())).symbols
-    remarks = [sentence for model in linear for sentence in remarks_of_step(model)]
+    remarks = [s for model, curve in zip(linear, curves, strict=True) for s in remarks_of_step(model, curve)]
     return StepResponses(curves, amplitude, (source or "u", output), tuple(remarks))
