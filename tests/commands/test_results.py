@@ -82,6 +82,7 @@ def test_a_notebook_shows_a_table_and_a_picture_whose_text_is_escaped(result, di
         html = shown._repr_html_()
         assert "<table" in html
         assert html.startswith("<div>")
+    assert result.plot()._repr_png_().startswith(b"\x89PNG")
     assert "data:image/png;base64," in result.bode()._repr_html_()
     table = rig.recording(count=100).rename(columns={"y": "<script>"})
     content = rig.simulation(sensor={"column": "<script>", "kind": "camera"})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,6 @@ Array = NDArray[np.float64]
 BAND = 1.959964
 COLOURS = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2)))
-MARKERS = ("x", "+", "1", "2", "3", "4")
 BAND_OPACITY = 0.22
 SHADE = "#E4E4E4"
 # A name of more letters is cut.
@@ -40,11 +40,23 @@ def short(name: str, longest: int = LONGEST_NAME) -> str:
     return name if len(name) <= longest else f"{name[:half]}…{name[-half:]}"
 
 
-def new_figure(height: float, width: float = style.PAGE_WIDTH) -> Figure:
-    """A figure without pyplot, sizes in inches."""
+@cache
+def _figure_of_notebooks() -> type[Figure]:
+    """The class of figures that a notebook shows, be pyplot loaded or not."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height))
+    class NotebookFigure(Figure):
+        """A figure that is shown as a PNG."""
+
+        def _repr_png_(self) -> bytes:
+            return style.rendered(self, "png")
+
+    return NotebookFigure
+
+
+def new_figure(height: float, width: float = style.PAGE_WIDTH) -> Figure:
+    """A figure without pyplot, sizes in inches."""
+    return _figure_of_notebooks()(figsize=(width, height))
 
 
 def band(axes: Axes, x: Array, low: Array, high: Array, index: int) -> None:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 # An ellipse smaller than this share of the map is enlarged; one that is larger than the map by this factor is cut.
 SMALL_SHARE, LARGEST_SHARE = 0.03, 0.6
 MOST_ENLARGED = 3
+# Crosses and rings that differ from model to model, for grey print.
+POLES, ZEROS = ("x", "+", "1", "2", "3", "4"), ("o", "s", "D", "^", "v", "p")
 # Half width of an enlarged panel, in half axes of its largest ellipse, and within which roots share a panel.
 ROOM, NEAR = 1.6, 12.0
 # Names of rays that are nearer, as a share of the height, would touch.
@@ -111,14 +113,15 @@ def _draw_roots(axes: Axes, roots: Sequence[Root], names: Sequence[str], *, labe
     """Crosses and circles with their ellipses."""
     for index, name in enumerate(names):
         colour = COLOURS[index % len(COLOURS)]
-        for kind, marker in (("pole", "x"), ("zero", "o")):
+        for kind, markers in (("pole", POLES), ("zero", ZEROS)):
+            marker = markers[index % len(markers)]
             own = [r for r in roots if r.model == name and r.kind == kind]
             if not own:
                 continue
             values = np.array([r.value for r in own])
             axes.plot(
                 values.real, values.imag, linestyle="", marker=marker, color=colour, zorder=3.0,
-                markersize=6.0 + 1.5 * (index % 2), markerfacecolor="none", markeredgewidth=1.3,
+                markersize=6.5, markerfacecolor="none", markeredgewidth=1.3,
                 label=f"{short(name)}: {kind}s" if label else None,
             )  # fmt: skip
             for root in own:
