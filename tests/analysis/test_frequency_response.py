@@ -10,6 +10,8 @@ import camid
 from camid.chain.camera_models import model_1_response
 from camid.errors import InputError
 from tests.support import linear_rig as rig
+from tests.support.two_rates import SIMULATION as TWO_RATES
+from tests.support.two_rates import two_rates
 
 TRUE = control.tf(rig.NUMERATOR, rig.DENOMINATOR)
 OMEGA = np.geomspace(1.0, 60.0, 40)
@@ -95,6 +97,16 @@ def test_a_recording_shows_the_plant_that_made_it(camera, hold):
     other = TRUE(1j * omega) * (1.0 if camera else model_1_response(omega, rig.PERIOD))
     assert np.median(np.abs(view.empirical.response / other - 1.0)[seen & (omega > 20.0)]) > 0.2
     assert any("Welch" in sentence for sentence in view.said())
+
+
+def test_frames_between_the_samples_of_the_drive_show_the_plant_too():
+    table = two_rates(seconds=60.0)
+    view = camid.bode(TWO_RATES, recording=table, segment=6.0)
+    omega = view.empirical.angular_frequency
+    near = view.empirical.is_seen & (omega < 30.0)
+    expected = np.polyval([105.3], 1j * omega) / np.polyval([1.0, 2.7, 81.0], 1j * omega)
+    assert np.count_nonzero(near) > 20
+    assert np.median(np.abs(view.empirical.response / expected - 1.0)[near]) < 0.05
 
 
 def test_of_a_recording_without_the_rig_nothing_is_seen():

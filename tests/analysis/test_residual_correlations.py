@@ -9,6 +9,8 @@ import camid
 from camid.errors import InputError
 from tests.support import linear_rig as rig
 from tests.support import pendulum_and_drive as rigs
+from tests.support.two_rates import SIMULATION as TWO_RATES
+from tests.support.two_rates import two_rates
 
 
 def same(found, expected):
@@ -118,6 +120,15 @@ def test_in_a_closed_loop_the_control_is_tested_against_the_reference():
     assert right.signals == ("u", "r")
     assert right.analysis.independence_p > 0.001
     assert camid.residuals(recording, rigs.drive_simulation(14.0, 30.0)).analysis.independence_p < 1e-6
+
+
+def test_frames_between_the_samples_of_the_drive_are_tested_by_the_engine():
+    table = two_rates()
+    right = camid.residuals(table, TWO_RATES)
+    assert right.analysis.independence_p > 0.001
+    wrong = TWO_RATES | {"plant": rig.plant([90.0], [1.0, 2.0, 75.0])}
+    assert camid.residuals(table, wrong).analysis.independence_p < 1e-6
+    assert camid.compare(table, TWO_RATES).fits["fit"][0] > 98.0
 
 
 def test_several_recordings_are_tested_together():

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,11 +78,20 @@ class EmpiricalResponse:
         return np.asarray(self.coherence > 1.0 - CHANCE ** (1.0 / degrees))
 
 
-def hold_response(angular_frequency: Array, acquisition: Acquisition) -> NDArray[np.complex128]:
-    """What a hold makes of samples, below the Nyquist frequency: a mean over a period, or a triangle of two."""
+def hold_response(
+    angular_frequency: Array, acquisition: Acquisition, *, logged: bool = False
+) -> NDArray[np.complex128]:
+    """What a hold makes of samples, below the Nyquist frequency: a mean over a period, or a triangle of two.
+
+    Where the input was logged at times of its own (``logged``), the samples are means of a held input over the period
+    that follows, or its values.
+    """
     angle = angular_frequency * acquisition.period / (2.0 * pi)
     if acquisition.hold == "zoh":
-        return np.asarray(np.sinc(angle) * np.exp(-1j * pi * angle))
+        delay = np.exp(-1j * pi * angle)
+        return np.asarray(delay / np.sinc(angle) if logged else np.sinc(angle) * delay)
+    if logged:
+        return np.ones(len(angle), dtype=complex)
     return np.asarray(np.sinc(angle) ** 2 if acquisition.hold == "foh" else np.ones(len(angle)), dtype=complex)
 
 
@@ -125,15 +135,20 @@ def empirical_response(
             "without an input a recording has no frequency response", where=simulation.source, hint="leave it out"
         )
     acquisition = acquisition_of(recordings[0], simulation)
-    shortest = min(len(r) for r in recordings)
+    logged = bool(recordings[0].logs)
+    shortest = min(len(r) - int(np.argmin(r.missing)) for r in recordings)
     rows = _rows_of_segment(simulation, acquisition.period, shortest, segment, recordings[0].source)
-    sums: dict[str, Array] = {}
+    sums: dict[str, Any] = {}
     segments = 0
     for one in recordings:
-        count = max((len(one) - rows) // max(rows - rows // 2, 1) + 1, 1)
+        count = max((len(one) - int(np.argmin(one.missing)) - rows) // max(rows - rows // 2, 1) + 1, 1)
         segments += count
-        u, y = one.columns[column], one.columns[simulation.output_column]
-        drive = u if simulation.controller is None else one.columns[simulation.controller.reference]
+        # Where the log of an input begins before the frames, no output is known.
+        rows_known = slice(int(np.argmin(one.missing)), None)
+        names = [column, simulation.output_column]
+        names += [] if simulation.controller is None else [simulation.controller.reference]
+        u, y, *reference = (one.columns[name][rows_known] for name in names)
+        drive = reference[0] if reference else u
         pairs = {"du": (drive, u), "dy": (drive, y), "dd": (drive, drive), "uu": (u, u), "yy": (y, y)}
         for name, (first, second) in pairs.items():
             frequency, spectrum = csd(first, second, 1.0 / acquisition.period, "hann", rows, rows // 2)
@@ -144,7 +159,7 @@ def empirical_response(
     if not np.any(driven > 0.0):
         raise InputError(f"column '{column}' does not move", where=recordings[0].source, hint="excite the rig")
     with np.errstate(divide="ignore", invalid="ignore"):
-        response = sums["dy"][inner] / sums["du"][inner] / hold_response(angular, acquisition)
+        response = sums["dy"][inner] / sums["du"][inner] / hold_response(angular, acquisition, logged=logged)
         # Both spectra of a ratio vary; that of an input with itself does not.
         powers = {name: sums[name][inner].real for name in ("dd", "uu", "yy")}
         inverse = (powers["dd"] * powers["yy"]) / np.abs(sums["dy"][inner]) ** 2
