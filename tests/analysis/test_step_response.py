@@ -95,6 +95,16 @@ def test_a_mode_in_series_is_linear_and_a_sensor_is_not_seen():
     assert curve.linear
 
 
+def test_a_mode_that_rings_for_long_is_not_aliased():
+    """A damping ratio of 0.002: a thousand cycles, whose extremes have to be met."""
+    view = camid.step(rig.simulation(plant=rig.plant([100.0], [1.0, 0.04, 100.0])))
+    (curve,) = view.curves
+    assert curve.output.max() == pytest.approx(1.0 + np.exp(-np.pi * 0.002), abs=0.01)
+    envelope = 1.0 + np.exp(-0.02 * curve.time)
+    blocks = np.array_split(np.arange(len(curve.time)), 100)
+    assert all(curve.output[b].max() > envelope[b[-1]] - 0.02 for b in blocks)
+
+
 def test_an_integrator_comes_to_no_rest():
     view = camid.step(rig.simulation(plant=rig.plant([1.0], [1.0, 2.0, 0.0])))
     assert view.curves[0].characteristics == {}

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-POINTS = 1001
-# Rows of the engine, and what it is moved by for the band: there, differences of a whole standard deviation.
-ROWS_OF_ENGINE, WHOLE = 1001, 1.0
+# Points of a response: so many for each cycle of the fastest mode, within limits.
+POINTS_OF_CYCLE, FEWEST_POINTS, MOST_POINTS = 32, 1001, 20001
+# Of a standard deviation, what a simulation is moved by for the band.
+WHOLE = 1.0
 # Limits of rise and settling, as shares of the final value.
 RISE, SETTLED = (0.1, 0.9), 0.02
 # Of nonlinear plants, whose final value is where they have come to rest, more is shown than of linear ones.
@@ -95,13 +96,12 @@ def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
                 where=model.simulation.source,
                 hint="camid compare shows how it moves by itself",
             )
-    grid = np.linspace(time[0], time[-1], ROWS_OF_ENGINE)
-    output = _by_engine(alone, grid, amplitude)
+    output = _by_engine(alone, time, amplitude)
     try:
-        spreads = [(_by_engine(a, grid, amplitude), _by_engine(b, grid, amplitude)) for a, b in varied(alone, WHOLE)]
+        spreads = [(_by_engine(a, time, amplitude), _by_engine(b, time, amplitude)) for a, b in varied(alone, WHOLE)]
     except (ValueError, ArithmeticError):  # a deviation away there is no such plant
         spreads = []
-    return _curve(model.name, grid, output, spreads, WHOLE, None, linear=False)
+    return _curve(model.name, time, output, spreads, WHOLE, None, linear=False)
 
 
 def _linear(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
@@ -260,7 +260,8 @@ def times_for(models: list[LinearModel], duration: float | None) -> Array:
         linear = [float(control.step_response(m.plant.to_control()).time[-1]) for m in models]
         nonlinear = any(_plant_alone(m.simulation) is not None for m in models)
         duration = max(linear) * (LONGER if nonlinear else 1.0)
-    return np.linspace(0.0, duration, POINTS)
+    cycles = duration / (2.0 * np.pi) * max(float(np.max(m.plant.poles().imag, initial=0.0)) for m in models)
+    return np.linspace(0.0, duration, int(np.clip(POINTS_OF_CYCLE * cycles, FEWEST_POINTS, MOST_POINTS)))
 
 
 @dataclass(frozen=True, repr=False)

@@ -54,10 +54,7 @@ def look_of_the_project() -> Iterator[None]:
 
     from camid import plotting as style
 
-    defaults = {k: v for k, v in mpl.rcParamsDefault.items() if not k.startswith(("backend", "interactive", "toolbar"))}
-    with mpl.rc_context():
-        mpl.rcParams.update(defaults)
-        mpl.rcParams.update(style.SETTINGS)
+    with style.look():
         mpl.rcParams.update(
             {
                 "font.size": 11.0,
@@ -67,8 +64,6 @@ def look_of_the_project() -> Iterator[None]:
                 "legend.fontsize": 10.0,
                 "figure.constrained_layout.use": False,
                 "svg.fonttype": "none",
-                "text.parse_math": False,  # a column may be called $x
-                "axes.formatter.useoffset": False,
                 "path.simplify_threshold": 0.3,
             }
         )
