@@ -9,6 +9,8 @@ from camid.analysis.comparison import fit_percent
 from camid.errors import InputError
 from tests.support import linear_rig as rig
 from tests.support import pendulum_and_drive as rigs
+from tests.support.swinging_marker import SIMULATION as TWO_COLUMNS
+from tests.support.swinging_marker import swinging_marker
 
 
 def camera(column, **more):
@@ -97,6 +99,16 @@ def test_effects_and_several_experiments_are_compared():
     assert fits["a", "model 1"] > 88.0 > fits["a", "model 2"]
     assert set(found.numbers["experiment"]) == {"a", "b"}
     assert "experiment" in found.short_table().headings
+
+
+def test_several_columns_of_a_sensor_are_compared_each():
+    table = swinging_marker(seconds=6.0)
+    fits = camid.compare(table, TWO_COLUMNS, held_out=(4.0, 6.0)).fits.set_index("signal")
+    assert list(fits.index) == ["x", "y"]
+    assert fits["fit"].notna().all()
+    other = rig.simulation(input=None, initial_state="estimate", sensor=camera("t2"))
+    with pytest.raises(InputError, match="model 1 and model 2 read different columns"):
+        camid.compare(table.assign(t2=table["x"]), TWO_COLUMNS, other)
 
 
 def test_rows_that_a_model_leaves_out_do_not_count():

@@ -7,6 +7,8 @@ import pytest
 import camid
 from camid.errors import InputError
 from tests.support import linear_rig as rig
+from tests.support.swinging_marker import SIMULATION as TWO_COLUMNS
+from tests.support.swinging_marker import swinging_marker
 
 
 def model(plant, **changes):
@@ -75,6 +77,16 @@ def test_equations_are_linearised_about_their_start():
     assert view.said() == ("model 1: nonlinear equations, linearised about angle = 0, speed = 0, without input",)
     elsewhere = camid.poles(model(equations(start=1.0))).said()[0]
     assert elsewhere.endswith("without input, where it does not rest")
+
+
+def test_several_columns_see_an_output_of_the_equations():
+    driven = TWO_COLUMNS | {"input": {"column": "u", "hold": "zoh"}, "initial_state": "zero"}
+    view = camid.bode(driven)
+    assert view.symbols == ("u", "angle")
+    assert any("to the plant's output 'angle'" in sentence for sentence in view.said())
+    assert camid.step(driven, duration=5.0).symbols == ("u", "angle")
+    with pytest.raises(InputError, match="a recording shows x, y, and not the plant's output 'angle'"):
+        camid.bode(driven, recording=swinging_marker(push=0.4, seconds=6.0))
 
 
 def test_linear_effects_are_part_of_the_plant_and_others_are_named():

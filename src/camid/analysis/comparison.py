@@ -163,7 +163,7 @@ class Comparison(View):
 
     def short_table(self) -> ShortTable:
         """The fits."""
-        several, signals = len({s.experiment for s in self.signals}) > 1, len({s.kind for s in self.signals}) > 1
+        several, signals = len({s.experiment for s in self.signals}) > 1, len({s.symbol for s in self.signals}) > 1
         headings = ["model", *(["experiment"] if several else []), *(["signal"] if signals else []), "fit"]
         headings += ["fitted rows", "held-out rows"] if self.has_held_out else []
         rows = []

@@ -116,6 +116,15 @@ def linear_models(models: Mapping[str, Simulation]) -> list[LinearModel]:
     return found
 
 
+def symbols_of(simulation: Simulation) -> tuple[str, str]:
+    """What input and output of the plant are called; several columns of a sensor see an output of the equations."""
+    source, output = simulation.symbols
+    equations = None if simulation.physical is None else simulation.physical.equations
+    if simulation.output_columns and equations is not None:
+        output = equations.output
+    return source or "u", output
+
+
 def is_linear(effect: Effect) -> bool:
     """Whether an effect is linear dynamics before, beside or after the plant."""
     return any(part is not None for part in (effect.before_plant(), effect.beside_plant(), effect.after_plant()))
@@ -155,6 +164,8 @@ def _linearised(simulation: Simulation, name: str, effects: tuple[Effect, ...]) 
 def _others(simulation: Simulation, name: str) -> list[str]:
     """What else is to be known of the plant alone."""
     said = []
+    if simulation.output_columns:
+        said.append(f"{name}: from the input to the plant's output '{symbols_of(simulation)[1]}'")
     if simulation.controller is not None:
         said.append(f"{name}: the plant without its controller")
     if simulation.input_column is None:

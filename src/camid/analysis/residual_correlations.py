@@ -169,7 +169,7 @@ def residual_correlations(
         name,
         ", ".join(r.source for r in recordings),
         (
-            str(source) if closed else output,
+            str(source) if closed else ", ".join(simulation.output_columns) or output,
             "" if source is None else simulation.controller.reference if simulation.controller is not None else source,
         ),
         tuple(remarks),

@@ -206,6 +206,7 @@ def _plant_alone(simulation: Simulation) -> Simulation | None:
         time_column="t",
         input_column="u",
         output_column="y",
+        output_columns=(),
         hold="zoh",
         sensor="instant",
         exposure=None,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from camid.analysis.empirical_response import empirical_response
 from camid.analysis.frequency_response import FrequencyResponses, ResponseCurve, frequencies_for
-from camid.analysis.linear_model import LinearModel, linear_models
+from camid.analysis.linear_model import LinearModel, linear_models, symbols_of
 from camid.analysis.models import ModelSource, named_models
 from camid.chain.acquisition import Acquisition
 from camid.effects.declared import effects_of
@@ -63,17 +63,23 @@ def bode(
     recordings: list[Recording] = []
     if recording is not None:
         refuse_unknown_clock(first)
+        if first.output_columns:
+            seen, output = ", ".join(first.output_columns), symbols_of(first)[1]
+            raise InputError(
+                f"a recording shows {seen}, and not the plant's output '{output}'",
+                where=first.source,
+                hint="leave the recording out; camid compare shows all columns",
+            )
         recordings = load_recordings(recording, first, output_needed=True)
     empirical = None
     if recordings:
         empirical = empirical_response(recordings, first, seen_by_camera=camera, segment=segment)
     omega = frequencies_for(linear, frequencies, empirical)
     curves = [ResponseCurve.of(m, omega, _camera(m, recordings) if camera else None) for m in linear]
-    source, output = first.symbols
     remarks = [sentence for model in linear for sentence in (*model.linearised, *model.remarks)]
     if len(recordings) > 1 and isinstance(recording, str | os.PathLike):
         remarks.append(f"{Path(recording).name}: the spectra of its {len(recordings)} experiments are averaged")
-    return FrequencyResponses(curves, empirical, camera, (source or "u", output), (*remarks, *warnings_of(recordings)))
+    return FrequencyResponses(curves, empirical, camera, symbols_of(first), (*remarks, *warnings_of(recordings)))
 
 
 def _camera(model: LinearModel, recordings: list[Recording]) -> Acquisition:

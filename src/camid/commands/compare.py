@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -82,61 +83,83 @@ def _held_out(simulations: Mapping[str, Simulation], asked: Span | None) -> list
 def _signals(
     simulations: Mapping[str, Simulation], tables: Mapping[str, pd.DataFrame], spans: list[Span], source: str
 ) -> list[ComparedSignal]:
-    """The output of each experiment, and its control where a model is a closed loop."""
-    first, table = next(iter(simulations.values())), next(iter(tables.values()))
+    """The output of each experiment, or each of its columns, and its control where a model is a closed loop."""
+    table = next(iter(tables.values()))
     experiments = [None] if "experiment" not in table else [*dict.fromkeys(table["experiment"])]
     leave_out = max(s.reading.leave_out for s in simulations.values())
-    loops = {name for name, t in tables.items() if "simulated_input" in t}
     found = []
     for experiment in experiments:
         parts = {
             name: t if experiment is None else t[t["experiment"] == experiment].reset_index(drop=True)
             for name, t in tables.items()
         }
-        for kind, wanted in ((OUTPUT, set(tables)), (CONTROL, loops)):
-            chosen = {name: part for name, part in parts.items() if name in wanted}
-            if not chosen:
-                continue
-            time, recorded, simulated = _same_rows(chosen, simulations, kind, source)
-            names = next(iter({name: simulations[name] for name in chosen}.values())).symbols
+        for quantity in _quantities(simulations, tables, source):
+            time, recorded, simulated = _same_rows(parts, simulations, quantity, source)
+            compared, held_out = time >= time[0] + leave_out, rows_between(time, spans)
             found.append(
                 ComparedSignal(
-                    kind,
-                    str(names[1] if kind == OUTPUT else names[0] or first.input_column),
-                    experiment,
-                    time,
-                    recorded,
-                    simulated,
-                    time >= time[0] + leave_out,
-                    rows_between(time, spans),
+                    quantity.kind, quantity.symbol, experiment, time, recorded, simulated, compared, held_out
                 )
             )
     return found
 
 
+@dataclass(frozen=True)
+class _Quantity:
+    """What is compared: its kind, what it is called, and for each model its columns, recorded and simulated."""
+
+    kind: str
+    symbol: str
+    columns: Mapping[str, tuple[str, str]]
+
+
+def _quantities(
+    simulations: Mapping[str, Simulation], tables: Mapping[str, pd.DataFrame], source: str
+) -> list[_Quantity]:
+    """Outputs and controls that models have."""
+    first, believed = next(iter(simulations.items()))
+    outputs: dict[str, dict[str, tuple[str, str]]] = {}
+    several = any(s.output_columns for s in simulations.values())
+    for name, simulation in simulations.items():
+        single = {simulation.output_column: "simulated"}
+        columns = {c: f"simulated_{c}" for c in simulation.output_columns} or single
+        if outputs and several and not set(columns) & set(outputs):
+            raise InputError(
+                f"{first} and {name} read different columns", where=source, hint="compare models of the same columns"
+            )
+        for column, result in columns.items():
+            outputs.setdefault(column if several else "", {})[name] = column, result
+    symbols = {"": believed.symbols[1]}
+    found = [_Quantity(OUTPUT, symbols.get(label, label), columns) for label, columns in outputs.items()]
+    loops = [name for name, table in tables.items() if "simulated_input" in table]
+    if loops:
+        controls = {name: (str(simulations[name].input_column), "simulated_input") for name in loops}
+        found.append(_Quantity(CONTROL, str(simulations[loops[0]].symbols[0]), controls))
+    return found
+
+
 def _same_rows(
-    tables: Mapping[str, pd.DataFrame], simulations: Mapping[str, Simulation], kind: str, source: str
+    tables: Mapping[str, pd.DataFrame], simulations: Mapping[str, Simulation], quantity: _Quantity, source: str
 ) -> tuple[Array, Array, dict[str, Array]]:
     """Times, what was recorded, and what each model makes of it; InputError where models read something else."""
     simulated: dict[str, Array] = {}
     reference: tuple[str, Array, Array] | None = None
-    for name, table in tables.items():
-        simulation = simulations[name]
-        column = simulation.output_column if kind == OUTPUT else str(simulation.input_column)
+    for name, (column, result) in quantity.columns.items():
+        table = tables[name]
         if column not in table:
             raise InputError(f"no column '{column}' to compare with", where=source, hint="record the output, too")
-        time, recorded = (table[c].to_numpy(dtype=float) for c in (simulation.time_column, column))
+        time, recorded = (table[c].to_numpy(dtype=float) for c in (simulations[name].time_column, column))
         if reference is None:
             reference = name, time, recorded
         other, times, values = reference
         same = len(time) == len(times) and np.allclose(time, times, rtol=1e-9, atol=1e-12)
         if not (same and np.allclose(recorded, values, rtol=1e-9, atol=0.0, equal_nan=True)):
             raise InputError(
-                f"{other} and {name} read different values as the {kind}",
+                f"{other} and {name} read different values as the {quantity.kind}",
                 where=source,
                 hint="compare models that name the same columns, units, start and end",
             )
-        simulated[name] = table["simulated" if kind == OUTPUT else "simulated_input"].to_numpy(dtype=float)
+        simulated[name] = table[result].to_numpy(dtype=float)
     assert reference is not None
     return reference[1], reference[2], simulated
 

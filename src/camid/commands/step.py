@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from camid.analysis.linear_model import linear_models
+from camid.analysis.linear_model import linear_models, symbols_of
 from camid.analysis.models import ModelSource, named_models
 from camid.analysis.step_response import StepResponses, remarks_of_step, step_curve, times_for
 from camid.errors import InputError, need
@@ -41,6 +41,5 @@ def step(*models: ModelSource, amplitude: float = 1.0, duration: float | None = 
     linear = linear_models(simulations)
     time = times_for(linear, duration)
     curves = [step_curve(model, time, amplitude) for model in linear]
-    source, output = next(iter(simulations.values())).symbols
     remarks = [s for model, curve in zip(linear, curves, strict=True) for s in remarks_of_step(model, curve)]
-    return StepResponses(curves, amplitude, (source or "u", output), tuple(remarks))
+    return StepResponses(curves, amplitude, symbols_of(linear[0].simulation), tuple(remarks))
