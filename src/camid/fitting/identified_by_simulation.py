@@ -26,11 +26,10 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
     fitted = kind.refit(problem, problem.with_initial_states(nominal))
     covariance = kind.coefficient_covariance(structure, fitted)
     residuals = [e.output - s for e, s in zip(problem.experiments, problem.simulate(fitted.model), strict=True)]
-    spread = problem.output_spread
 
     def error(rows: list[NDArray[np.bool_]]) -> float:
         values = np.concatenate([r[k] for r, k in zip(residuals, rows, strict=True)])
-        return float(np.sqrt(np.mean(values**2))) / spread
+        return float(np.sqrt(np.mean(values**2))) / problem.spread(rows)
 
     estimate = Estimate(
         structure.plant(fitted.model.coefficients),
