@@ -16,7 +16,7 @@ from camid.number_text import printable
 NAME = "learned_effect.py"
 DIGITS = 7
 WIDTH = 116
-LONGEST_NAME = 40
+LONGEST_NAME = 30
 
 
 @dataclass(frozen=True)

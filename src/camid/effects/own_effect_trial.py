@@ -25,13 +25,16 @@ class _BeyondValues(Exception):  # noqa: N818 - no error of its own
     """A part reads a value that the effect does not give it."""
 
 
-class _Values(list[float]):
-    """Values that notice when others are asked for."""
+class _Values:
+    """Values that notice when others are asked for; no list, which functions with @njit would be compiled for."""
 
-    def __getitem__(self, index: Any) -> Any:
-        if not -len(self) <= int(index) < len(self):
+    def __init__(self, values: Sequence[float]) -> None:
+        self._values = values
+
+    def __getitem__(self, index: Any) -> float:
+        if not 0 <= int(index) < len(self._values):
             raise _BeyondValues(int(index))
-        return super().__getitem__(int(index))
+        return self._values[int(index)]
 
 
 def tried_guesses(kind: type[Effect], situation: Situation) -> list[Effect]:

@@ -1,0 +1,167 @@
+"""A learned law as an effect of the user's own: it does what the law does, and is found by name in another recording."""
+
+import numpy as np
+import pytest
+
+import camid
+from camid.chain.plant import TransferFunction
+from camid.cli import main
+from camid.diagnosis.learned_effect_file import FORMS, NAME, effect_file
+from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.report.page import render
+from camid.effects.learned import LearnedCurve, LearnedForce
+from camid.effects.own_effects import own_effects
+from tests.diagnosis.test_learned_laws import believed, bump, rig
+from tests.support import written_diagnoses
+from tests.support.linear_rig import write_yaml
+from tests.support.mass_on_spring import record
+
+KNOTS = np.linspace(-4.0, 4.0, 33)
+FAST = np.linspace(-30.0, 30.0, 33)
+LAWS = {
+    "position": LearnedForce(variables="position", knots=KNOTS.tolist(), values=(0.3 * np.sin(KNOTS)).tolist()),
+    "velocity": LearnedForce(variables="velocity", knots=FAST.tolist(), values=(0.2 * np.tanh(FAST / 9.0)).tolist()),
+    "damping over position": LearnedForce(
+        variables="damping over position", knots=KNOTS.tolist(), values=(0.01 * KNOTS**2).tolist()
+    ),
+    "gain over position": LearnedForce(
+        variables="gain over position", knots=KNOTS.tolist(), values=(0.03 * KNOTS**2).tolist()
+    ),
+    "gain over velocity": LearnedForce(
+        variables="gain over velocity", knots=FAST.tolist(), values=(0.3 * np.tanh(FAST / 9.0) ** 2).tolist()
+    ),
+    "input": LearnedCurve(variables="input", knots=KNOTS.tolist(), values=np.tanh(KNOTS).tolist()),
+    "reading": LearnedCurve(variables="reading", knots=KNOTS.tolist(), values=(KNOTS + 0.01 * KNOTS**3).tolist()),
+}
+
+
+def part_of(law, **changes):
+    stated = {
+        "identifier": law.identifier,
+        "place": law.place,
+        "title": law.title,
+        "variables": law.values["variables"],
+        "knots": law.knots.tolist(),
+        "values": law.heights.tolist(),
+        "standard_deviations": [0.01] * len(law.knots),
+        "knot_unit": law.knot_unit,
+        "unit": law.unit,
+        "log_evidence": 50.0,
+        "share": 0.5,
+    }
+    return LearnedPart(**{**stated, **changes})
+
+
+def written(tmp_path, *parts, **changes):
+    path = tmp_path / NAME
+    path.write_text(effect_file(written_diagnoses.diagnosis("partly-explained", learned=list(parts), **changes)))
+    return path
+
+
+def test_every_law_that_can_be_learned_here_has_a_form():
+    assert set(LAWS) == set(FORMS)
+
+
+@pytest.mark.parametrize("variables", LAWS)
+def test_the_class_does_what_the_law_does(tmp_path, variables):
+    law = LAWS[variables]
+    with own_effects(written(tmp_path, part_of(law))) as (kind,):
+        assert kind.place == law.place
+        with_law, with_class, without, half = (
+            record(*each, noise=0.0)["y"] for each in ((law,), (kind(scale=1.0),), (), (kind(scale=0.5),))
+        )
+        change = np.std(with_law - without)
+        assert change > 0.01 * np.std(without)
+        assert np.std(with_class - with_law) < 0.03 * change
+        assert 0.2 < np.std(half - without) / change < 0.8
+
+
+@pytest.mark.parametrize("variables", ["position", "velocity", "damping over position"])
+def test_the_force_opposes_the_motion_whatever_the_sign_of_the_gain(tmp_path, variables):
+    law = LAWS[variables]
+    plant = TransferFunction((-100.0,), (1.0, 2.0, 100.0))
+    with own_effects(written(tmp_path, part_of(law))) as (kind,):
+        found, expected, without = (
+            record(*each, noise=0.0, plant=plant)["y"] for each in ((kind(scale=1.0),), (law,), ())
+        )
+        assert np.std(found - expected) < 0.03 * np.std(expected - without)
+
+
+def test_two_laws_become_two_classes_with_names_of_their_own(tmp_path):
+    path = written(tmp_path, part_of(LAWS["position"]), part_of(LAWS["position"]), part_of(LAWS["input"]))
+    with own_effects(path) as kinds:
+        assert [kind.identifier for kind in kinds] == [
+            "learned-force-over-position",
+            "learned-force-over-position-2",
+            "learned-curve-over-input",
+        ]
+    taken = {"learned-force-over-position": "that of an earlier diagnosis"}
+    with own_effects(written(tmp_path, part_of(LAWS["position"]), own_titles=taken)) as (kind,):
+        assert kind.identifier == "learned-force-over-position-2"
+
+
+HOSTILE = ['"""\nimport os\nos.abort()\n"""\\', "{curve}" + "x" * 300 + ".csv", "b\x07ell'\".csv"]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_no_name_of_a_recording_becomes_program(tmp_path, name):
+    part = part_of(LAWS["gain over position"], formula='y**2\nimport os\nos.abort() """')
+    path = written(tmp_path, part, recordings=[name, "other.csv"])
+    with own_effects(path) as (kind,):
+        assert kind.identifier == "learned-gain-over-position"
+    assert max(map(len, path.read_text().splitlines())) <= 120
+
+
+def test_no_file_where_nothing_was_learned_or_a_law_has_no_form():
+    assert effect_file(written_diagnoses.diagnosis("explained")) is None
+    odd = part_of(LAWS["position"], variables="moon")
+    assert effect_file(written_diagnoses.diagnosis("partly-explained", learned=[odd])) is None
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A folder with two recordings of a rig with a magnet beside its way, and what the first one taught."""
+    folder = tmp_path_factory.mktemp("learned")
+    for name, seed in (("first.csv", 1), ("second.csv", 2)):
+        rig(bump, seed).drop(columns="clean").to_csv(folder / name, index=False)
+    write_yaml(believed(), folder / "S.yaml")
+    assert main(["diagnose", *arguments(folder, "first.csv", "one")]) == 0
+    return folder
+
+
+def arguments(folder, recording, output):
+    return [str(folder / recording), "--simulation", str(folder / "S.yaml"), "--output", str(folder / output)]
+
+
+def test_what_one_recording_taught_is_named_in_another(bench, capsys):
+    learned = bench / "one" / NAME
+    capsys.readouterr()
+    assert main(["diagnose", *arguments(bench, "second.csv", "two"), "--effects", str(learned)]) == 0
+    assert "as learned from first.csv" in " ".join(capsys.readouterr().out.split())
+    diagnosis = camid.diagnose(bench / "second.csv", bench / "S.yaml", effects=learned)
+    found = diagnosis.findings[0]
+    assert (found.identifier, found.place) == ("learned-force-over-position", "plant")
+    assert found.weight > 0.5
+    assert found.parameters["scale"].value == pytest.approx(1.0, abs=0.15)
+    assert 0.0 < found.parameters["scale"].standard_deviation < 0.05
+    assert diagnosis.fit.improved < 0.25 * diagnosis.fit.refitted
+    simulated = camid.simulate(bench / "second.csv", diagnosis.improved, effects=learned)
+    assert np.std(simulated["y"] - simulated["simulated"]) < 0.006
+
+
+def test_report_and_terminal_show_it(bench, capsys):
+    page = (bench / "one" / "report.html").read_text()
+    assert "class LearnedForceOverPosition(Effect):" in page
+    capsys.readouterr()
+    assert main(["diagnose", *arguments(bench, "first.csv", "again"), "--no-report"]) == 0
+    out = capsys.readouterr().out
+    assert f"written to {bench / 'again' / NAME}" in out
+    assert f"--effects {bench / 'again' / NAME}" in out
+    assert (bench / "again" / NAME).read_text() == (bench / "one" / NAME).read_text()
+
+
+def test_the_page_escapes_the_program():
+    part = part_of(LAWS["position"])
+    page = render(written_diagnoses.diagnosis("partly-explained", learned=[part], recordings=["<b>.csv"]))
+    assert "as learned from &lt;b&gt;.csv" in page
+    assert "learned from <b>" not in page
