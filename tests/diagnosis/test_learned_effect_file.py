@@ -1,4 +1,4 @@
-"""A learned law as an effect of the user's own: it does what the law does, and is found by name in another recording."""
+"""A learned law as an effect of the user's own: it does what the law does, and is named in another recording."""
 
 import numpy as np
 import pytest
