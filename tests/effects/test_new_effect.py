@@ -71,5 +71,7 @@ def test_without_it_the_catalogue_does_not_know_it():
     assert "fading-force-constant" not in known_effects()
 
 
-def test_the_example_file_holds_the_class_of_the_page():
-    assert (ROOT / "examples" / "fading.py").read_text(encoding="utf-8").endswith(f"\n\n{text_of_the_page()}")
+def test_the_page_on_own_effects_shows_the_file_of_the_example():
+    page = (ROOT / "docs" / "own_effects.md").read_text(encoding="utf-8")
+    text = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
+    assert (ROOT / "examples" / "magnet_effect.py").read_text(encoding="utf-8").endswith(f'"""\n\n{text}')

@@ -182,7 +182,7 @@ def _class(part: LearnedPart, words: Sequence[str], source: str) -> str:
 def _comment(part: LearnedPart) -> str:
     if part.formula:
         return f"about {printable(part.formula)}"
-    return "through these points a shape-preserving cubic, and beyond them as at the last ones"
+    return "straight lines between these points, and beyond them as at the last ones"
 
 
 def _tuple(numbers: Array) -> str:

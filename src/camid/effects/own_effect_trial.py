@@ -118,19 +118,24 @@ def _try_compiled(guess: Effect, name: str, values: Sequence[float], situation: 
         if name == "friction_level":
             velocity = abs(velocity)
         arguments = (float(s.time[row]), position, velocity, float(s.signal[row]), 0.0)
+        _refuse_reading_beyond(guess, name, arguments, values)
         found = part.at(*arguments, values=values)
         if not np.isfinite(found):
             stated = ", ".join(f"{n} = {v:.3g}" for n, v in guess.values.items() if isinstance(v, float))
             at = f"position {position:.3g}, velocity {velocity:.3g}, input {arguments[3]:.3g}"
             raise _wrong(kind, name, f"returns {found:g} at {at}{f', {stated}' if stated else ''}", EVERYWHERE)
-        try:
-            part.function(*arguments, _Values(values))
-        except _BeyondValues as error:
-            count = f"{len(values)} value{'s' if len(values) != 1 else ''}"
-            hint = "they are the parameters in order, or what force_values returns"
-            raise _wrong(kind, name, f"reads values[{error}], and there are {count}", hint) from None
-        except Exception:  # only the compiled result counts: a division by zero, for instance, is infinite
-            pass
+
+
+def _refuse_reading_beyond(guess: Effect, name: str, arguments: tuple[float, ...], values: Sequence[float]) -> None:
+    """Refuse a part that reads values which are not there: compiled, it would read zeros."""
+    try:
+        getattr(guess, name).function(*arguments, _Values(values))
+    except _BeyondValues as error:
+        there = "there is 1" if len(values) == 1 else f"there are {len(values)}"
+        hint = "they are the parameters in order, or what force_values returns"
+        raise _wrong(type(guess), name, f"reads values[{error}], and {there}", hint) from None
+    except Exception:  # only the compiled result counts: a division by zero, for instance, is infinite
+        return
 
 
 def _try_signals(guess: Effect, situation: Situation) -> None:

@@ -1,31 +1,37 @@
-"""Make ``coil.csv`` and ``coil_again.csv``: a linear motor on a spring whose coil leaves its magnet, filmed twice.
+"""Make ``magnet.csv`` and ``magnet_again.csv``: a slide on a spring that passes a magnet, filmed twice.
 
-The force falls with the square of the displacement. The integrator is this file's own and shares nothing with camid, so
-that an example proves something. Run it in this folder: ``python make_coil.py``. Its seeds are fixed, so it always
-writes the same files.
+The integrator is this file's own and shares nothing with camid, so that an example proves something. Run it in this
+folder: ``python make_magnet.py``. Its seeds are fixed, so it always writes the same files.
 """
 
 import csv
+from math import exp
 from random import Random
 
-SEEDS = {"coil.csv": 20261123, "coil_again.csv": 20261124}
+SEEDS = {"magnet.csv": 20261123, "magnet_again.csv": 20261124}
 PERIOD = 0.02  # s, 50 frames per second; the camera is exposed for the whole of it
-FRAMES = 1000
-STEPS = 40  # of the integrator, per frame
+FRAMES = 1500
+STEPS = 20  # of the integrator, per frame
 LEVELS = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)  # V
 FRAMES_PER_LEVEL = 6
-# Of the position in mm: y'' = GAIN (1 - LOSS y²) u - DAMPING y' - STIFFNESS y
-GAIN, DAMPING, STIFFNESS, LOSS = 95.0, 3.0, 105.0, 0.015
+GAIN, DAMPING, STIFFNESS = 95.0, 4.0, 105.0  # of the position in mm: y'' = GAIN (u - pull) - DAMPING y' - STIFFNESS y
+PULL, PLACE, WIDTH = 0.5, 1.8, 0.5  # V, mm, mm
 NOISE = 0.01  # mm
 
 
+def pull(position: float) -> float:
+    """Force in V that the magnet exerts towards its place, at a position in mm."""
+    away = (position - PLACE) / WIDTH
+    return PULL * away * exp(-(away**2))
+
+
 def acceleration(position: float, velocity: float, level: float) -> float:
-    """Acceleration of the coil in mm/s²."""
-    return GAIN * (1.0 - LOSS * position**2) * level - DAMPING * velocity - STIFFNESS * position
+    """Acceleration of the slide in mm/s²."""
+    return GAIN * (level - pull(position)) - DAMPING * velocity - STIFFNESS * position
 
 
 def positions(inputs: list[float]) -> list[float]:
-    """Mean position over each exposure in mm, of a coil that starts at rest; Runge-Kutta steps of 0.5 ms."""
+    """Mean position over each exposure in mm, of a slide that starts at rest; Runge-Kutta steps of 1 ms."""
     h = PERIOD / STEPS
     y = v = 0.0
     means = [0.0]  # the exposure of the first frame ends when the input starts
@@ -50,8 +56,8 @@ def main() -> None:
     """Write both recordings into the current folder."""
     for name, seed in SEEDS.items():
         random = Random(seed)
-        levels = [random.choice(LEVELS) for _ in range(FRAMES // FRAMES_PER_LEVEL + 1)]
-        inputs = [level for level in levels for _ in range(FRAMES_PER_LEVEL)][:FRAMES]
+        levels = [random.choice(LEVELS) for _ in range(FRAMES // FRAMES_PER_LEVEL)]
+        inputs = [level for level in levels for _ in range(FRAMES_PER_LEVEL)]
         with open(name, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(["t", "u", "y"])
