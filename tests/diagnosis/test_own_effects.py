@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from ruamel.yaml import YAML
 
 import camid
 from camid.cli import main
@@ -11,6 +12,7 @@ from camid.diagnosis.results_folder import write_diagnosis
 from camid.effects import known_effects
 from camid.effects.own_effects import own_effects
 from camid.errors import InputError
+from tests.support import ROOT
 from tests.support.linear_rig import write_yaml
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 from tests.support.own_effects import GUESS, LAW, RIGHT, line_of, with_other
@@ -92,8 +94,50 @@ def test_what_the_command_wrote_runs_again_with_the_file_alone(bench, capsys):
     assert "no effect 'fading'" in said
     assert "--effects FILE.py" in said
     for command in ("diagnose", "identify"):
-        assert main([command, *simulate[1:]]) == 2
-        assert capsys.readouterr().err.count("\n") == 1
+        assert main([command, *simulate[1:-1], str(bench / "again")]) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert "--effects FILE.py" in said
+
+
+def test_identify_re_estimates_plant_and_effect(bench, capsys):
+    model, written = bench / "out" / "improved.yaml", bench / "model.yaml"
+    rig(4).to_csv(bench / "again.csv", index=False)
+    options = ["--simulation", str(model), "--effects", str(bench / "mine.py"), "--output", str(written)]
+    assert main(["identify", str(bench / "again.csv"), *options]) == 0
+    assert "fading, coefficient" in capsys.readouterr().out
+    found = camid.load_simulation(written)
+    assert found.plant.denominator == pytest.approx((1.0, 2.0, 100.0), rel=0.02)
+    (effect_found,) = found.effects
+    deviation = effect_found.standard_deviations["coefficient"]
+    assert abs(effect_found.parameters["coefficient"] - LOSS) < 3.0 * deviation < 0.1 * LOSS
+
+
+def test_join_takes_what_names_it(bench):
+    believed = YAML(typ="safe").load((ROOT / "examples" / "filmed.yaml").read_text())
+    believed["effects"] = [{"id": "fading", "parameters": {"coefficient": 1e-6}}]
+    tables = (ROOT / "examples" / "clip.csv", ROOT / "examples" / "drive.csv")
+    with pytest.raises(InputError, match="own needs its file"):
+        camid.join(*tables, simulation=believed)
+    joined = camid.join(*tables, simulation=believed, effects=bench / "mine.py")
+    assert joined.simulation.effects[0].identifier == "fading"
+
+
+def test_identify_takes_effects_of_the_catalogue_and_leaves_those_on_the_noise():
+    recording = record(effect("dead-zone", half_width=0.2), noise=0.003)
+    believed = simulation(
+        effects=[
+            {"id": "quantisation", "parameters": {"step": 0.001}},
+            {"id": "dead-zone", "parameters": {"half_width": 0.1}},
+        ]
+    )
+    found = camid.identify(recording, believed)
+    kept, estimated = found.simulation.effects
+    assert (kept.identifier, kept.parameters) == ("quantisation", {"step": 0.001})
+    (row,) = found.effect_rows
+    assert abs(estimated.parameters["half_width"] - 0.2) < 3.0 * row["standard_deviation"] < 0.01
+    assert found.to_mapping()["effects"] == [row]
+    assert found.converged
 
 
 def test_it_may_be_declared_and_is_fitted_then(bench, diagnosis):
