@@ -1,5 +1,7 @@
 """A learned law as an effect of the user's own: it does what the law does, and is named in another recording."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from camid.chain.plant import TransferFunction
 from camid.cli import main
 from camid.diagnosis.learned_effect_file import FORMS, NAME, effect_file
 from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.report import page
 from camid.diagnosis.report.page import render
 from camid.effects.learned import LearnedCurve, LearnedForce
 from camid.effects.own_effects import own_effects
@@ -100,6 +103,105 @@ def test_two_laws_become_two_classes_with_names_of_their_own(tmp_path):
         assert kind.identifier == "learned-force-over-position-2"
 
 
+@dataclass(frozen=True)
+class PartWithFormula(LearnedPart):
+    """A law with a formula, as diagnosis.json says it."""
+
+    numbers: tuple = ()
+    replaces: tuple = ()
+
+    def to_mapping(self):
+        numbers = {name: {"value": value, "std": 0.01, "unit": unit} for name, value, unit in self.numbers}
+        return super().to_mapping() | {"formula_parameters": numbers, "formula_replaces": list(self.replaces)}
+
+
+FORMULAS = {
+    "position": ("f(y) = a·sin(2π·y/L) + b·cos(2π·y/L)", {"a": 0.3, "b": 0.1, "L": 6.3}),
+    "velocity": ("f(v) = a·sign(v)·|v/10|^p", {"a": 0.2, "p": 0.6}),
+    "damping over position": ("f = d(y)·v, d(y) = a·y²", {"a": 0.01}),
+    "gain over position": (
+        "f = g(y)·u, g(y) = a·max(y − c, 0) + b·min(y − d, 0)",
+        {"a": 0.1, "b": -0.1, "c": 1, "d": 0},
+    ),
+    "gain over velocity": ("f = g(v)·u, g(v) = a/(1 + ((v − v0)/c)²)", {"a": 0.3, "v0": 4.0, "c": 5.0}),
+    "input": ("u' = u + a·dead_zone(u, c)", {"a": -0.6, "c": 0.5}),
+    "reading": ("w = y + a·y³", {"a": 0.01}),
+}
+BY_HAND = {
+    "position": lambda y: 0.3 * np.sin(2 * np.pi * y / 6.3) + 0.1 * np.cos(2 * np.pi * y / 6.3),
+    "velocity": lambda v: 0.2 * np.sign(v) * np.abs(v / 10) ** 0.6,
+    "damping over position": lambda y: 0.01 * y**2,
+    "gain over position": lambda y: 0.1 * np.maximum(y - 1.0, 0.0) - 0.1 * np.minimum(y, 0.0),
+    "gain over velocity": lambda v: 0.3 / (1.0 + ((v - 4.0) / 5.0) ** 2),
+    "input": lambda u: u - 0.6 * (u - np.clip(u, -0.5, 0.5)),
+    "reading": lambda y: y + 0.01 * y**3,
+}
+
+
+def with_formula(variables, **changes):
+    """A law on many knots, its formula, and the part that holds both."""
+    text, numbers = FORMULAS[variables]
+    kind = LearnedForce if variables not in ("input", "reading") else LearnedCurve
+    knots = np.linspace(-40.0, 40.0, 8001) if "velocity" in variables else np.linspace(-8.0, 8.0, 8001)
+    law = kind(variables=variables, knots=knots.tolist(), values=BY_HAND[variables](knots).tolist())
+    stated = f"{text}, {', '.join(f'{n} = {v} ± 0.01 u' for n, v in numbers.items())}"
+    rows = tuple((name, value, "u") for name, value in numbers.items())
+    part = PartWithFormula(**{**vars(part_of(law, formula=stated)), "numbers": rows, **changes})
+    return law, numbers, part
+
+
+@pytest.mark.parametrize("variables", FORMULAS)
+def test_a_formula_stands_in_the_class_with_its_numbers_free(tmp_path, variables):
+    law, numbers, part = with_formula(variables)
+    path = written(tmp_path, part)
+    assert "Curve(" not in path.read_text()
+    with own_effects(path) as (kind,):
+        assert [p.name for p in kind.parameters] == list(numbers)
+        assert page.equation(kind.equation) is not None
+        with_law, with_class, without = (record(*each, noise=0.0)["y"] for each in ((law,), (kind(**numbers),), ()))
+        change = np.std(with_law - without)
+        assert change > 0.01 * np.std(without)
+        assert np.std(with_class - with_law) < 5e-3 * change
+        (guess,) = kind.candidates(None)
+        assert guess.values == pytest.approx(numbers)
+        # It does nothing at the size zero, whatever its numbers are called.
+        none = record(guess.scaled(0.0), noise=0.0)["y"]
+        assert np.std(none - without) < 1e-6 * change
+
+
+def test_a_formula_of_a_law_stands_for_all_laws_over_its_variable(tmp_path):
+    _, _, part = with_formula("position")
+    with own_effects(written(tmp_path, part_of(LAWS["position"]), part, part_of(LAWS["velocity"]))) as kinds:
+        assert [kind.identifier for kind in kinds] == ["learned-force-over-position", "learned-force-over-velocity"]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"formula": "f(y) = __import__('os').abort(), a = 1"},
+        {"formula": "f(y) = a·moon(y), a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"formula": "f(y) = a·y·z, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"formula": "f(y) = 3 + a·y, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"formula": "f(y) = a·(y, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"formula": "f(y) = a·y⁴, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+    ],
+    ids=["program", "function", "variable", "no size", "bracket", "another curve"],
+)
+def test_a_formula_that_is_not_understood_or_is_another_curve_leaves_the_curve(tmp_path, changes):
+    _, _, part = with_formula("position", **changes)
+    path = written(tmp_path, part)
+    assert "Curve(" in path.read_text()
+    with own_effects(path) as (kind,):
+        assert [p.name for p in kind.parameters] == ["scale"]
+
+
+def test_a_formula_that_stands_for_named_effects_too_need_not_be_the_curve(tmp_path):
+    four = {"formula": "f(y) = a·y⁴, a = 0.3 u", "numbers": (("a", 0.3, "u"),)}
+    _, _, part = with_formula("position", **four, replaces=("cubic-stiffness",))
+    with own_effects(written(tmp_path, part)) as (kind,):
+        assert [p.name for p in kind.parameters] == ["a"]
+
+
 HOSTILE = ['"""\nimport os\nos.abort()\n"""\\', "{curve}" + "x" * 300 + ".csv", "b\x07ell'\".csv"]
 
 
@@ -150,8 +252,7 @@ def test_what_one_recording_taught_is_named_in_another(bench, capsys):
 
 
 def test_report_and_terminal_show_it(bench, capsys):
-    page = (bench / "one" / "report.html").read_text()
-    assert "class LearnedForceOverPosition(Effect):" in page
+    assert "class LearnedForceOverPosition(Effect):" in (bench / "one" / "report.html").read_text()
     capsys.readouterr()
     assert main(["diagnose", *arguments(bench, "first.csv", "again"), "--no-report"]) == 0
     out = capsys.readouterr().out
@@ -162,6 +263,6 @@ def test_report_and_terminal_show_it(bench, capsys):
 
 def test_the_page_escapes_the_program():
     part = part_of(LAWS["position"])
-    page = render(written_diagnoses.diagnosis("partly-explained", learned=[part], recordings=["<b>.csv"]))
-    assert "as learned from &lt;b&gt;.csv" in page
-    assert "learned from <b>" not in page
+    text = render(written_diagnoses.diagnosis("partly-explained", learned=[part], recordings=["<b>.csv"]))
+    assert "as learned from &lt;b&gt;.csv" in text
+    assert "learned from <b>" not in text

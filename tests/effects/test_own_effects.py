@@ -124,6 +124,11 @@ def test_a_change_in_the_file_is_compiled_again(write):
         (with_other("def force(", "def push("), "class Fading", "it does nothing"),
         (with_other(LAW, "        return values[0] * nowhere\n"), "nowhere", "name 'nowhere' is not defined"),
         (with_other(LAW, "        return [position]\n"), "[position]", "No conversion from list"),
+        (
+            HELPED.replace("return y * y", "return y.imaginary").replace("position * position", "square(position)"),
+            "y.imaginary",
+            "Unknown attribute 'imaginary'",
+        ),
         (with_other(LAW, "        pass\n"), "pass", "No conversion from none to float64"),
         (with_other(LAW, "        raise ValueError('no')\n"), "raise ValueError", "'force' raises an error"),
         (with_other(LAW, "        assert position > 0.0\n" + LAW), "assert", "'force' raises an error"),

@@ -7,6 +7,7 @@ import inspect
 import linecache
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -145,7 +146,7 @@ def _compile(kind: type[Effect], name: str) -> None:
     try:
         _ = part.address
     except Exception as error:  # the compiler's own, and TypeError for what its cache could not follow
-        line = getattr(getattr(error, "loc", None), "line", None) or _line_of_definition(code)
+        line = _line_blamed(error, code) or _line_of_definition(code)
         raise InputError(
             f"{kind.__name__}: '{name}' cannot be compiled: {_said(error)}",
             where=f"{code.co_filename}, line {line}",
@@ -161,6 +162,14 @@ def _line_that_raises(code: CodeType) -> int | None:
         if instruction.opname == "RAISE_VARARGS":
             return line
     return None
+
+
+def _line_blamed(error: Exception, code: CodeType) -> int | None:
+    """Line that the compiler names first, which is that of the innermost function; None where it names none."""
+    named = re.search(
+        rf'File "[^"]*{re.escape(Path(code.co_filename).name)}", line (\d+)', _COLOURS.sub("", str(error))
+    )
+    return int(named[1]) if named else getattr(getattr(error, "loc", None), "line", None)
 
 
 def _said(error: Exception) -> str:
