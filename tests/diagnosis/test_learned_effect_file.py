@@ -107,12 +107,14 @@ def test_two_laws_become_two_classes_with_names_of_their_own(tmp_path):
 class PartWithFormula(LearnedPart):
     """A law with a formula, as diagnosis.json says it."""
 
+    said: str = ""
     numbers: tuple = ()
     replaces: tuple = ()
 
     def to_mapping(self):
         numbers = {name: {"value": value, "std": 0.01, "unit": unit} for name, value, unit in self.numbers}
-        return super().to_mapping() | {"formula_parameters": numbers, "formula_replaces": list(self.replaces)}
+        formula = {"formula": self.said, "formula_parameters": numbers, "formula_replaces": list(self.replaces)}
+        return super().to_mapping() | formula
 
 
 FORMULAS = {
@@ -146,7 +148,7 @@ def with_formula(variables, **changes):
     law = kind(variables=variables, knots=knots.tolist(), values=BY_HAND[variables](knots).tolist())
     stated = f"{text}, {', '.join(f'{n} = {v} ± 0.01 u' for n, v in numbers.items())}"
     rows = tuple((name, value, "u") for name, value in numbers.items())
-    part = PartWithFormula(**{**vars(part_of(law, formula=stated)), "numbers": rows, **changes})
+    part = PartWithFormula(**{**vars(part_of(law)), "said": stated, "numbers": rows, **changes})
     return law, numbers, part
 
 
@@ -178,12 +180,12 @@ def test_a_formula_of_a_law_stands_for_all_laws_over_its_variable(tmp_path):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"formula": "f(y) = __import__('os').abort(), a = 1"},
-        {"formula": "f(y) = a·moon(y), a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
-        {"formula": "f(y) = a·y·z, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
-        {"formula": "f(y) = 3 + a·y, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
-        {"formula": "f(y) = a·(y, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
-        {"formula": "f(y) = a·y⁴, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"said": "f(y) = __import__('os').abort(), a = 1"},
+        {"said": "f(y) = a·moon(y), a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"said": "f(y) = a·y·z, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"said": "f(y) = 3 + a·y, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"said": "f(y) = a·(y, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
+        {"said": "f(y) = a·y⁴, a = 0.3 u", "numbers": (("a", 0.3, "u"),)},
     ],
     ids=["program", "function", "variable", "no size", "bracket", "another curve"],
 )
@@ -196,7 +198,7 @@ def test_a_formula_that_is_not_understood_or_is_another_curve_leaves_the_curve(t
 
 
 def test_a_formula_that_stands_for_named_effects_too_need_not_be_the_curve(tmp_path):
-    four = {"formula": "f(y) = a·y⁴, a = 0.3 u", "numbers": (("a", 0.3, "u"),)}
+    four = {"said": "f(y) = a·y⁴, a = 0.3 u", "numbers": (("a", 0.3, "u"),)}
     _, _, part = with_formula("position", **four, replaces=("cubic-stiffness",))
     with own_effects(written(tmp_path, part)) as (kind,):
         assert [p.name for p in kind.parameters] == ["a"]
@@ -207,7 +209,7 @@ HOSTILE = ['"""\nimport os\nos.abort()\n"""\\', "{curve}" + "x" * 300 + ".csv", 
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_no_name_of_a_recording_becomes_program(tmp_path, name):
-    part = part_of(LAWS["gain over position"], formula='y**2\nimport os\nos.abort() """')
+    _, _, part = with_formula("gain over position", said='y**2\nimport os\nos.abort() """')
     path = written(tmp_path, part, recordings=[name, "other.csv"])
     with own_effects(path) as (kind,):
         assert kind.identifier == "learned-gain-over-position"
@@ -244,8 +246,10 @@ def test_what_one_recording_taught_is_named_in_another(bench, capsys):
     found = diagnosis.findings[0]
     assert (found.identifier, found.place) == ("learned-force-over-position", "plant")
     assert found.weight > 0.5
-    assert found.parameters["scale"].value == pytest.approx(1.0, abs=0.1)
-    assert 0.0 < found.parameters["scale"].standard_deviation < 0.05
+    # Its scale, or the amplitude where a formula stands for it.
+    size, expected = next((p, v) for n, v in (("scale", 1.0), ("a", 0.35)) if (p := found.parameters.get(n)))
+    assert abs(size.value) == pytest.approx(expected, rel=0.1)
+    assert 0.0 < size.standard_deviation < 0.05 * expected
     assert diagnosis.fit.improved < 0.25 * diagnosis.fit.refitted
     simulated = camid.simulate(bench / "second.csv", diagnosis.improved, effects=learned)
     assert np.std(simulated["y"] - simulated["simulated"]) < 0.006
