@@ -23,7 +23,7 @@ from camid.writing import check_writable, without_infinities, write_whole
 
 Array = NDArray[np.float64]
 
-FILES = ("diagnosis.json", "improved.yaml", "residuals.csv", "report.html", NAME)
+FILES = ("diagnosis.json", "improved.yaml", "residuals.csv", "report.html")
 RESIDUALS = (
     "recorded",
     "nominal",
@@ -178,7 +178,7 @@ def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
         raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
     if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
         raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
-    for name in FILES:
+    for name in (*FILES, NAME):
         target = folder / name
         for path in inputs:
             if target.exists() and path.exists() and target.samefile(path):
