@@ -213,6 +213,11 @@ def actuating(body):
         (force_values("return [1.0 / 0.0]"), "1.0 / 0.0", "ZeroDivisionError"),
         (with_other(GUESS, "        return None\n"), "def candidates", "'candidates' gives no guesses"),
         (with_other(GUESS, "        yield 3.0\n"), "def candidates", "'candidates' yields a float"),
+        (
+            with_other(GUESS, "        while True:\n            yield cls(coefficient=0.1)\n"),
+            "def candidates",
+            "'candidates' yields more than 500 guesses",
+        ),
         (with_other(GUESS, "        yield cls(size=3.0)\n"), "size=3.0", "has no parameter 'size'"),
         (with_other(GUESS, "        yield cls(coefficient=situation.lagest)\n"), "lagest", "no attribute 'lagest'"),
         (observing("return output[1:]"), "def observe", "'observe' returns the shape (799,) for 800 rows"),

@@ -122,6 +122,8 @@ def test_a_change_in_the_file_is_compiled_again(write):
         (with_other("    @compiled\n", ""), "def force", "'force' is not compiled; write @compiled above it"),
         (with_other("def force(time,", "def force(self, time,"), "def force", "'force' takes other arguments"),
         (with_other("def force(", "def push("), "class Fading", "it does nothing"),
+        (RIGHT + "    force = 3.0\n", "class Fading", "'force' is not compiled"),
+        (RIGHT + RIGHT.replace("Fading(", "Again("), "class Again", "'fading' is taken by"),
         (with_other(LAW, "        return values[0] * nowhere\n"), "nowhere", "name 'nowhere' is not defined"),
         (with_other(LAW, "        return [position]\n"), "[position]", "No conversion from list"),
         (

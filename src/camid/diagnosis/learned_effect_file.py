@@ -17,7 +17,7 @@ from camid.number_text import printable
 
 NAME = "learned_effect.py"
 DIGITS = 7
-WIDTH = 116
+WIDTH = 108
 LONGEST_NAME = 30
 # Share of a learned curve, but for a straight line, that its formula has to carry to stand in its place.
 LEAST_CARRIED = 0.8
@@ -105,8 +105,8 @@ HEAD = '''\
 
     camid diagnose ANOTHER.csv --simulation S.yaml --effects {name} --output diagnosis
 
-looks for it in another recording. The next diagnosis into this folder writes this file anew: copy it, give the effect a
-name that says what it is, and put an equation in the place of a curve if you know one.
+looks for it in another recording. The next diagnosis into this folder writes this file anew: copy it,
+give the effect a name that says what it is, and put an equation in the place of a curve if you know one.
 """
 
 {imports}

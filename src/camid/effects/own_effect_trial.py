@@ -15,8 +15,8 @@ from camid.effects.own_effect_form import COMPILED, line_of
 from camid.effects.situation import Situation
 from camid.errors import InputError
 
-# First guesses that are tried, and rows of the recording at which.
-MOST_GUESSES = 200
+# First guesses, each of which costs a simulation, and rows of the recording at which they are tried.
+MOST_GUESSES = 500
 ROWS = 200
 EVERYWHERE = "it has to be a finite number everywhere"
 
@@ -71,7 +71,7 @@ def _named(value: Any) -> str:
 def _guesses(kind: type[Effect], situation: Situation) -> list[Effect]:
     found: list[Effect] = []
     try:
-        for guess in islice(kind.candidates(situation), MOST_GUESSES):
+        for guess in islice(kind.candidates(situation), MOST_GUESSES + 1):
             if not isinstance(guess, kind):
                 raise _wrong(kind, "candidates", f"yields {_named(guess)}", f"yield {kind.__name__}(…)")
             found.append(guess)
@@ -84,6 +84,8 @@ def _guesses(kind: type[Effect], situation: Situation) -> list[Effect]:
         if not found and "iterable" in str(error):
             raise _wrong(kind, "candidates", "gives no guesses", f"yield {kind.__name__}(…)") from error
         raise
+    if len(found) > MOST_GUESSES:
+        raise _wrong(kind, "candidates", f"yields more than {MOST_GUESSES} guesses", "yield one for each shape")
     return found
 
 
