@@ -14,10 +14,11 @@ from camid.diagnosis.report import page
 from camid.diagnosis.report.page import render
 from camid.effects.learned import LearnedCurve, LearnedForce
 from camid.effects.own_effects import own_effects
+from camid.effects.plant_force import static_force
 from tests.diagnosis.test_learned_laws import believed, bump, rig
 from tests.support import written_diagnoses
 from tests.support.linear_rig import write_yaml
-from tests.support.mass_on_spring import record
+from tests.support.mass_on_spring import effect, record
 
 KNOTS = np.linspace(-4.0, 4.0, 33)
 FAST = np.linspace(-30.0, 30.0, 33)
@@ -270,3 +271,28 @@ def test_the_page_escapes_the_program():
     text = render(written_diagnoses.diagnosis("partly-explained", learned=[part], recordings=["<b>.csv"]))
     assert "as learned from &lt;b&gt;.csv" in text
     assert "learned from <b>" not in text
+
+
+def test_a_named_effect_that_only_resembles_a_part_of_the_law_is_part_of_it(tmp_path):
+    """Cogging is taken for a part of the magnet's force: what was learned beside it alone is in no other recording."""
+    first, second = (rig(bump, seed).drop(columns="clean") for seed in (21, 22))
+    diagnosis = camid.diagnose(first, believed())
+    assert [f.weight < 0.5 for f in diagnosis.findings] == [True]
+    path = tmp_path / NAME
+    path.write_text(effect_file(diagnosis))
+    found = camid.diagnose(second, believed(), effects=path).findings[0]
+    assert found.identifier == "learned-force-over-position"
+    assert found.weight > 0.5
+
+
+def test_the_force_of_an_effect_over_one_variable():
+    at, plant = np.linspace(-2.0, 2.0, 9), TransferFunction((100.0,), (1.0, 2.0, 100.0))
+    cubic, drag, friction = (
+        effect("cubic-stiffness", coefficient=0.3),
+        effect("quadratic-drag", coefficient=0.2),
+        effect("coulomb-friction", force=0.1),
+    )
+    assert static_force(cubic, "position", at, plant) == pytest.approx(0.3 * at**3)
+    assert static_force(drag, "velocity", at, plant) == pytest.approx(0.2 * at * np.abs(at))
+    for each, over in ((cubic, "velocity"), (drag, "position"), (friction, "velocity")):
+        assert not static_force(each, over, at, plant).any()

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 from typing import Any
 
 import numpy as np
 
 from camid.diagnosis.diagnosis import Array, Diagnosis
+from camid.diagnosis.explanation import HEADLINE_WEIGHT
 from camid.diagnosis.formula_program import DEFINED, IMPORTED, FormulaProgram, program_of
 from camid.diagnosis.learned_part import LearnedPart
+from camid.effects import known_effects
+from camid.effects.plant_force import motion_sign, static_force
 from camid.number_text import printable
 
 NAME = "learned_effect.py"
@@ -155,7 +158,7 @@ def effect_file(diagnosis: Diagnosis) -> str | None:
     source = _source(diagnosis.recordings)
     taken = set(diagnosis.own_titles)
     written, imports = "", {"Effect", "Parameter"}
-    for part in _without_those_of_a_formula(parts):
+    for part in _without_those_of_a_formula([_with_what_resembles_it(part, diagnosis) for part in parts]):
         words = _new(_words(part), taken)
         taken.add("-".join(words).lower())
         law = _law_of(part, words)
@@ -166,6 +169,20 @@ def effect_file(diagnosis: Diagnosis) -> str | None:
         if FORMS[part.variables].against_motion:
             imports.add("motion_sign")
     return HEAD.format(source=source, name=NAME, imports=_imports(imports)) + written
+
+
+def _with_what_resembles_it(part: LearnedPart, diagnosis: Diagnosis) -> LearnedPart:
+    """A force with the forces of effects that only resemble a part of it: beside them it is what they lack."""
+    form = FORMS[part.variables]
+    if part.place != "plant" or form.times:
+        return part
+    plant, knots, total = diagnosis.improved.plant, np.array(part.knots), np.zeros(len(part.knots))
+    doubtful = {f.identifier for f in diagnosis.findings if f.weight < HEADLINE_WEIGHT and f.place == "plant"}
+    for declared in diagnosis.improved.effects:
+        kind = known_effects().get(declared.identifier)
+        if kind is not None and declared.identifier in doubtful:
+            total += static_force(kind(**declared.parameters), form.over, knots, plant)
+    return replace(part, values=(np.array(part.values) + motion_sign(plant) * total).tolist())
 
 
 def _imports(names: set[str]) -> str:
