@@ -54,6 +54,7 @@ PURPOSES = {
     "camid.engine": "the simulation engine",
     "camid.identification": "the identification",
     "camid.images": "the images of markers",
+    "own_effects": "effects of your own",
 }
 
 # What every x86-64 processor of the last ten years has. Sums that may be taken in any order are taken in that of the

@@ -5,6 +5,8 @@ import os
 import pandas as pd
 import pytest
 
+import camid
+from camid.errors import InputError
 from tests.support import linear_rig as rig
 from tests.support.command_lines import IDENTIFY, SIMULATE, refusal, replaced
 
@@ -16,6 +18,10 @@ from tests.support.command_lines import IDENTIFY, SIMULATE, refusal, replaced
         (replaced(SIMULATE, "recording.csv", "none.csv"), "none.csv: no such file"),
         (replaced(IDENTIFY, "S.yaml", "none.yaml"), "none.yaml: no such file"),
         (replaced(SIMULATE, "recording.csv", "."), ".: this is a folder"),
+        ([*SIMULATE, "--effects", "none.py"], "none.py: no such file"),
+        ([*IDENTIFY, "--effects", "."], ".: this is a folder"),
+        ([*SIMULATE, "--effects", "S.yaml"], "S.yaml, line 2: this is no Python"),
+        ([*SIMULATE[:-1], "S.py", "--effects", "S.py"], "S.py: no such file"),
         (replaced(SIMULATE, "S.yaml", "."), ".: this is a folder"),
         (replaced(SIMULATE, "recording.csv", "n" * 300), "File name too long"),
         (replaced(SIMULATE, "S.yaml", "n" * 300), "File name too long"),
@@ -142,12 +148,11 @@ def test_nothing_is_written_if_there_is_no_residual(bench, capsys):
     assert not (bench / "model.yaml").exists()
 
 
-@pytest.mark.parametrize(
-    ("command", "said"), [("identify", "camid diagnose re-estimates"), ("order", "remove the effects")]
-)
-def test_linear_commands_refuse_effects(bench, capsys, command, said):
+def test_an_order_is_not_chosen_beside_effects(bench, capsys):
     effects = [{"id": "dead-zone", "parameters": {"half_width": 0.1}}]
     rig.write_yaml(rig.simulation(effects=effects), bench / "S.yaml")
-    message = refusal(capsys, [command, "recording.csv", "--simulation", "S.yaml"])
-    assert said in message
+    message = refusal(capsys, ["order", "recording.csv", "--simulation", "S.yaml"])
+    assert "remove the effects" in message
     assert "S.yaml, line" in message
+    with pytest.raises(InputError, match="an order is chosen, and this simulation has effects"):
+        camid.identify("recording.csv", "S.yaml", structure=(2, 0))

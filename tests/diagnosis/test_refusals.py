@@ -59,7 +59,10 @@ def known(identifier, **parameters):
     ("changes", "said"),
     [
         (known("coulomb-fricton", force=0.1), "no effect 'coulomb-fricton'; did you mean 'coulomb-friction'?"),
-        (known("magic", force=0.1), "no effect 'magic'; known here: "),
+        (
+            known("magic", force=0.1),
+            "no effect 'magic'; an effect of your own needs its file: --effects FILE.py; known",
+        ),
         (known("coulomb-friction", forces=0.1), "no parameter 'forces'; did you mean 'force'?"),
         (known("absolute-value", size=0.1), "absolute-value has no parameter 'size'; it has none"),
         (known("coulomb-friction"), "coulomb-friction needs the parameter 'force'"),
@@ -198,6 +201,8 @@ def test_a_full_disk_is_said_with_what_was_written_before(tmp_path, monkeypatch)
 
 
 def test_no_report_of_an_earlier_diagnosis_stays(tmp_path):
+    (tmp_path / "found").mkdir()
+    (tmp_path / "found" / "learned_effect.py").write_text("what an earlier diagnosis learned")
     for report, expected in ((True, FILES), (False, FILES[:3])):
         written = write_diagnosis(written_diagnoses.diagnosis("explained"), tmp_path / "found", report=report)
         assert [p.name for p in written] == list(expected)

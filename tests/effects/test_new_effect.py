@@ -1,8 +1,6 @@
 """An effect defined by the text of docs/adding_an_effect.md alone is known to catalogue, engine and diagnosis."""
 
 import re
-import sys
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
 from camid.diagnosis.screening import screen
 from camid.effects import known_effects
+from camid.effects.own_effects import own_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from camid.fitting.plant_with_effects import Model
@@ -26,18 +25,17 @@ PLANT = second_order(1.0, 10.0, 0.1)
 PERIOD = 0.02
 
 
+def text_of_the_page():
+    return re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL).group(1)
+
+
 @pytest.fixture
-def fading(tmp_path, monkeypatch):
+def fading(tmp_path):
     """The class of the page; the catalogue is as before when the test is over."""
-    code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL).group(1)
     path = tmp_path / "fading.py"
-    path.write_text(code, encoding="utf-8")
-    module = ModuleType("fading")
-    module.__file__ = str(path)
-    monkeypatch.setitem(sys.modules, "fading", module)
-    exec(compile(code, str(path), "exec"), module.__dict__)
-    yield module.FadingForceConstant
-    del known_effects()[module.FadingForceConstant.identifier]
+    path.write_text(text_of_the_page(), encoding="utf-8")
+    with own_effects(path) as (kind,):
+        yield kind
 
 
 def excitation(count):
@@ -71,3 +69,9 @@ def test_the_diagnosis_finds_it(fading):
 
 def test_without_it_the_catalogue_does_not_know_it():
     assert "fading-force-constant" not in known_effects()
+
+
+def test_the_page_on_own_effects_shows_the_file_of_the_example():
+    page = (ROOT / "docs" / "own_effects.md").read_text(encoding="utf-8")
+    text = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
+    assert (ROOT / "examples" / "magnet_effect.py").read_text(encoding="utf-8").endswith(f'"""\n\n{text}')

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from camid.cli.shared import progress_display, warn
+from camid.cli.shared import own_effects_option, progress_display, warn
 from camid.diagnosis.watch import TIME_LIMIT
 from camid.errors import need
 
@@ -21,6 +21,7 @@ from camid.errors import need
 @click.option(
     "--output", type=click.Path(path_type=Path), required=True, help="Folder for the results; created if missing."
 )
+@own_effects_option
 @click.option("--report/--no-report", default=True, show_default=True, help="Also write report.html.")
 @click.option(
     "--time-limit",
@@ -31,7 +32,14 @@ from camid.errors import need
 )
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json.")
 def diagnose(
-    *, recording: tuple[Path, ...], simulation: Path, output: Path, report: bool, time_limit: float, as_json: bool
+    *,
+    recording: tuple[Path, ...],
+    simulation: Path,
+    output: Path,
+    effects: tuple[Path, ...],
+    report: bool,
+    time_limit: float,
+    as_json: bool,
 ) -> None:
     """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.
 
@@ -43,13 +51,13 @@ def diagnose(
 
     if report:
         need("report.html", "plots", hint="or say --no-report")
-    check_folder(output, [*recording, simulation])
+    check_folder(output, [*recording, simulation, *effects])
     with ExitStack() as stack:
         drawn_beside = stack.enter_context(PageDrawnBeside()) if report else None
         progress = stack.enter_context(progress_display(as_json))
         from camid.commands.diagnose import diagnose as run
 
-        result = run(list(recording), simulation, progress=progress, time_limit=time_limit or None)
+        result = run(list(recording), simulation, progress=progress, time_limit=time_limit or None, effects=effects)
         written = write_diagnosis(result, output, report=report, drawn_beside=drawn_beside)
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))

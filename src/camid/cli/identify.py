@@ -15,6 +15,7 @@ from camid.cli.shared import (
     declarations,
     declared_simulation,
     declared_twice,
+    own_effects_option,
     progress_display,
     warn,
 )
@@ -37,6 +38,7 @@ What is known, and how to say it:
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--simulation", type=click.Path(path_type=Path), help="What you believe of the rig (YAML).")
 @click.option("--output", type=click.Path(path_type=Path), help="Where the identified model goes (YAML).")
+@own_effects_option
 @click.option("--residuals", type=click.Path(path_type=Path), help="Where the residual's correlations go (CSV).")
 @click.option("--order", nargs=2, type=int, metavar="POLES ZEROS", help="Without --simulation: order of the plant.")
 @declarations
@@ -53,6 +55,7 @@ def identify(
     recording: tuple[Path, ...],
     simulation: Path | None,
     output: Path | None,
+    effects: tuple[Path, ...],
     residuals: Path | None,
     order: tuple[int, int] | None,
     method: str,
@@ -73,18 +76,18 @@ def identify(
             hint="say what to look for, e.g. --order 2 0 (camid order tries them all)",
         )
     believed = declared_simulation(simulation, declared)
-    inputs = [*recording, *([simulation] if simulation else [])]
+    inputs = [*recording, *([simulation] if simulation else []), *effects]
     check_output(output, inputs)
     check_output(residuals, inputs, "--residuals")
     if output is not None and residuals is not None and output.resolve() == residuals.resolve():
         raise InputError("--output and --residuals are the same file", where=str(output), hint="name two files")
     with progress_display(as_json) as progress, column_options(simulation):
-        result = run(list(recording), believed, structure=order, method=method, progress=progress)
+        result = run(list(recording), believed, structure=order, method=method, progress=progress, effects=effects)
     if residuals is not None:
         if result.residual_analysis is None:
             raise InputError(
                 "the residual was not tested: the estimate diverged, or the engine had to simulate it (a pendulum, "
-                "equations, a closed loop, a clock with a skew)",
+                "equations, a closed loop, a clock with a skew, effects)",
                 hint="leave out --residuals",
             )
         write_table(result.residual_analysis.correlations(result.period), residuals)

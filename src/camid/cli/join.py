@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from camid.cli.shared import check_output, progress_display, warn
+from camid.cli.shared import check_output, own_effects_option, progress_display, warn
 from camid.errors import InputError
 
 
@@ -20,6 +20,7 @@ from camid.errors import InputError
     type=click.Path(path_type=Path),
     help="What links the drive's input to the clip's output (YAML): the clocks are aligned through its plant.",
 )
+@own_effects_option
 @click.option(
     "--match",
     metavar="CLIP=DRIVE",
@@ -40,6 +41,7 @@ def join(
     drive: Path,
     output: Path,
     simulation: Path | None,
+    effects: tuple[Path, ...],
     match: str | None,
     write_simulation: Path | None,
     exposure: float | None,
@@ -57,7 +59,7 @@ def join(
 
     if write_simulation is not None and simulation is None:
         raise InputError("--write-simulation without --simulation", hint="give the simulation that is to be written")
-    inputs = [clip, drive, *([simulation] if simulation else [])]
+    inputs = [clip, drive, *([simulation] if simulation else []), *effects]
     check_output(output, inputs)
     check_output(write_simulation, inputs, "--write-simulation")
     if write_simulation is not None and write_simulation.resolve() == output.resolve():
@@ -72,6 +74,7 @@ def join(
             clip_time=clip_time,
             drive_time=drive_time,
             progress=progress,
+            effects=effects,
         )
     write_table(found.table, output)
     written = [output]

@@ -41,6 +41,11 @@ def print_identification(result: Identification, written: list[Path]) -> None:
         table.add_section()
         for row in constants:
             table.add_row(row["name"], with_deviation(row["value"], row["standard_deviation"]), row["unit"])
+    if result.effect_rows:
+        table.add_section()
+        for row in result.effect_rows:
+            name = f"{row['effect']}, {row['name'].replace('_', ' ')}"
+            table.add_row(name, with_deviation(row["value"], row["standard_deviation"]), row["unit"])
     console.print(table)
     held = "free decay" if model.input_column is None else f"input {model.hold}"
     sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {_milliseconds(model.exposure)}"

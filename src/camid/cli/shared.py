@@ -33,6 +33,14 @@ def warn(sentence: str) -> None:
     click.echo(f"camid: warning: {sentence}", err=True)
 
 
+own_effects_option = click.option(
+    "--effects",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    metavar="FILE",
+    help="Python file with effects of your own, which is run; may be given several times.",
+)
+
 # What the options below declare where there is no --simulation.
 DECLARATIONS = (
     click.option("--hold", type=click.Choice(["zoh", "foh"]), help="Without --simulation: hold of the input [zoh]."),

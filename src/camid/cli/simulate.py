@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from camid.cli.shared import check_output, progress_display, warn
+from camid.cli.shared import check_output, own_effects_option, progress_display, warn
 from camid.number_text import number, percentage
 
 if TYPE_CHECKING:
@@ -21,17 +21,18 @@ if TYPE_CHECKING:
 @click.option(
     "--output", type=click.Path(path_type=Path), required=True, help="Where the result goes (CSV or Parquet)."
 )
+@own_effects_option
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
-def simulate(recording: Path, simulation: Path, output: Path, as_json: bool) -> None:
+def simulate(recording: Path, simulation: Path, output: Path, effects: tuple[Path, ...], as_json: bool) -> None:
     """Run a simulation on the input of a RECORDING: one row per recorded row."""
     from camid.commands.simulate import simulate as run
     from camid.simulation.file import load_simulation
     from camid.writing import without_infinities, write_table
 
-    check_output(output, [recording, simulation])
+    check_output(output, [recording, simulation, *effects])
     believed = load_simulation(simulation)
     with progress_display(as_json):
-        table = run(recording, believed)
+        table = run(recording, believed, effects=effects)
     write_table(table, output)
     summary: dict[str, Any] = {"schema": 1, "rows": len(table), "output": str(output), "rmse": None, "nrmse": None}
     compared = {column: f"simulated_{column}" for column in believed.output_columns if column in table}

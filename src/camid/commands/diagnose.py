@@ -13,6 +13,7 @@ from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.diagnosis.watch import TIME_LIMIT, Watch
 from camid.effects.declared import effects_of
+from camid.effects.own_effects import EffectSource, files_of, own_effects
 from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
 from camid.errors import InputError
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
@@ -30,6 +31,7 @@ def diagnose(
     *,
     progress: Callable[[str], None] | None = None,
     time_limit: float | None = TIME_LIMIT,
+    effects: Sequence[EffectSource] | EffectSource = (),
 ) -> DiagnosisResult:
     """Find, name and model what a simulation leaves out.
 
@@ -45,6 +47,8 @@ def diagnose(
     time_limit : float, optional
         Seconds after which nothing new is tried: the answer is the best until then, and its warnings say what was left
         out. None for no limit.
+    effects : sequence of path or subclass of Effect, optional
+        Effects of your own that the search and the simulation may use. A file is Python, and is run.
 
     Returns
     -------
@@ -55,11 +59,24 @@ def diagnose(
     Raises
     ------
     InputError
-        If recording and simulation do not fit together or the data are too few.
+        If recording and simulation do not fit together or the data are too few, or an effect of your own is wrong.
     """
     started = time.perf_counter()
-    watch = Watch(progress, time_limit)
-    believed = load_simulation(simulation)
+    with own_effects(effects) as own:
+        found = _diagnosed(recording, load_simulation(simulation), Watch(progress, time_limit))
+    return replace(
+        found,
+        seconds=time.perf_counter() - started,
+        own_titles={kind.identifier: kind.title for kind in own},
+        own_files=files_of(effects),
+    )
+
+
+def _diagnosed(
+    recording: RecordingSource | Sequence[RecordingSource], believed: Simulation, watch: Watch
+) -> DiagnosisResult:
+    """Diagnosis of what a simulation declares."""
+    progress = watch.progress
     effects = effects_of(believed)
     refuse_stillness(believed)
     recordings, experiments, held_out = experiments_of(recording, believed, progress)
@@ -93,7 +110,6 @@ def diagnose(
         diagnosis,
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
-        seconds=time.perf_counter() - started,
         warnings=[
             *warnings_of(recordings),
             *problem.kind.remarks(diagnosis.improved),

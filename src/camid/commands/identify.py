@@ -7,9 +7,12 @@ from dataclasses import replace
 
 from camid.chain.plant import TransferFunction
 from camid.commands.results import IdentificationResult
+from camid.effects.declared import effects_of
+from camid.effects.own_effects import EffectSource, own_effects
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of, problem_of, refuse_stillness, structure_of
 from camid.fitting.identification_task import IdentificationTask
+from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.identification.estimate import METHODS
 from camid.identification.experiment import Experiment
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
@@ -30,6 +33,7 @@ def identify(
     structure: tuple[int, int] | None = None,
     method: str = "srivc",
     progress: Callable[[str], None] | None = None,
+    effects: Sequence[EffectSource] | EffectSource = (),
 ) -> IdentificationResult:
     """Re-estimate the plant of a simulation from one or several recordings of the same rig.
 
@@ -40,13 +44,15 @@ def identify(
     simulation : path, mapping or Simulation
         Its transfer function gives the orders and one starting value; a mapping may hold a continuous-time
         python-control system with one input and one output as ``plant``. A known delay is the sensor's latency;
-        coefficients with ``free: false`` keep their value.
+        coefficients with ``free: false`` keep their value. Effects are re-estimated with the plant, by output error.
     structure : (int, int), optional
         Numbers of poles and zeros; the transfer function of the simulation then counts for nothing. Needs an input.
     method : {"srivc", "output-error", "plain-srivc"}
         See :func:`camid.identification.estimate.estimate`.
     progress : callable, optional
         Called with a sentence about the current step.
+    effects : sequence of path or subclass of Effect, optional
+        Effects of your own that the simulation may name. A file is Python, and is run.
 
     Returns
     -------
@@ -58,7 +64,8 @@ def identify(
     InputError
         If recording and simulation do not fit together or the data are too few.
     """
-    found = _identified(recording, load_simulation(simulation), structure, method, progress)
+    with own_effects(effects):
+        found = _identified(recording, load_simulation(simulation), structure, method, progress)
     return IdentificationResult.of(found, recording if isinstance(recording, list | tuple) else [recording])
 
 
@@ -70,11 +77,12 @@ def _identified(
     progress: Callable[[str], None] | None,
 ) -> Identification:
     """Identification of what a simulation declares."""
-    if believed.effects:
+    effects = effects_of(believed)
+    if effects and order is not None:
         raise InputError(
-            "identify re-estimates linear chains, and this simulation has effects",
+            "an order is chosen, and this simulation has effects",
             where=believed.effects[0].where,
-            hint="camid diagnose re-estimates plant and effects together (improved.yaml)",
+            hint="leave the order out, or remove the effects",
         )
     prescribing = kind_of(believed, []).prescribes_order
     if prescribing is not None and order is not None:
@@ -88,8 +96,8 @@ def _identified(
     _refuse_undetermined(structure, believed, recordings, experiments)
     problem = problem_of(believed, structure, recordings, experiments)
     try:
-        task = IdentificationTask(believed, recordings, held_out, nominal, method, progress)
-        found = problem.kind.identified(problem, task)
+        task = IdentificationTask(believed, recordings, held_out, nominal, method, progress, effects)
+        found = identify_by_simulation(problem, task) if effects else problem.kind.identified(problem, task)
     except InputError:
         raise
     except (ValueError, ArithmeticError) as error:

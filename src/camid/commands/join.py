@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from camid.effects.own_effects import EffectSource, own_effects
 from camid.errors import InputError
 from camid.identification.from_recordings import SimulationSource
 from camid.joining.clocks import LEAST_CORRELATION, Clocks, CommonSignal, aligned, first_alignment
@@ -106,6 +107,7 @@ def join(
     clip_time: str | None = None,
     drive_time: str | None = None,
     progress: Callable[[str], None] | None = None,
+    effects: Sequence[EffectSource] | EffectSource = (),
 ) -> Joined:
     """Bring the table of a clip and that of a drive onto one clock.
 
@@ -125,6 +127,8 @@ def join(
         Time columns, where they are not recognised.
     progress : callable, optional
         Called with a sentence about the current step.
+    effects : sequence of path or subclass of Effect, optional
+        Effects of your own that the simulation may name. A file is Python, and is run.
 
     Raises
     ------
@@ -142,7 +146,8 @@ def join(
     seen, logged = replace(seen, time=seen.time - first), replace(logged, time=logged.time - first_drive)
     try:
         if believed is not None:
-            clocks, method = _through_plant(believed, seen, logged, progress)
+            with own_effects(effects):
+                clocks, method = _through_plant(believed, seen, logged, progress)
         else:
             clocks, method = _through_signal(seen, logged, match, exposure, progress)
         common = [name for name in seen.columns if name in logged.columns or name == logged.time_column]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.effects.own_effects import EffectSource, own_effects, own_effects_in_use
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
 from camid.fitting.simulated_output import simulated_output, simulated_readings
@@ -18,13 +19,20 @@ from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas as pd
 
 
 Array = NDArray[np.float64]
 
 
-def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.DataFrame:
+def simulate(
+    recording: RecordingSource,
+    simulation: SimulationSource,
+    *,
+    effects: Sequence[EffectSource] | EffectSource = (),
+) -> pd.DataFrame:
     """Run a simulation on the input of a recording.
 
     Parameters
@@ -33,6 +41,8 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     simulation : path, mapping or Simulation
         Effects included. Those that change the noise alone (quantisation, outliers, …) leave the expected output as
         it is.
+    effects : sequence of path or subclass of Effect, optional
+        Effects of your own that the simulation may name. A file is Python, and is run.
 
     Returns
     -------
@@ -45,9 +55,21 @@ def simulate(recording: RecordingSource, simulation: SimulationSource) -> pd.Dat
     ------
     InputError
         If recording and simulation do not fit together, the initial state, an offset or a bias is to be fitted and
-        there is no output, or the latency is not known yet.
+        there is no output, the latency is not known yet, or an effect of your own is wrong.
     """
-    return simulated_table(recording, load_simulation(simulation))
+    with own_effects(effects):
+        return simulated_table(recording, load_simulation(simulation))
+
+
+def _what_to_check(believed: Simulation) -> str:
+    """What may be wrong where a simulated output is no number."""
+    own = [kind.identifier for kind in own_effects_in_use()]
+    declared = [effect.identifier for effect in believed.effects if effect.identifier in own]
+    if declared:
+        return f"does your own effect {' or '.join(declared)} return a finite number everywhere, with these parameters?"
+    if believed.physical is not None and believed.physical.equations is not None:
+        return "do the equations give a number in every state? sqrt(max(level, 0)) does"
+    return "check the transfer function and the units of the input"
 
 
 def simulated_table(
@@ -87,9 +109,7 @@ def simulated_table(
             raise InputError(
                 "the simulated output exceeds every floating-point number",
                 where=believed.source,
-                hint="check the transfer function and the units of the input"
-                if believed.physical is None or believed.physical.equations is None
-                else "do the equations give a number in every state? sqrt(max(level, 0)) does",
+                hint=_what_to_check(believed),
             )
         table: dict[str, Any] = {"experiment": one.experiment} if len(recordings) > 1 else {}
         # Where the file's times are irregular, the simulation ran on a grid: back to the recorded times.

@@ -291,6 +291,10 @@ class Diagnosis:
         Laws of the improved simulation that have no name.
     structured : bool
         Whether what the improved simulation leaves is more than noise.
+    own_titles : dict of str to str
+        What a user's own effects are called, by identifier.
+    own_files : list of str
+        Files that they were read from.
     """
 
     verdict: str
@@ -313,6 +317,8 @@ class Diagnosis:
     further_signals: list[Signals] = field(default_factory=list)
     learned: list[LearnedPart] = field(default_factory=list)
     structured: bool = False
+    own_titles: dict[str, str] = field(default_factory=dict)
+    own_files: list[str] = field(default_factory=list)
 
     @property
     def compared(self) -> str:

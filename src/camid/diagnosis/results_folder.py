@@ -1,4 +1,4 @@
-"""The folder of a diagnosis: diagnosis.json, improved.yaml, residuals.csv and report.html."""
+"""The folder of a diagnosis: diagnosis.json, improved.yaml, residuals.csv, report.html, and what was learned."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, Signals
+from camid.diagnosis.learned_effect_file import NAME, effect_file
 from camid.diagnosis.report.beside import PageDrawnBeside
 from camid.errors import InputError, need
 from camid.simulation.file import simulation_text
@@ -55,7 +56,8 @@ def write_diagnosis(
     diagnosis : Diagnosis
     folder : path
     report : bool
-        Whether to draw report.html, too; if not, one of an earlier diagnosis in the folder is removed.
+        Whether to draw report.html, too; if not, one of an earlier diagnosis in the folder is removed. The same holds
+        for learned_effect.py where nothing was learned.
     drawn_beside : PageDrawnBeside, optional
         What draws it; this process where it is left out.
 
@@ -78,12 +80,15 @@ def write_diagnosis(
         FILES[0]: json.dumps(without_infinities(diagnosis.to_mapping()), indent=2, ensure_ascii=False) + "\n",
         FILES[1]: simulation_text(
             diagnosis.improved,
-            f"improved by camid diagnose from {', '.join(diagnosis.recordings)}: {diagnosis.verdict}",
+            f"improved by camid diagnose from {', '.join(diagnosis.recordings)}: {diagnosis.verdict}"
+            + "".join(f"\nwith effects of your own: --effects {name}" for name in diagnosis.own_files),
         ),
         FILES[2]: _as_csv(residuals(diagnosis)),
     }
     if drawn_beside is not None and report:
         contents[FILES[3]] = drawn_beside.text()
+    if (learned := effect_file(diagnosis)) is not None:
+        contents[NAME] = learned
     written: list[Path] = []
     try:
         folder.mkdir(exist_ok=True)
@@ -94,6 +99,8 @@ def write_diagnosis(
             data = content.encode("utf-8", errors="replace")
             write_whole(folder / name, lambda path, data=data: path.write_bytes(data))  # type: ignore[misc]
             written.append(folder / name)
+        if NAME not in contents:  # of an earlier diagnosis
+            (folder / NAME).unlink(missing_ok=True)
     except (OSError, InputError) as error:
         done = f"; written before: {', '.join(p.name for p in written)}" if written else ""
         problem = error.problem if isinstance(error, InputError) else f"cannot write ({error.strerror or error})"
@@ -171,7 +178,7 @@ def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
         raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
     if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
         raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
-    for name in FILES:
+    for name in (*FILES, NAME):
         target = folder / name
         for path in inputs:
             if target.exists() and path.exists() and target.samefile(path):

@@ -27,13 +27,13 @@ from camid.diagnosis.learned_laws import with_learned_laws
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, share_left
-from camid.diagnosis.screening import ScreenedEffect, screen
+from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.simplest_effects import simplest
-from camid.diagnosis.verdict import beside_others, effect_deviations, findings, learned_parts, verdict_of
+from camid.diagnosis.verdict import beside_others, findings, learned_parts, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
-from camid.fitting.fit import Fitted, fit
+from camid.fitting.fit import Fitted, effect_deviations, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
@@ -187,6 +187,7 @@ def _prepared(
     problem, base = _without_spoiled(whole, base, start, spoiled)
     judging = [rows & ~s if (rows & ~s).any() else rows for rows, s in zip(validation, spoiled, strict=True)]
     watch.say("screening the catalogue")
+    try_own_effects(problem, base)
     searches = Searches()
     screened = screen(problem, base, signatures=searches.signatures)
     settled = _settled(problem, base)

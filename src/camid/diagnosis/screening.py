@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.own_effect_trial import tried_guesses
+from camid.effects.own_effects import own_effects_in_use, refuse_raised_by
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import WORKERS, Problem
@@ -71,6 +73,25 @@ def trials(effect: type[Effect], problem: Problem) -> float:
     """How many different effects a search for this one amounts to."""
     rows = len(problem.output)
     return {"shapes": 1.0, "frames": float(rows), "frequencies": 0.5 * rows}[effect.trials]
+
+
+def try_own_effects(problem: Problem, base: Fitted) -> None:
+    """Try what a user's own effects do on the recordings: a screening drops guesses that fail.
+
+    Raises
+    ------
+    InputError
+        If their code raises an error, or returns what is no finite number or has another shape.
+    """
+    views = problem.situations(base.model)
+    for kind in own_effects_in_use():
+        if problem.kind.unseen(kind) is not None:
+            continue
+        for guess in tried_guesses(kind, views.of(kind))[:1]:
+            try:
+                problem.rough().simulate_fitted(base.model.plus(guess))
+            except (ValueError, ArithmeticError) as error:
+                refuse_raised_by(kind, error)
 
 
 def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> Iterator[Effect]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from camid.diagnosis.weights import UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition
 from camid.effects.separating_experiment import advice
-from camid.fitting.fit import Fitted
+from camid.fitting.fit import effect_deviations
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
@@ -27,19 +26,6 @@ def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dic
     """Values with standard deviations and units."""
     units = {p.name: p.unit for p in effect.parameters}
     return {n: ParameterEstimate(v, deviations.get(n), units[n]) for n, v in effect.stated().items()}
-
-
-def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:
-    """Standard deviations of every effect's parameters; None where the data leave one undetermined."""
-    variances = np.diag(fitted.covariance)
-    found: list[dict[str, float | None]] = []
-    for i, effect in enumerate(fitted.model.effects):
-        row: dict[str, float | None] = {}
-        for parameter in effect.numeric():
-            variance = float(variances[fitted.packing.names.index(f"{i} {parameter.name}")])
-            row[parameter.name] = sqrt(variance) if np.isfinite(variance) and variance >= 0.0 else None
-        found.append(row)
-    return found
 
 
 def findings(

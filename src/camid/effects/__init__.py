@@ -19,11 +19,14 @@ from camid.effects import (
 )
 from camid.effects.base import PLACES, Effect, known_effects
 from camid.effects.compiled_part import compiled
+from camid.effects.curve import Curve, on_curve
 from camid.effects.parameter import Parameter
+from camid.effects.plant_force import motion_sign
 from camid.effects.situation import Situation
 
 __all__ = [
     "PLACES",
+    "Curve",
     "Effect",
     "Parameter",
     "Situation",
@@ -37,7 +40,9 @@ __all__ = [
     "known_effects",
     "learned",
     "modes",
+    "motion_sign",
     "noise",
+    "on_curve",
     "periodic_in_position",
     "sensor",
     "sensor_geometry",

@@ -165,13 +165,14 @@ class Effect:
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
         if "identifier" in vars(cls):
-            if cls.place not in PLACES:
-                raise ValueError(f"{cls.__name__}: place '{cls.place}' is not one of {', '.join(PLACES)}")
+            place = getattr(cls, "place", None)
+            if place not in PLACES:
+                raise ValueError(f"{cls.__name__}: place '{place}' is not one of {', '.join(PLACES)}")
             if "box" not in vars(cls):
                 cls.box = cls.place
-            _declarable[cls.identifier] = cls
-            if cls.listed:
-                _catalogue[cls.identifier] = cls
+            # A user's own are known where they are asked for alone: camid.effects.own_effects.
+            if is_of_the_package(cls):
+                make_known(cls)
 
     def __init__(self, **values: Any) -> None:
         known = [p.name for p in self.parameters]
@@ -362,8 +363,30 @@ class Effect:
         return None
 
 
+def is_of_the_package(kind: type[Effect]) -> bool:
+    """Whether a class belongs to this package, and not to a user."""
+    return kind.__module__.partition(".")[0] == __name__.partition(".")[0]
+
+
+def make_known(kind: type[Effect]) -> None:
+    """Let simulations declare an effect, and diagnoses look for it if it is listed."""
+    # New mappings: others may be going through the old ones.
+    global _catalogue, _declarable  # noqa: PLW0603
+    _declarable = {**_declarable, kind.identifier: kind}
+    if kind.listed:
+        _catalogue = {**_catalogue, kind.identifier: kind}
+
+
+def forget(kind: type[Effect]) -> None:
+    """Undo :func:`make_known`."""
+    global _catalogue, _declarable
+    _catalogue, _declarable = (
+        {name: known for name, known in mapping.items() if known is not kind} for mapping in (_catalogue, _declarable)
+    )
+
+
 def known_effects() -> Mapping[str, type[Effect]]:
-    """The effects of the catalogue by identifier."""
+    """The effects of the catalogue by identifier, and those of a user's own that are in use."""
     return _catalogue
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from ctypes import CFUNCTYPE, POINTER, c_double
 from typing import Any
 
 from numba import types
 
 from camid.compiled import callback
 
+ARGUMENTS = ("time", "position", "velocity", "signal", "memory", "values")
+# Zeros behind the values that a single call gets: what reads beyond them reads no foreign memory.
+MARGIN = 64
 SIGNATURE = types.float64(*[types.float64] * 5, types.CPointer(types.float64))
 
 
@@ -29,6 +33,11 @@ class Compiled:
         if self._callback is None:
             self._callback = callback(SIGNATURE, self.function)
         return int(self._callback.address)
+
+    def at(self, *arguments: float, values: Sequence[float]) -> float:
+        """What the compiled function returns for time, position, velocity, input and memory."""
+        numbers = (c_double * (len(values) + MARGIN))(*values)
+        return float(CFUNCTYPE(c_double, *[c_double] * 5, POINTER(c_double))(self.address)(*arguments, numbers))
 
 
 def compiled(function: Callable[..., float]) -> Compiled:

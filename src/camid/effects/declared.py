@@ -26,7 +26,7 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
             raise InputError(
                 f"no effect '{declared.identifier}'",
                 where=declared.where,
-                hint=nearest_match(declared.identifier, declarable_effects()),
+                hint=_where_to_find_it(declared.identifier),
             )
         if kind.listed and any(type(e) is kind for e in found):
             raise InputError(
@@ -49,6 +49,13 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
                 str(error), where=declared.where, hint="; ".join(f"{p.name}: {p.meaning}" for p in kind.parameters)
             ) from None
     return tuple(found)
+
+
+def _where_to_find_it(identifier: str) -> str:
+    """What may be meant by an identifier that is not known."""
+    near = nearest_match(identifier, declarable_effects())
+    own = "an effect of your own needs its file: --effects FILE.py"
+    return f"{near} {own}" if near.endswith("?") else f"{own}; {near}"
 
 
 def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Effect
+from camid.effects.base import Array, Effect
 
 # Force of a first guess as a share of the largest input: small, but above the rounding of the integrator.
 GUESS = 0.02
+# Times, values of position or velocity, and inputs at which a force over the other one alone is the same.
+TRIALS = ((0.0, 0.3, 0.0), (1.7, -1.1, 0.8), (4.1, 2.3, -1.9))
 # Smallest factor of a change of size; the effect is then below any noise.
 LEAST_FACTOR = 1e-9
 
@@ -36,6 +40,29 @@ def mobility(plant: TransferFunction) -> float:
 def motion_sign(plant: TransferFunction) -> float:
     """1 where a positive force moves the plant to positive y at first, -1 where the sign of y or u is the other way."""
     return 1.0 if plant.monic.numerator[0] > 0.0 else -1.0
+
+
+def static_force(effect: Effect, over: str, at: Array, plant: TransferFunction) -> Array:
+    """Force of an effect over position or velocity alone, in the shape of ``at``; zero where it is no such force.
+
+    Parameters
+    ----------
+    effect : Effect
+    over : str
+        ``position`` or ``velocity``.
+    at : ndarray, shape (N,)
+    plant : TransferFunction
+    """
+    nothing = np.zeros(len(at))
+    if effect.force is None or effect.friction_level is not None or effect.memory_after is not None:
+        return nothing
+    values = effect.force_values(plant)
+    rows = []
+    for time, other, signal in TRIALS:
+        along = [(x, other) if over == "position" else (other, x) for x in at.tolist()]
+        rows.append([effect.force.at(time, *motion, signal, 0.0, values=values) for motion in along])
+    found = np.array(rows)
+    return found[0] if np.all(np.isfinite(found)) and np.all(found == found[0]) else nothing
 
 
 class AgainstMotion(Effect):

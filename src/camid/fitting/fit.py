@@ -305,3 +305,16 @@ def fit(
         max_nfev=steps,
     )
     return evaluate(problem, packing.unpack(found.x), fixed, weighted=len(whitening) > 1)
+
+
+def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:
+    """Standard deviations of every effect's parameters; None where the data leave one undetermined."""
+    variances = np.diag(fitted.covariance)
+    found: list[dict[str, float | None]] = []
+    for i, effect in enumerate(fitted.model.effects):
+        row: dict[str, float | None] = {}
+        for parameter in effect.numeric():
+            variance = float(variances[fitted.packing.names.index(f"{i} {parameter.name}")])
+            row[parameter.name] = float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0.0 else None
+        found.append(row)
+    return found

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
 from camid.recording.recording import Recording
 from camid.simulation.model import Simulation
 
@@ -20,7 +21,6 @@ class IdentificationTask:
     Attributes
     ----------
     believed : Simulation
-        Without effects.
     recordings : list of Recording
         Of one rig.
     held_out : list of ndarray of bool
@@ -31,6 +31,8 @@ class IdentificationTask:
         See :func:`camid.identification.estimate.estimate`; a kind of plant may have its own.
     progress : callable, optional
         Called with a sentence about the current step.
+    effects : tuple of Effect
+        Those that the simulation declares; they are re-estimated with the plant, but for those on the noise.
     """
 
     believed: Simulation
@@ -39,3 +41,4 @@ class IdentificationTask:
     nominal: TransferFunction | None
     method: str
     progress: Callable[[str], None] | None
+    effects: tuple[Effect, ...] = ()

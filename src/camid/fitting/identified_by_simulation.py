@@ -1,19 +1,22 @@
-"""Identification of a plant that the engine has to simulate: a pendulum, or one in a closed loop."""
+"""Identification of what the engine has to simulate: a pendulum, a plant in a closed loop, or one with effects."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.fitting.fit import Fitted
+from camid.effects.declared import declared
+from camid.fitting.fit import Fitted, effect_deviations
 from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.estimate import Constant, Estimate
 from camid.identification.identification import Identification
 from camid.number_text import equals_probability
+from camid.simulation.model import DeclaredEffect
 
 # Probability of as much structure in white noise below which it is said.
 SURE = 1e-4
@@ -22,7 +25,8 @@ SURE = 1e-4
 def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identification:
     """Output error through the engine, whatever the method asked for; in a closed loop the error of the control."""
     structure, kind = problem.structure, problem.kind
-    nominal = Model(structure.coefficients(), constants=kind.constants())
+    moving = tuple(effect for effect in task.effects if not effect.noise_like)
+    nominal = Model(structure.coefficients(), moving, constants=kind.constants())
     fitted = kind.refit(problem, problem.with_initial_states(nominal))
     covariance = kind.coefficient_covariance(structure, fitted)
     residuals = [e.output - s for e, s in zip(problem.experiments, problem.simulate(fitted.model), strict=True)]
@@ -47,7 +51,7 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
     found = kind.written_back(task.believed, structure, fitted)
     exposure = problem.acquisition.exposure if found.sensor == "camera" else None
     return Identification(
-        simulation=replace(found, exposure=exposure),
+        simulation=replace(found, exposure=exposure, effects=_declared_again(task, fitted)),
         estimate=estimate,
         # Where a constant follows the recordings as well, a fit has ended nowhere.
         converged=estimate.converged and error([e.used for e in problem.experiments]) < 1.0,
@@ -56,8 +60,33 @@ def identify_by_simulation(problem: Problem, task: IdentificationTask) -> Identi
         nrmse=error([e.used for e in problem.experiments]),
         nrmse_validation=error(task.held_out) if any(k.any() for k in task.held_out) else None,
         acquisition=problem.acquisition,
-        method=kind.method,
+        method=kind.method or "output error",
         notes=_whiteness(problem, fitted),
+        effect_rows=_rows(fitted),
+    )
+
+
+def _declared_again(task: IdentificationTask, fitted: Fitted) -> tuple[DeclaredEffect, ...]:
+    """The effects of the simulation in their order: those on the motion as estimated, the others as before."""
+    estimated = iter(declared(fitted.model.effects, effect_deviations(fitted)))
+    return tuple(
+        one if effect.noise_like else next(estimated)
+        for one, effect in zip(task.believed.effects, task.effects, strict=True)
+    )
+
+
+def _rows(fitted: Fitted) -> tuple[dict[str, Any], ...]:
+    """Parameters of the effects that were estimated."""
+    return tuple(
+        {
+            "effect": effect.identifier,
+            "name": parameter.name,
+            "value": effect.values[parameter.name],
+            "standard_deviation": deviations[parameter.name],
+            "unit": parameter.unit,
+        }
+        for effect, deviations in zip(fitted.model.effects, effect_deviations(fitted), strict=True)
+        for parameter in effect.numeric()
     )
 
 

@@ -60,6 +60,9 @@ class Identification:
         How it was identified, where the plant leaves no choice.
     notes : tuple of str
         What was not estimated, and why.
+    effect_rows : tuple of dict
+        Parameters of the simulation's effects that were estimated with the plant: ``effect``, ``name``, ``value``,
+        ``standard_deviation`` and ``unit``.
     """
 
     simulation: Simulation
@@ -75,6 +78,7 @@ class Identification:
     recording_warnings: tuple[str, ...] = ()
     method: str | None = None
     notes: tuple[str, ...] = ()
+    effect_rows: tuple[dict[str, Any], ...] = ()
 
     def to_control(self) -> control.TransferFunction:
         """The identified plant as a continuous-time python-control transfer function."""
@@ -215,6 +219,7 @@ class Identification:
             "combinations": self.combinations(),
             "characteristics": self.characteristics(),
             "constants": self.constants(),
+            "effects": list(self.effect_rows),
             "noise_standard_deviation": float(np.sqrt(self.estimate.noise_variance)),
             "nrmse": self.nrmse,
             "nrmse_validation": self.nrmse_validation,

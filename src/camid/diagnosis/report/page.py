@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
+from camid.diagnosis.learned_effect_file import NAME, effect_file
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
 
@@ -179,14 +180,14 @@ def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         drawn = equation(finding.equation) if finding.equation else None
         members = [(finding.title, finding.weight, True)] if finding.alternatives else []
         rivals = sorted(finding.alternatives, key=lambda pair: -pair[1])
-        members += [(summary.title_of(name), weight, False) for name, weight in rivals]
+        members += [(summary.title_of(name, diagnosis.own_titles), weight, False) for name, weight in rivals]
         found.append(
             {
                 "finding": finding,
                 # The path is made of numbers alone, so it needs no escaping.
                 "equation": None if drawn is None else Markup(drawn),
                 "parameters": _parameter_rows(finding, diagnosis),
-                "evidence": summary.evidence_lines(finding.evidence),
+                "evidence": summary.evidence_lines(finding.evidence, diagnosis.own_titles),
                 "members": members,
             }
         )
@@ -200,7 +201,8 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     from camid.diagnosis.report.pictures import draw
 
     names = diagnosis.improved.symbols
-    seen, unseen = summary.sorted_undetectable(diagnosis.undetectable)
+    own = diagnosis.own_titles
+    seen, unseen = summary.sorted_undetectable(diagnosis.undetectable, own)
     pictures = draw(diagnosis)
     state = diagnosis.location.state
     return {
@@ -231,7 +233,9 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "span": number_text.span,
         "percentage": number_text.percentage,
         "probability": number_text.probability,
-        "title_of": summary.title_of,
+        "title_of": partial(summary.title_of, own=own),
+        "effect_file": effect_file(diagnosis),
+        "effect_file_name": NAME,
     }
 
 

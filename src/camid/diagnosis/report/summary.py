@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
+from camid.diagnosis.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.weights import UNLISTED
 from camid.number_text import number, percentage, plain, printable, probability, span, unit_of, with_deviation
 
@@ -68,12 +69,14 @@ def needs_new_coefficients(diagnosis: Diagnosis) -> bool:
     return bool(wrong_coefficients(diagnosis.coefficients, diagnosis.fit))
 
 
-def title_of(identifier: str) -> str:
-    """An effect's title in the catalogue."""
+def title_of(identifier: str, own: Mapping[str, str] | None = None) -> str:
+    """An effect's title in the catalogue, or among a user's own."""
     from camid.effects import known_effects
 
     if identifier == UNLISTED:
         return "physics outside the catalogue"
+    if own and identifier in own:
+        return own[identifier]
     known = known_effects().get(identifier)
     words = identifier.replace("-", " ")
     return words[:1].upper() + words[1:] if known is None else known.title
@@ -92,7 +95,7 @@ def is_noise_only(evidence: dict[str, Any]) -> bool:
     return evidence.get("share") == 0.0 and evidence.get("validation_gain") is None
 
 
-def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
+def evidence_lines(evidence: dict[str, Any], own: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
     """Pairs of what was measured and its value: first the known kinds of evidence, then the others as they come."""
     lines = []
     known: dict[str, tuple[str, Callable[[float], str]]] = {
@@ -112,7 +115,7 @@ def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
             continue
         if key == "next_best":
             if isinstance(value, str):
-                lines.append(("next best", title_of(value)))
+                lines.append(("next best", title_of(value, own)))
             continue
         if isinstance(value, bool) or value is None:
             shown = {True: "yes", False: "no", None: "–"}[value]
@@ -124,16 +127,18 @@ def evidence_lines(evidence: dict[str, Any]) -> list[tuple[str, str]]:
     return lines
 
 
-def sorted_undetectable(undetectable: list[Undetectable]) -> tuple[list[Undetectable], list[Undetectable]]:
+def sorted_undetectable(
+    undetectable: list[Undetectable], own: Mapping[str, str] | None = None
+) -> tuple[list[Undetectable], list[Undetectable]]:
     """Those that would have shown, from a certain size on if they have one, and those that would not; by name."""
-    ordered = sorted(undetectable, key=lambda u: title_of(u.identifier).lower())
+    ordered = sorted(undetectable, key=lambda u: title_of(u.identifier, own).lower())
     return [u for u in ordered if u.would_show], [u for u in ordered if not u.would_show]
 
 
-def alternatives_text(finding: Finding) -> str:
+def alternatives_text(finding: Finding, own: Mapping[str, str] | None = None) -> str:
     """The effects that cannot be told apart from a finding, with their weights."""
     return ", ".join(
-        f"{title_of(name)} ({percentage(weight, 2)})"
+        f"{title_of(name, own)} ({percentage(weight, 2)})"
         for name, weight in sorted(finding.alternatives, key=lambda pair: -pair[1])
     )
 
@@ -208,7 +213,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     for finding in diagnosis.findings:
         if finding.alternatives:
             relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
-            line = f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {alternatives_text(finding)}"
+            others = alternatives_text(finding, diagnosis.own_titles)
+            line = f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}"
             console.print(line, soft_wrap=True)
         if finding.separating_experiment:
             console.print(f"  what would: {finding.separating_experiment}", soft_wrap=True)
@@ -234,3 +240,7 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
         console.print(f"warning: {printable(warning)}", style="yellow", soft_wrap=True)
     for path in written:
         console.print(f"written to {printable(str(path))}", soft_wrap=True)
+        if path.name == LEARNED_EFFECT:
+            console.print(
+                f"  looks for what was learned in other recordings: --effects {printable(str(path))}", soft_wrap=True
+            )
