@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from camid.commands.step import step
     from camid.commands.track import track
     from camid.diagnosis.diagnosis import Diagnosis
+    from camid.effects.own_effects import own_effects
     from camid.errors import InputError
     from camid.identification.identification import Identification
     from camid.recording.read import read_recording
@@ -47,6 +48,7 @@ _MODULE_OF = {
     "init_recording": "commands.init_recording",
     "join": "commands.join",
     "load_simulation": "simulation.file",
+    "own_effects": "effects.own_effects",
     "poles": "commands.poles",
     "read_recording": "recording.read",
     "residuals": "commands.residuals",
@@ -72,6 +74,7 @@ __all__ = [
     "init_recording",
     "join",
     "load_simulation",
+    "own_effects",
     "poles",
     "read_recording",
     "residuals",

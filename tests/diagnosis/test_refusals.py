@@ -101,7 +101,7 @@ def test_an_effect_without_meaning_for_the_plant(folder, capsys, command):
         ({"plant": rig.plant([2.0], [1.0, -3.0, 100.0])}, "unstable: poles at 1.5"),
         ({"input": None}, "S.yaml: without input and at rest nothing moves; set initial_state: estimate"),
         ({"validation": {"start": 90.0, "end": 99.0}}, "no row of the recording lies between 90 s and 99 s"),
-        ({"validation": {"start": 0.0, "end": 99.0}}, "samples are too few"),
+        ({"validation": {"start": 0.0, "end": 99.0}}, "leave no row to fit"),
         ({"sensor": {"column": "y", "kind": "camera", "exposure": 0.03}}, "longer than the period"),
         ({"sensor": {"column": "z", "kind": "camera"}}, "no column 'z'"),
         ({"time": {"column": "u"}, "input": {"column": "u", "hold": "zoh"}}, "time and input are the same column"),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from camid.cli.shared import check_output
+from camid.cli.shared import check_output, own_effects_option
 from camid.errors import need
 
 if TYPE_CHECKING:
@@ -25,11 +26,20 @@ OPTIONS = (
 )
 
 
-def view_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command ``--output`` and ``--json``."""
-    for option in reversed(OPTIONS):
-        command = option(command)
-    return command
+def view_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command ``--output`` and ``--json``, and ``--effects``, which are known while it runs."""
+
+    @wraps(command)
+    def with_effects(*, effects: tuple[Path, ...], **options: Any) -> None:
+        from camid.effects.own_effects import own_effects
+
+        with own_effects(effects):
+            command(**options)
+
+    found: Callable[..., None] = with_effects
+    for option in reversed((*OPTIONS, own_effects_option)):
+        found = option(found)
+    return found
 
 
 def check_picture(output: Path | None, inputs: list[Path], columns: tuple[str, ...]) -> None:

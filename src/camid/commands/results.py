@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from camid.analysis.view import ShortTable, html_table
 from camid.diagnosis.diagnosis import Diagnosis
+from camid.effects.own_effects import own_effects
 from camid.identification.from_recordings import RecordingSource
 from camid.identification.identification import Identification
 from camid.number_text import percentage, with_deviation
@@ -47,6 +48,10 @@ class Drawable(ABC):
     def _held_out(self) -> tuple[float, float] | None:
         return None
 
+    def _own_files(self) -> Sequence[str]:
+        """Files with effects of a user's own that the result names."""
+        return ()
+
     def plot(self) -> Figure:
         """Recorded and simulated output over time, as a figure of matplotlib: the picture of :meth:`compare`."""
         return self.compare().figure()
@@ -63,7 +68,8 @@ class Drawable(ABC):
 
         part = self._held_out() if held_out is None and recording is None else held_out
         source = self._recording() if recording is None else recording
-        return compare(source, *self._beside(), self, *others, held_out=part, zoom=zoom)
+        with own_effects(self._own_files()):
+            return compare(source, *self._beside(), self, *others, held_out=part, zoom=zoom)
 
     def bode(
         self,
@@ -81,25 +87,29 @@ class Drawable(ABC):
 
         source = self._recording() if recording is True else None if recording is False else recording
         models = (*self._beside(), self, *others)
-        return bode(*models, recording=source, camera=camera, frequencies=frequencies, segment=segment)
+        with own_effects(self._own_files()):
+            return bode(*models, recording=source, camera=camera, frequencies=frequencies, segment=segment)
 
     def residuals(self, recording: RecordingSource | None = None) -> ResidualCorrelations:
         """Correlations of the residual with itself and with the input; see :func:`camid.residuals`."""
         from camid.commands.residuals import residuals
 
-        return residuals(self._sources() if recording is None else recording, self)
+        with own_effects(self._own_files()):
+            return residuals(self._sources() if recording is None else recording, self)
 
     def poles(self, *others: ModelSource) -> PolesAndZeros:
         """Poles and zeros with ellipses, beside those of other models; see :func:`camid.poles`."""
         from camid.commands.poles import poles
 
-        return poles(*self._beside(), self, *others)
+        with own_effects(self._own_files()):
+            return poles(*self._beside(), self, *others)
 
     def step(self, *others: ModelSource, amplitude: float = 1.0, duration: float | None = None) -> StepResponses:
         """Step response with a band, beside those of other models; see :func:`camid.step`."""
         from camid.commands.step import step
 
-        return step(*self._beside(), self, *others, amplitude=amplitude, duration=duration)
+        with own_effects(self._own_files()):
+            return step(*self._beside(), self, *others, amplitude=amplitude, duration=duration)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -177,6 +187,9 @@ class DiagnosisResult(Diagnosis, Drawable):
 
     def _beside(self) -> list[ModelSource]:
         return [self.believed]
+
+    def _own_files(self) -> Sequence[str]:
+        return self.own_files
 
     def _held_out(self) -> tuple[float, float] | None:
         return self.fit.validation
