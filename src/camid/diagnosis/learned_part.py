@@ -2,11 +2,62 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp
 from typing import Any
 
 from camid.diagnosis.weights import UNLISTED
+from camid.number_text import SPACE, with_deviation
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a formula: value, standard deviation and unit (in u, y and s)."""
+
+    value: float
+    standard_deviation: float | None
+    unit: str
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json."""
+        return {"value": self.value, "std": self.standard_deviation, "unit": self.unit}
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula for a learned law.
+
+    Attributes
+    ----------
+    form : str
+        What it is, in words.
+    expression : str
+        With names for its numbers; x, y, u and v = ẏ in the units of the recording.
+    parameters : dict of str to Quantity
+    replaces : list of str
+        Identifiers of the effects that it stands for together with the learned law.
+    held : dict of str to float
+        ``constant`` and ``slope`` of it that the coefficients of the improved simulation hold already.
+    points, values : list of float
+        The formula without that, and without the effects that it stands for: what the learned law has to be compared
+        with.
+    """
+
+    form: str
+    expression: str
+    parameters: dict[str, Quantity]
+    replaces: list[str] = field(default_factory=list)
+    held: dict[str, float] = field(default_factory=dict)
+    points: list[float] = field(default_factory=list)
+    values: list[float] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """Expression and numbers in one line, in u, y and s."""
+        numbers = [
+            f"{name} = {with_deviation(p.value, p.standard_deviation, p.unit)}" for name, p in self.parameters.items()
+        ]
+        return ", ".join([self.expression, *numbers]).replace(SPACE, " ")
 
 
 @dataclass(frozen=True)
@@ -24,8 +75,12 @@ class LearnedPart:
         Natural logarithm of the evidence for the law against none.
     share : float
         Of the refitted sum of squares that it removes, fitted rows.
-    formula : str or None
-        A short formula that says as much; None where none is known.
+    formula : Formula or None
+        A short formula that says as much; None where none is known, or several do.
+    rivals : list of Formula
+        Formulas that say as much and cannot be told apart.
+    description : str
+        The law in words; empty where nothing is known.
     """
 
     identifier: str
@@ -39,13 +94,34 @@ class LearnedPart:
     unit: str
     log_evidence: float
     share: float
-    formula: str | None = None
+    formula: Formula | None = None
+    rivals: list[Formula] = field(default_factory=list)
+    description: str = ""
 
     @property
     def name(self) -> str:
         """What it is, in words: Learned force over the velocity."""
         kind, _, over = self.variables.rpartition(" over ")
         return f"Learned {kind} over the {over}" if kind else f"{self.title} over the {self.variables}"
+
+    @property
+    def drawn(self) -> list[Formula]:
+        """The formula, or those that cannot be told apart."""
+        return self.rivals if self.formula is None else [self.formula]
+
+    def formula_mapping(self) -> dict[str, Any]:
+        """Part of diagnosis.json: the formula, its numbers, and the law in words."""
+        if self.formula is None:
+            alike = [formula.text for formula in self.rivals]
+            return {"formula": None, "formula_rivals": alike, "description": self.description}
+        return {
+            "formula": self.formula.text,
+            "formula_parameters": {name: q.to_mapping() for name, q in self.formula.parameters.items()},
+            "formula_replaces": self.formula.replaces,
+            "formula_held": self.formula.held,
+            "formula_rivals": [],
+            "description": self.description,
+        }
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json: an effect that claims no name, so that all of its weight is outside the catalogue."""
@@ -56,7 +132,7 @@ class LearnedPart:
             "knots": self.knots,
             "values": self.values,
             "standard_deviations": self.standard_deviations,
-            "formula": self.formula,
+            **self.formula_mapping(),
             "parameters": {
                 "variables": {"value": self.variables, "std": None, "unit": ""},
                 "knots": {"value": self.knots, "std": None, "unit": self.knot_unit},

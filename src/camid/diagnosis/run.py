@@ -21,6 +21,7 @@ from camid.diagnosis.evidence import (
     tests_of,
 )
 from camid.diagnosis.explanation import explanation
+from camid.diagnosis.formula.account import with_formulas, with_words
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.learned_laws import with_learned_laws
@@ -299,14 +300,14 @@ def _diagnosis(
     without = errors_without(problem, decision, judging)
     found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left, beside_laws)
     found += beside_others(residue.findings, found)
-    learned = learned_parts(decision)
+    learned = with_formulas(problem, decision, learned_parts(decision), judging, setting.known, watch)
     verdict = verdict_of(bool(found or learned), bool(named.reasons))
     location = _location(problem, base, found, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
     deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
     deviations += [{"values": part.standard_deviations} for part in learned]
-    effects = [*zip(final.model.effects, deviations, strict=True), *residue.noise_effects]
+    effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, setting.validation)
     known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, judging)

@@ -24,6 +24,11 @@ from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
 
 FEWEST_KNOTS = 2
+# What a diagnosis says of a law; the values at the knots are what a simulation runs.
+WORDS = (
+    Parameter("formula", "", "a short formula that says as much, where one is known", is_name=True, default=""),
+    Parameter("description", "", "the law in words", is_name=True, default=""),
+)
 
 
 @njit(error_model="numpy")
@@ -126,6 +131,7 @@ class LearnedForce(LearnedEffect):
         Parameter(
             "values", "", "force there, against the motion, in u, or what is multiplied with u or ẏ", sequence=True
         ),
+        *WORDS,
     )
 
     def __init__(self, **values: Any) -> None:
@@ -182,6 +188,7 @@ class LearnedCurve(LearnedEffect):
         Parameter("variables", "", "what the curve bends", choices=("input", "reading")),
         Parameter("knots", "", "where it is given, in u or y", sequence=True),
         Parameter("values", "", "what becomes of those, in u or y", sequence=True),
+        *WORDS,
     )
     keeps_hold = True
 

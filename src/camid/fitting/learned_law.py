@@ -84,7 +84,7 @@ class _Curve:
 def blank_laws(problem: Problem, fitted: Fitted) -> dict[str, LearnedEffect]:
     """Laws that do nothing, on knots over what the recordings visit, by what they depend on."""
     found: dict[str, LearnedEffect] = {}
-    seen = _visited(problem, fitted)
+    seen = visited(problem, fitted)
     for name in (*FORCES, "input", *(["reading"] if problem.kind.one_reading else [])):
         over, times = FORCES.get(name, (name, None))
         low, high = float(np.min(seen[over])), float(np.max(seen[over]))
@@ -172,7 +172,7 @@ def _curve(problem: Problem, fitted: Fitted, law: LearnedEffect) -> _Curve:
     """Laws on the same knots that no coefficient can imitate."""
     name, knots = str(law.values["variables"]), law.knots
     over, times = FORCES.get(name, (name, None))
-    seen = _visited(problem, fitted)
+    seen = visited(problem, fitted)
     edges = np.concatenate([[-np.inf], 0.5 * (knots[1:] + knots[:-1]), [np.inf]])
     counts = np.histogram(seen[over], edges, weights=None if times is None else seen[times] ** 2)[0].astype(float)
     counts /= max(float(counts.sum()), 1e-300)
@@ -180,7 +180,7 @@ def _curve(problem: Problem, fitted: Fitted, law: LearnedEffect) -> _Curve:
     if times is None:
         middle = np.array([np.interp(0.0, knots, row) for row in np.eye(len(knots))])
         constraints.append(middle if knots[0] < 0.0 < knots[-1] else counts)
-    if _coefficient_is_free(problem, name):
+    if coefficient_is_free(problem, name):
         # What a coefficient does is a straight line through zero, or where the law multiplies a signal a constant.
         spread = knots - float(counts @ knots) if times is None else np.ones(len(knots))
         constraints.append(counts * spread / max(float(counts @ spread**2), 1e-300))
@@ -188,18 +188,18 @@ def _curve(problem: Problem, fitted: Fitted, law: LearnedEffect) -> _Curve:
     second = np.diff(np.eye(len(knots)), 2, axis=0) @ directions
     roughness = second.T @ second
     roughness += LEAST_ROUGHNESS * float(np.trace(roughness)) / len(roughness) * np.eye(len(roughness))
-    unit = float(np.ptp(knots)) if isinstance(law, LearnedCurve) else _largest(seen["input"], problem, fitted)
+    unit = float(np.ptp(knots)) if isinstance(law, LearnedCurve) else largest_force(seen["input"], problem, fitted)
     if times is not None:
         unit /= float(np.max(np.abs(seen[times])))
     return _Curve(directions, roughness, law.heights, unit)
 
 
-def _largest(signal: Array, problem: Problem, fitted: Fitted) -> float:
+def largest_force(signal: Array, problem: Problem, fitted: Fitted) -> float:
     """The largest input, or without one the force that would hold the plant where it moves."""
     return float(np.max(np.abs(signal), initial=0.0)) or problem.situation(fitted.model).largest("signal")
 
 
-def _visited(problem: Problem, fitted: Fitted) -> dict[str, Array]:
+def visited(problem: Problem, fitted: Fitted) -> dict[str, Array]:
     """Values of what a law may depend on, on the fitted rows, shapes (M,)."""
     motions = problem.motion(fitted.model)
     return {
@@ -210,7 +210,7 @@ def _visited(problem: Problem, fitted: Fitted) -> dict[str, Array]:
     }
 
 
-def _coefficient_is_free(problem: Problem, name: str) -> bool:
+def coefficient_is_free(problem: Problem, name: str) -> bool:
     """Whether a free coefficient does what a straight line, or a constant factor, in the law's place would."""
     free, structure = problem.structure.free, problem.structure
     if name == "position":
@@ -268,7 +268,7 @@ class _Step:
         named = [i for i, name in enumerate(self.packing.names) if not name.startswith("initial")]
         effects = [i for i in named if self.packing.names[i][0].isdigit()]
         for kept_apart in (named, effects) if coefficients else (effects,):
-            basis = _orthonormal(self.table[:, kept_apart]) if kept_apart else np.zeros((len(self.residual), 0))
+            basis = orthonormal(self.table[:, kept_apart]) if kept_apart else np.zeros((len(self.residual), 0))
             if 0 < basis.shape[1] <= len(self.weights) - FEWEST_WEIGHTS:
                 break
         else:
@@ -332,7 +332,7 @@ class _Step:
 
 def _smoothed(residual: Array, table: Array, columns: Array, weights: Array, curve: _Curve) -> SmoothCurve:
     """The curve of most evidence, of the chain linearised about weights."""
-    basis = _orthonormal(table)
+    basis = orthonormal(table)
     left, target = (rows - basis @ (basis.T @ rows) for rows in (columns, residual + columns @ weights))
     return smooth_curve(left, target, curve.roughness, len(residual) - basis.shape[1])
 
@@ -359,7 +359,7 @@ def _with_weights(model: Model, curve: _Curve, weights: Array) -> Model:
     return replace(model, effects=(*model.effects[:-1], learned))
 
 
-def _orthonormal(table: Array) -> Array:
+def orthonormal(table: Array) -> Array:
     """Orthonormal basis of the columns, shape (M, r)."""
     lengths = np.linalg.norm(table, axis=0)
     left, triangle = np.linalg.qr(table[:, lengths > 0.0] / lengths[lengths > 0.0])

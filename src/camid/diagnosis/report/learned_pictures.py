@@ -33,6 +33,10 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     for part in diagnosis.learned:
         title = part.name
         caption = "The band is two standard deviations. Beyond its ends the recording says nothing: the plant is alone."
+        if part.drawn:
+            caption += f" {' Or: '.join(formula.text for formula in part.drawn)}."
+        if part.description:
+            caption += f" In words: {part.description}."
         yield Panel(title, caption, inline_svg(_curve(part, diagnosis), title))
 
 
@@ -47,8 +51,12 @@ def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
     axes = new_panel(top=28.0)
     axes.fill_between(knots, heights - band, heights + band, color=style.BLUE, alpha=0.25, linewidth=0, label="± 2 σ")
     axes.plot(knots, heights, "-o", color=style.BLUE, linewidth=2.0, markersize=3.5, label="learned")
+    looks = ((style.VERMILION, "--"), (style.BLACK, ":"), (style.GREEN, "-."))
+    for formula, (colour, dashes) in zip(part.drawn, looks, strict=False):
+        label = "formula" if part.formula is not None else formula.form
+        axes.plot(formula.points, formula.values, linestyle=dashes, color=colour, linewidth=2.0, label=label)
     axes.axhline(0.0, color=style.BLACK, linewidth=0.8)
     unit, knot_unit = (printable(unit_of(u, *names)) for u in (part.unit, part.knot_unit))
     axes.set(xlim=(knots[0], knots[-1]), xlabel=f"{over}, {knot_unit}", ylabel=f"{across}, {unit}" if unit else across)
-    legend_above(axes, 2)
+    legend_above(axes, 2 if len(part.drawn) < 2 else 3)
     return axes

@@ -11,6 +11,7 @@ from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Und
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
 from camid.diagnosis.learned_effect_file import NAME as LEARNED_EFFECT
+from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import UNLISTED
 from camid.number_text import number, percentage, plain, printable, probability, span, unit_of, with_deviation
 
@@ -189,6 +190,17 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
     return table
 
 
+def learned_lines(part: LearnedPart) -> list[str]:
+    """Formula and description of a law without a name."""
+    lines = []
+    if part.formula is not None:
+        lines.append(f"formula: {part.formula.text}")
+    lines += [f"formula, one of {len(part.rivals)}: {formula.text}" for formula in part.rivals]
+    if part.description:
+        lines.append(f"  in words: {part.description}")
+    return lines
+
+
 def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     """Print verdict, place, effects, errors and warnings for a person.
 
@@ -218,6 +230,9 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
             console.print(line, soft_wrap=True)
         if finding.separating_experiment:
             console.print(f"  what would: {finding.separating_experiment}", soft_wrap=True)
+    for part in diagnosis.learned:
+        for line in learned_lines(part):
+            console.print(printable(line), soft_wrap=True)
     fit = diagnosis.fit
     console.print(
         f"error on held-out rows ({span(fit.validation, 's')}"

@@ -1,0 +1,141 @@
+"""Formulas and words for the learned laws of a decision."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.formula.choice import Candidate, Choice, chosen, exponent_of, groups_of, values_of
+from camid.diagnosis.formula.text import formula_of, unit_text
+from camid.diagnosis.formula.words import described, loop_area, missing_from
+from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+from camid.diagnosis.watch import Watch
+from camid.effects.base import Effect
+from camid.fitting.problem import Problem
+from camid.number_text import SPACE, plain, with_deviation
+
+Array = NDArray[np.float64]
+
+
+def with_formulas(
+    problem: Problem,
+    decision: Decision,
+    parts: Sequence[LearnedPart],
+    judging: Sequence[NDArray[np.bool_]],
+    known: int,
+    watch: Watch,
+) -> list[LearnedPart]:
+    """The learned laws with their formulas, where short ones say as much, and in words.
+
+    Parameters
+    ----------
+    problem : Problem
+    decision : Decision
+    parts : sequence of LearnedPart
+        One for each of its laws.
+    judging : sequence of ndarray of bool
+        Rows of each recording that are not fitted.
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+    watch : Watch
+    """
+    result = list(parts)
+    if not parts or watch.no_time_for("a formula for a law without a name"):
+        return result
+    watch.say("looking for a formula")
+    first = len(decision.fitted.model.effects)
+    for group in groups_of(problem, decision, known):
+        try:
+            choice = chosen(problem, decision, group, judging)
+        except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+            continue
+        for index in group.laws[:-1]:
+            part = result[index - first]
+            result[index - first] = replace(part, description="described with the other law over the same variable")
+        result[group.index - first] = _with_formula(problem, decision, choice, result[group.index - first])
+    return result
+
+
+def with_words(effects: Sequence[Effect], parts: Sequence[LearnedPart]) -> list[Effect]:
+    """The effects of a model, the learned laws behind them with formula and description, as a simulation says them."""
+    result = list(effects)
+    for i, part in enumerate(parts, len(result) - len(parts)):
+        law = result[i]
+        text = "" if part.formula is None else part.formula.text
+        result[i] = type(law)(**{**law.values, "formula": text, "description": part.description})
+    return result
+
+
+def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: LearnedPart) -> LearnedPart:
+    """A law with what was found of it."""
+    formulas = [_formula(problem, decision, choice, c) for c in choice.candidates]
+    formula = formulas[0] if len(formulas) == 1 else None
+    power = None
+    if formula is not None and choice.best is not None:
+        found = exponent_of(problem, decision, choice)
+        power = None if found is None else Quantity(*found, "")
+    words = described(choice.law, part.variables, formula, power)
+    words += _loop(problem, decision, part)
+    if formula is not None and formula.replaces:
+        words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
+    if len(formulas) > 1:
+        alike = "; or ".join(each.expression for each in formulas)
+        words.append(f"this recording cannot tell apart {alike}")
+    elif formula is None and choice.best is not None:
+        nearest = _formula(problem, decision, choice, choice.best)
+        knots, values, spread = (np.array(each) for each in (part.knots, part.values, part.standard_deviations))
+        bends = values - knots if part.identifier == "learned-curve" else values
+        missing = missing_from(nearest, knots, bends, spread, part.variables, choice.explained)
+        words.append(f"no short formula: {choice.reason}; {missing}")
+    return replace(part, formula=formula, rivals=formulas if len(formulas) > 1 else [], description="; ".join(words))
+
+
+def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Candidate) -> Formula:
+    """A candidate in the units of the recording, and its values where the learned law can be compared with them."""
+    group, law = choice.group, choice.law
+    final, refitted = decision.improved, candidate.fit.fitted
+    gone = {*group.laws, *candidate.replaced}
+    kept = [i for i in range(len(final.model.effects)) if i not in gone]
+    values = candidate.form.values(law.grid)
+    held = law.absorbed.part_of(values)
+    for i in group.named:
+        values = values - values_of(problem, final, i, group.variables, law.grid)
+        if i in kept:
+            values = values + values_of(problem, refitted, kept.index(i), group.variables, law.grid)
+    for i in group.laws[:-1]:
+        values = values - values_of(problem, final, i, group.variables, law.grid)
+    names = [name for name, there in (("constant", law.absorbed.constant), ("slope", law.absorbed.line)) if there]
+    formula = formula_of(candidate.form, candidate.fit.covariance, group.variables)
+    return replace(
+        formula,
+        replaces=[final.model.effects[i].identifier for i in candidate.replaced],
+        held={name: float(value) for name, value in zip(names, held, strict=True)},
+        points=law.grid.tolist(),
+        values=law.absorbed.without(values).tolist(),
+    )
+
+
+def _loop(problem: Problem, decision: Decision, part: LearnedPart) -> list[str]:
+    """The area of the loop over a sinusoidal motion of the recording's size, in words."""
+    motions = problem.motion(decision.improved.model)
+    position, velocity = (problem.fitted([m[i] for m in motions]) for i in (0, 1))
+    size, speed = float(np.std(position)), float(np.std(velocity))
+    if not size > 0.0 or not speed > 0.0:
+        return []
+    law = {
+        "knots": np.array(part.knots),
+        "values": np.array(part.values),
+        "deviations": np.array(part.standard_deviations),
+    }
+    amplitude, frequency = np.sqrt(2.0) * size, speed / size
+    found = loop_area(law, part.variables, amplitude, frequency)
+    if found is None:
+        return []
+    area = with_deviation(*found, unit_text({"u": 1, "y": 1}, {}, 0.0))
+    motion = f"{plain(amplitude, 3, 'y')} at {plain(frequency, 3, 'rad/s')}"
+    text = f"a motion of {motion} loses {area} a period to it, beyond the plant's own damping"
+    return [text.replace(SPACE, " ")]

@@ -1,0 +1,179 @@
+"""Words that an engineer uses for a law: odd or even, threshold, slopes, period, power, loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.formula.text import NOTATION, symbol_of, unit_text
+from camid.diagnosis.learned_part import Formula, Quantity
+from camid.fitting.linearised_law import LinearisedLaw
+from camid.fitting.smoothness import smooth_curve
+from camid.number_text import SPACE, number, plain, with_deviation
+
+Array = NDArray[np.float64]
+
+KNOTS = 13
+LEAST_ROUGHNESS = 1e-6
+# Share of the range that has to lie on either side of zero for a law to be called odd or even, and the gain of log
+# evidence that calls it so.
+LEAST_SIDE = 0.3
+LEAST_GAIN = 2.0
+# Forms of straight pieces.
+PIECEWISE = {"kink", "dead zone", "two kinks", "absolute value"}
+# Standard deviations from which the largest difference of curve and formula is named.
+SIGNIFICANT = 2.0
+
+
+def described(law: LinearisedLaw, variables: str, formula: Formula | None, power: Quantity | None) -> list[str]:
+    """What can be said of a law, each in a few words.
+
+    Parameters
+    ----------
+    law : LinearisedLaw
+    variables : str
+        What it depends on.
+    formula : Formula, optional
+        One that holds.
+    power : Quantity, optional
+        Exponent, where one was fitted.
+    """
+    words = []
+    if (side := parity(law)) is not None:
+        words.append(side)
+    if formula is not None:
+        words += _of_form(formula, variables)
+    if power is not None:
+        words.append(f"grows as the power {_estimate(power)} of |{symbol_of(variables)}|")
+    if variables == "position":
+        words.append("a force of the position alone gives back what it takes: no loop")
+    return words
+
+
+def parity(law: LinearisedLaw) -> str | None:
+    """Odd, even or neither, but for a constant and a straight line that coefficients hold; None where no side says."""
+    low, high = float(law.grid[0]), float(law.grid[-1])
+    reach = min(-low, high)
+    if reach <= LEAST_SIDE * max(-low, high):
+        return None
+    half = np.linspace(0.0, max(-low, high), KNOTS)
+    sizes = np.array([np.interp(np.abs(law.grid), half, row) for row in np.eye(KNOTS)[1:]]).T
+    whole = np.array([np.interp(law.grid, np.linspace(low, high, 2 * KNOTS - 1), row) for row in np.eye(2 * KNOTS - 1)])
+    evidence = {
+        "odd": _evidence(law, sizes * np.sign(law.grid)[:, None]),
+        "even": _evidence(law, sizes),
+        "neither": _evidence(law, whole.T),
+    }
+    best = max(("odd", "even"), key=lambda name: evidence[name])
+    if evidence[best] > evidence["neither"] + LEAST_GAIN:
+        return {"odd": "odd: opposite on both sides", "even": "even: the same on both sides"}[best]
+    if evidence["neither"] > evidence[best] + LEAST_GAIN:
+        return "neither odd nor even"
+    return None
+
+
+def _evidence(law: LinearisedLaw, basis: Array) -> float:
+    """Natural logarithm of the evidence for smooth laws of a basis, shape (G, m)."""
+    second = np.diff(np.eye(basis.shape[1]), 2, axis=0)
+    roughness = second.T @ second
+    roughness += LEAST_ROUGHNESS * float(np.trace(roughness)) / len(roughness) * np.eye(len(roughness))
+    table = law.factor @ law.absorbed.without(basis)
+    # What no law explains is one more row that none of them reaches.
+    table = np.vstack([table, np.zeros((1, table.shape[1]))])
+    return smooth_curve(table, np.append(law.target, np.sqrt(law.rest)), roughness, law.rows).log_evidence
+
+
+def _of_form(formula: Formula, variables: str) -> list[str]:
+    """What the numbers of a formula mean."""
+    symbol = symbol_of(variables)
+    said = {name: _estimate(quantity) for name, quantity in formula.parameters.items()}
+    sentences = {
+        "kink": "threshold at {x} = {c}",
+        "dead zone": "thresholds at {x} = ± {c}",
+        "two kinks": "thresholds at {x} = {d} and {c}",
+        "absolute value": "kink at {x} = 0",
+        "sine": "repeats every {L}",
+        "sine with a second harmonic": "repeats every {L}",
+        "bump": "centred at {x} = {x0}, half-width {c}",
+        "rational bump": "centred at {x} = {x0}, half-width {c}",
+        "pull to a point": "centred at {x} = {x0}, half-width {c}",
+        "step": "a step at {x} = {x0}",
+        "smooth step": "a step at {x} = {x0}",
+        "sign": "a step at {x} = 0",
+        "peak at a point": "largest at |{x}| = {c}",
+        "saturation, tanh": "levels off beyond |{x}| ≈ {c}",
+        "saturation, rational": "levels off beyond |{x}| ≈ {c}",
+        "inverse of a distance": "grows without bound towards {x} = {x0}",
+        "inverse square of a distance": "grows without bound towards {x} = {x0}",
+        "exponential": "grows by the factor e every {c}",
+    }
+    if formula.form not in sentences:
+        return []
+    words = [sentences[formula.form].format(**{**said, "x": symbol, "x0": said.get(f"{symbol}0", "")})]
+    return [*words, _slopes(formula)] if formula.form in PIECEWISE else words
+
+
+def _slopes(formula: Formula) -> str:
+    """Slopes on the pieces of a piecewise linear law, and by how much they differ."""
+    points, values = np.array(formula.points), np.array(formula.values)
+    slopes = np.diff(values) / np.diff(points)
+    change = "; ".join(_estimate(formula.parameters[name]) for name in ("a", "b") if name in formula.parameters)
+    return (
+        f"slope {number(float(np.median(slopes[: max(len(slopes) // 12, 1)])))} at the lower end, "
+        f"{number(float(np.median(slopes[-max(len(slopes) // 12, 1) :])))} at the upper one; change {change}"
+    )
+
+
+def missing_from(
+    form: Formula, knots: Array, values: Array, deviations: Array, variables: str, explained: float
+) -> str:
+    """What a formula would have to explain better than the best of the dictionary."""
+    symbol, _, heights, over = NOTATION[variables]
+    drawn = np.interp(knots, form.points, form.values)
+    ratio = (values - drawn) / np.maximum(deviations, 1e-12 * float(np.max(np.abs(values)) or 1.0))
+    inner = np.arange(1, len(knots) - 1)
+    worst = int(inner[np.argmax(np.abs(ratio[inner]))])
+    text = f"the nearest form of the dictionary is {form.form} ({form.expression}), with {100.0 * explained:.3g} % of "
+    text += "what the curve explains"
+    if abs(ratio[worst]) < SIGNIFICANT:
+        return text
+    at = f"{symbol} = {plain(float(knots[worst]), 3, unit_text({}, over, -1.0))}"
+    difference = with_deviation(
+        float(values[worst] - drawn[worst]), float(deviations[worst]), unit_text(heights, {}, 0.0)
+    )
+    return f"{text}; a formula would have to explain what is left about {at}, {difference}".replace(SPACE, " ")
+
+
+def loop_area(
+    law: Mapping[str, Array], variables: str, amplitude: float, frequency: float
+) -> tuple[float, float] | None:
+    """Work that a law takes from a sinusoidal motion in a period, and its standard deviation; None where it has none.
+
+    Parameters
+    ----------
+    law : mapping of str to ndarray
+        ``knots``, ``values`` and ``deviations``; these are taken for wholly dependent, which makes the result no
+        smaller than it is.
+    variables : str
+    amplitude : float
+        Of the motion, in y.
+    frequency : float
+        In rad/s.
+    """
+    if variables not in ("velocity", "damping over position"):
+        return None
+    phase = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
+    position, velocity = amplitude * np.sin(phase), amplitude * frequency * np.cos(phase)
+    at = velocity if variables == "velocity" else position
+    weight = velocity if variables == "velocity" else velocity**2
+    period = 2.0 * np.pi / frequency
+    force = np.interp(at, law["knots"], law["values"])
+    spread = np.interp(at, law["knots"], law["deviations"])
+    return float(np.mean(force * weight) * period), float(np.mean(spread * np.abs(weight)) * period)
+
+
+def _estimate(estimate: Quantity) -> str:
+    text = with_deviation(estimate.value, estimate.standard_deviation, estimate.unit)
+    return text.replace(SPACE, " ")
