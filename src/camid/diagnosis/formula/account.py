@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.formula.choice import Candidate, Choice, chosen, exponent_of, groups_of, values_of
+from camid.diagnosis.formula.candidates import Candidate
+from camid.diagnosis.formula.choice import Choice, chosen, exponent_of
+from camid.diagnosis.formula.groups import groups_of, values_of
 from camid.diagnosis.formula.text import formula_of, unit_text
 from camid.diagnosis.formula.words import described, loop_area, missing_from
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
@@ -48,15 +50,24 @@ def with_formulas(
         return result
     watch.say("looking for a formula")
     first = len(decision.fitted.model.effects)
+    carried: set[int] = set()
     for group in groups_of(problem, decision, known):
+        if group.index in carried:
+            continue
         try:
             choice = chosen(problem, decision, group, judging)
         except (ValueError, ArithmeticError, np.linalg.LinAlgError):
             continue
+        said = _with_formula(problem, decision, choice, result[group.index - first])
+        result[group.index - first] = said
         for index in group.laws[:-1]:
             part = result[index - first]
             result[index - first] = replace(part, description="described with the other law over the same variable")
-        result[group.index - first] = _with_formula(problem, decision, choice, result[group.index - first])
+        if said.formula is not None and choice.best is not None:
+            carried |= {i for i in choice.best.replaced if i >= first}
+            for index in carried:
+                needless = f"not needed beside the formula for the {said.name[0].lower()}{said.name[1:]}"
+                result[index - first] = replace(result[index - first], formula=None, rivals=[], description=needless)
     return result
 
 

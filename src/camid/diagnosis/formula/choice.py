@@ -14,21 +14,28 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.evidence import simulated_error
-from camid.diagnosis.formula.dictionary import EXPONENT_BOUNDS, FIXED_POWERS, POWERS, Range
-from camid.diagnosis.formula.search import FittedForm, fitted_forms, length_of
+from camid.diagnosis.formula.bends import EXPONENT_BOUNDS
+from camid.diagnosis.formula.candidates import (
+    GAP,
+    Candidate,
+    about_curve,
+    about_formula,
+    fitted_through_the_chain,
+    in_order,
+    linear,
+    through_the_chain,
+)
+from camid.diagnosis.formula.dictionary import FIXED_POWERS, POWERS
+from camid.diagnosis.formula.groups import Group, other_laws
+from camid.diagnosis.learned_laws import LEAST_EVIDENCE
+from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
-from camid.fitting.fit import Fitted
-from camid.fitting.formula_fit import FormulaFit, fit_formula
-from camid.fitting.linearised_law import LawTable, LinearisedLaw, fine_grid, projected
+from camid.fitting.linearised_law import LawTable, LinearisedLaw, projected
 from camid.fitting.problem import Problem
 from camid.fitting.smoothness import smooth_curve
-from camid.fitting.static_laws import static_values
 
 Array = NDArray[np.float64]
 
-# Formulas that are fitted through the chain, and by how much their criterion may exceed the best one's to first order.
-MOST_FITTED = 3
-GAP = 60.0
 # How often the forms are compared again about the best formula.
 MOST_ROUNDS = 2
 # Share of the curve's sum of squares from which a formula is near to it.
@@ -39,46 +46,12 @@ NEARER = 1.2
 LEAST_MARGIN = 6.0
 # Natural logarithm of the evidence for a curve beside a formula that is still chance.
 MOST_EVIDENCE_LEFT = 5.0
+# Twice the log likelihood that each number of what a formula stands for may be worth (Akaike 1974).
+MORE_PER_NUMBER = 2.0
 # Error on rows that were not fitted, over that of the learned law, that a formula may have.
 LARGEST_ERROR = 1.05
 # Prior precision of a slope beside that of a curve.
 LEAST_ROUGHNESS = 1e-6
-
-
-@dataclass(frozen=True)
-class Group:
-    """The learned laws over one variable, and what stands in for a part of the same law.
-
-    Attributes
-    ----------
-    variables : str
-    index : int
-        Of the last such law among the effects of the improved model.
-    laws, named : tuple of int
-        The laws, and effects found that are static laws of the same variable.
-    """
-
-    variables: str
-    index: int
-    laws: tuple[int, ...]
-    named: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A formula fitted through the chain.
-
-    Attributes
-    ----------
-    form : FittedForm
-    fit : FormulaFit
-    replaced : tuple of int
-        Effects found in whose place it stands, beside the learned laws.
-    """
-
-    form: FittedForm
-    fit: FormulaFit
-    replaced: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -108,29 +81,6 @@ class Choice:
     reason: str
 
 
-def groups_of(problem: Problem, decision: Decision, known: int) -> list[Group]:
-    """The learned laws of a decision by what they depend on."""
-    model = decision.improved.model
-    plant = problem.structure.plant(model.coefficients)
-    count = len(decision.fitted.model.effects)
-    learned: dict[str, list[int]] = {}
-    for i, effect in enumerate(model.effects):
-        if i >= count and isinstance(effect, LearnedEffect):
-            learned.setdefault(str(effect.values["variables"]), []).append(i)
-    groups = []
-    for variables, indices in learned.items():
-        law = model.effects[indices[-1]]
-        assert isinstance(law, LearnedEffect)
-        period = problem.acquisition.period
-        named = [
-            i
-            for i in range(known, count)
-            if static_values(model.effects[i], variables, law.knots, plant, period) is not None
-        ]
-        groups.append(Group(variables, indices[-1], tuple(indices), tuple(named)))
-    return groups
-
-
 def chosen(problem: Problem, decision: Decision, group: Group, judging: Sequence[NDArray[np.bool_]]) -> Choice:
     """The formulas that say as much as the learned laws of a group.
 
@@ -147,150 +97,51 @@ def chosen(problem: Problem, decision: Decision, group: Group, judging: Sequence
     ValueError
         If the chain diverges.
     """
-    others = _other_laws(decision, group)
-    laws: dict[tuple[int, ...], LinearisedLaw] = {}
     candidates: list[Candidate] = []
-    # Where a formula carries all of a law, no named effect is needed beside another one.
-    for named in sorted({(), group.named}, key=len, reverse=True):
-        entries = _about_curve(problem, decision, group, named, others)
-        laws[named] = entries[0][-1]
-        found = _fitted_through_the_chain(problem, decision.improved, group, entries)
-        holds = bool(found) and _holds(problem, decision, group, found[0])
-        for _ in range(MOST_ROUNDS):
-            # About a formula that is nearer to the truth than the curve, other forms may look likelier.
-            if not found or not _is_nearer(decision, found[0]) or (holds and _is_near(decision, found[0])):
-                break
-            again = _about_formula(problem, decision, group, found[0], others)
-            tried = {c.form.form.name for c in found}
-            new = [entry for entry in again if entry[1].form.name not in tried]
-            if not new or new[0][0] > again[0][0] + GAP:
-                break
-            before = found[0]
-            found = _in_order([*found, *_fitted_through_the_chain(problem, decision.improved, group, new)])
-            if found[0] is before:
-                break
-            holds = _holds(problem, decision, group, found[0])
+    # Where a formula carries all of a law, no other effect is needed beside another one.
+    for replaced in sorted({(), group.named, group.others}, key=len, reverse=True):
+        found = _searched(problem, decision, group, replaced)
         candidates += found
-        if holds:
+        if found and _holds(problem, decision, group, found[0]):
             break
-    return _judged(problem, decision, group, laws[group.named], _in_order(candidates), judging)
+    return _judged(problem, decision, group, in_order(candidates), judging)
 
 
-# A form with its criterion to first order, the effects that it stands for, and what it was compared with.
-Entry = tuple[float, FittedForm, tuple[int, ...], LinearisedLaw]
-
-
-def _about_curve(
-    problem: Problem, decision: Decision, group: Group, named: tuple[int, ...], others: Array | None
-) -> list[Entry]:
-    """All forms in the place of the learned laws and named effects, to first order about the curve."""
-    final = decision.improved
-    law = final.model.effects[group.index]
-    assert isinstance(law, LearnedEffect)
-    table = LawTable.of(problem, final, group.index, fine_grid(law.knots))
-    values = np.zeros(len(table.grid))
-    for i in (*group.laws, *named):
-        values += values_of(problem, final, i, group.variables, table.grid)
-    return _scored(final, table.about(values, named, others), named)
-
-
-def _about_formula(
-    problem: Problem, decision: Decision, group: Group, candidate: Candidate, others: Array | None
-) -> list[Entry]:
-    """All forms in the place of a formula, to first order about it."""
-    fitted = candidate.fit.fitted
-    law = decision.improved.model.effects[group.index]
-    assert isinstance(law, LearnedEffect)
-    table = LawTable.of(problem, fitted, len(fitted.model.effects) - 1, fine_grid(law.knots))
-    return _scored(fitted, table.about(table.values, (), others), candidate.replaced)
-
-
-def _scored(fitted: Fitted, linear: LinearisedLaw, named: tuple[int, ...]) -> list[Entry]:
-    """All forms with Bayes's criterion to first order, the best first."""
-    noise = fitted.cost / max(len(fitted.residual), 1)
-    count = float(np.log(linear.rows))
-    found = [(each.left / noise + each.form.count * count, each, named, linear) for each in fitted_forms(linear)]
-    return sorted(found, key=lambda entry: entry[0])
-
-
-def _fitted_through_the_chain(
-    problem: Problem, final: Fitted, group: Group, entries: Sequence[Entry]
-) -> list[Candidate]:
-    """The likeliest forms, fitted to the recording; by Bayes's criterion, the best first."""
-    candidates: list[Candidate] = []
-    for score, form, named, linear in entries[:MOST_FITTED]:
-        if score > entries[0][0] + GAP and len(candidates) > 1:
+def _searched(problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...]) -> list[Candidate]:
+    """The likeliest formulas in the place of the learned laws and other effects, the best first."""
+    others = other_laws(decision, group, replaced)
+    entries = about_curve(problem, decision, group, replaced, others)
+    found = fitted_through_the_chain(problem, decision.improved, group, entries)
+    # The curve says little of a law that stands for effects that depend on something else.
+    alone = bool(set(replaced) - set(group.named))
+    for done in range(MOST_ROUNDS):
+        # About a formula that is nearer to the truth than the curve, other forms may look likelier.
+        if not found or not (alone or _is_nearer(decision, found[0])):
             break
-        candidate = _through_the_chain(problem, final, group, form, named, linear)
-        if candidate is not None:
-            candidates.append(candidate)
-    return _in_order(candidates)
-
-
-def values_of(problem: Problem, fitted: Fitted, index: int, variables: str, at: Array) -> Array:
-    """Force, or bend, of an effect of a group at some points, shape (N,)."""
-    plant = problem.structure.plant(fitted.model.coefficients)
-    found = static_values(fitted.model.effects[index], variables, at, plant, problem.acquisition.period)
-    assert found is not None
+        settled = done > 0 or not alone
+        if settled and _is_near(decision, found[0]) and _holds(problem, decision, group, found[0]):
+            break
+        again = about_formula(problem, decision, group, found[0], others)
+        tried = {c.form.form.name for c in found}
+        new = [entry for entry in again if entry[1].form.name not in tried]
+        if not new or new[0][0] > again[0][0] + GAP:
+            break
+        before = found[0]
+        found = in_order([*found, *fitted_through_the_chain(problem, decision.improved, group, new)])
+        if found[0] is before:
+            break
     return found
-
-
-def _other_laws(decision: Decision, group: Group) -> Array | None:
-    """Derivatives by the learned laws over other variables."""
-    first = len(decision.fitted.model.effects)
-    start, kept = 0, []
-    for i, law in enumerate(decision.laws):
-        whole = law.fitted.nuisance
-        if whole is None:
-            continue
-        if first + i not in group.laws:
-            kept.append(whole[:, start:])
-        start = whole.shape[1]
-    return np.hstack(kept) if kept else None
-
-
-def _through_the_chain(
-    problem: Problem, final: Fitted, group: Group, form: FittedForm, named: tuple[int, ...], linear: LinearisedLaw
-) -> Candidate | None:
-    """A formula fitted to the recording with everything else; None where the chain diverges."""
-    law = final.model.effects[group.index]
-    assert isinstance(law, LearnedEffect)
-    gone = {*group.laws, *named}
-    beside = replace(final.model, effects=tuple(e for i, e in enumerate(final.model.effects) if i not in gone))
-    length = length_of(linear.grid)
-    visited = Range(float(linear.grid[0]) / length, float(linear.grid[-1]) / length)
-    try:
-        fit = fit_formula(
-            problem,
-            beside,
-            law,
-            linear.absorbed,
-            lambda at, vector: form.with_vector(vector).values(at),
-            form.vector,
-            form.bounds(visited),
-        )
-    except (ValueError, ArithmeticError):
-        return None
-    return Candidate(form.with_vector(fit.vector), fit, named)
-
-
-def _in_order(candidates: list[Candidate]) -> list[Candidate]:
-    """By Bayes's criterion, the best first."""
-    if not candidates:
-        return []
-    reference = min(candidates, key=lambda c: c.fit.fitted.cost)
-    return sorted(candidates, key=lambda c: c.fit.criterion_beyond(reference.fit))
 
 
 def _judged(
     problem: Problem,
     decision: Decision,
     group: Group,
-    law: LinearisedLaw,
     candidates: list[Candidate],
     judging: Sequence[NDArray[np.bool_]],
 ) -> Choice:
     """Those that explain as much as the learned laws, and why there is no formula otherwise."""
+    law = linear(problem, decision, group, group.named, other_laws(decision, group))
     if not candidates:
         return Choice(group, law, [], None, 0.0, "no form of the dictionary can be simulated")
     best = candidates[0]
@@ -298,11 +149,16 @@ def _judged(
     before = decision.fitted.cost
     gained = max(before - final.cost, 1e-300)
     explained = min(max((before - best.fit.fitted.cost) / gained, 0.0), 1.0)
+    if not _is_worth_it(decision, best):
+        return Choice(group, law, [], best, explained, "what the curve explains is not worth a formula's numbers")
     if not _holds(problem, decision, group, best):
         return Choice(group, law, [], best, explained, "the curve says more than any form of the dictionary")
     errors = [simulated_error(problem, model, judging) for model in (best.fit.fitted.model, final.model)]
     if errors[0] > LARGEST_ERROR * errors[1]:
         return Choice(group, law, [], best, explained, "its error on rows that were not fitted is larger")
+    if not _is_near(decision, best):
+        # What is said of the law is said of it about the formula.
+        law = about_formula(problem, decision, group, best, other_laws(decision, group, best.replaced))[0][-1]
     equal = [c for c in candidates if c is best or _is_rival(c, best)]
     equal = [c for c in equal if not any(other.form.form.name in c.form.form.contains for other in equal)]
     return Choice(group, law, equal, best, explained, "" if len(equal) == 1 else "several forms say as much")
@@ -317,7 +173,7 @@ def exponent_of(problem: Problem, decision: Decision, choice: Choice) -> tuple[f
         free = next(form for form in POWERS if form.family == best.form.form.family and form.bends)
         power = next(p for p in FIXED_POWERS if best.form.form.name in FIXED_POWERS[p])
         start = replace(best.form, form=free, bends=np.array([max(power, EXPONENT_BOUNDS[0])]))
-        found = _through_the_chain(problem, decision.improved, choice.group, start, best.replaced, choice.law)
+        found = through_the_chain(problem, decision.improved, choice.group, start, best.replaced, choice.law)
         if found is None:
             return None
         best = found
@@ -337,9 +193,33 @@ def _is_near(decision: Decision, candidate: Candidate) -> bool:
     return candidate.fit.fitted.cost > NEAR * decision.improved.cost
 
 
+def _is_worth_it(decision: Decision, candidate: Candidate) -> bool:
+    """Whether a formula has the evidence that a law without a name has to have, against what has names."""
+    before, fitted = decision.fitted, candidate.fit.fitted
+    count = len(before.model.effects)
+    replaced = sum(len(before.model.effects[i].numeric()) for i in candidate.replaced if i < count)
+    ratio = len(fitted.residual) * float(np.log(max(before.cost, 1e-300) / max(fitted.cost, 1e-300)))
+    gained = ratio / fitted.inflation(before.residual - fitted.residual)
+    return gained - (candidate.form.form.count - replaced) * float(np.log(len(fitted.residual))) > 2.0 * LEAST_EVIDENCE
+
+
 def _holds(problem: Problem, decision: Decision, group: Group, candidate: Candidate) -> bool:
-    """Whether a curve beside a formula finds nothing that it lacks."""
+    """Whether a formula leaves no more than what it stands for, and a curve beside it finds nothing that it lacks."""
+    if candidate.at_bound:
+        return False
+    final, fitted = decision.improved, candidate.fit.fitted
+    gone = (*group.laws, *candidate.replaced)
+    numbers = sum(len(_numbers(final.model.effects[i])) for i in gone)
+    ratio = len(fitted.residual) * float(np.log(max(fitted.cost, 1e-300) / max(final.cost, 1e-300)))
+    more = ratio / final.inflation(final.residual - fitted.residual)
+    if more > MORE_PER_NUMBER * numbers + MOST_EVIDENCE_LEFT:
+        return False
     return _evidence_left(problem, decision, group, candidate) < MOST_EVIDENCE_LEFT
+
+
+def _numbers(effect: Effect) -> Array:
+    """The numbers of an effect, or the values of a learned law at its knots."""
+    return effect.heights if isinstance(effect, LearnedEffect) else effect.vector
 
 
 def _is_rival(candidate: Candidate, best: Candidate) -> bool:
@@ -363,7 +243,7 @@ def _evidence_left(problem: Problem, decision: Decision, group: Group, candidate
     second = np.diff(np.eye(len(knots)), 2, axis=0) @ directions
     roughness = second.T @ second
     roughness += LEAST_ROUGHNESS * float(np.trace(roughness)) / len(roughness) * np.eye(len(roughness))
-    others = _other_laws(decision, group)
+    others = other_laws(decision, group, candidate.replaced)
     columns, residual = (projected(rows, beside, others) for rows in (table.columns @ directions, table.residual))
     smooth = smooth_curve(columns, residual, roughness, len(table.residual) - beside.shape[1])
     change = columns @ smooth.values

@@ -13,67 +13,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.formula.bends import Bend, Range, beyond, centre, exponent, period, place, scale, threshold
+
 Array = NDArray[np.float64]
-
-# Exponents that are tried and allowed, where the exponent is free.
-EXPONENTS = (0.3, 0.5, 0.75, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
-EXPONENT_BOUNDS = (0.1, 9.0)
-# Widths and centres, as shares of half the range and of the range; periods that the range holds.
-WIDTHS = (0.04, 0.08, 0.15, 0.25, 0.4, 0.65, 1.0, 1.6)
-WIDTH_BOUNDS = (0.01, 2.5)
-CENTRES = tuple(np.linspace(0.06, 0.94, 19))
-# The same where nothing but the place bends the form.
-PLACES = tuple(np.linspace(0.03, 0.97, 63))
-PERIODS = tuple(np.arange(1.5, 14.01, 0.125))
-PERIOD_BOUNDS = (1.5, 15.0)
-# Where a force grows towards a point beyond the range: its distance from the end, in ranges.
-DISTANCES = (0.03, 0.08, 0.2, 0.4, 0.8)
-DISTANCE_BOUNDS = (0.005, 1.5)
-
-
-@dataclass(frozen=True)
-class Range:
-    """The values of x that the recording visited."""
-
-    low: float
-    high: float
-
-    @property
-    def width(self) -> float:
-        """From the lowest to the highest."""
-        return self.high - self.low
-
-    @property
-    def half(self) -> float:
-        """Half the width: what thresholds and widths of bumps are measured by."""
-        return 0.5 * self.width
-
-    @property
-    def largest(self) -> float:
-        """The largest |x|: what thresholds about zero are measured by."""
-        return max(abs(self.low), abs(self.high))
-
-
-@dataclass(frozen=True)
-class Bend:
-    """A number that bends a form's columns.
-
-    Attributes
-    ----------
-    name : str
-        As the formula writes it.
-    power : int
-        Its unit is that of x to this power.
-    values : callable
-        First guesses on a range.
-    bounds : callable
-        Least and largest value on a range.
-    """
-
-    name: str
-    power: int
-    values: Callable[[Range], list[float]]
-    bounds: Callable[[Range], tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -132,64 +74,6 @@ def _columns(*functions: Callable[[Array, Array], Array]) -> Callable[[Array, Ar
     return lambda x, bends: np.column_stack([function(x, bends) for function in functions])
 
 
-def _threshold(name: str = "c") -> Bend:
-    """A positive distance from zero."""
-    return Bend(
-        name,
-        1,
-        lambda r: [share * r.largest for share in (0.04, 0.08, 0.15, 0.25, 0.35, 0.5, 0.7, 0.85)],
-        lambda r: (0.01 * r.largest, r.largest),
-    )
-
-
-def _scale(name: str = "c") -> Bend:
-    """A positive length over which something bends, up to a few times the range."""
-    return Bend(
-        name,
-        1,
-        lambda r: [share * r.half for share in WIDTHS],
-        lambda r: (WIDTH_BOUNDS[0] * r.half, WIDTH_BOUNDS[1] * r.half),
-    )
-
-
-def _centre(name: str = "x0") -> Bend:
-    return Bend(name, 1, lambda r: [r.low + share * r.width for share in CENTRES], lambda r: (r.low, r.high))
-
-
-def _place(name: str) -> Bend:
-    return Bend(name, 1, lambda r: [r.low + share * r.width for share in PLACES], lambda r: (r.low, r.high))
-
-
-def _exponent() -> Bend:
-    return Bend("p", 0, lambda r: list(EXPONENTS), lambda r: EXPONENT_BOUNDS)
-
-
-def _period() -> Bend:
-    return Bend(
-        "L",
-        1,
-        lambda r: [r.width / count for count in PERIODS],
-        lambda r: (r.width / PERIOD_BOUNDS[1], r.width / PERIOD_BOUNDS[0]),
-    )
-
-
-def _beyond(above: bool) -> Bend:
-    """A point beyond one end of the range."""
-    if above:
-        return Bend(
-            "x0",
-            1,
-            lambda r: [r.high + share * r.width for share in DISTANCES],
-            lambda r: (r.high + DISTANCE_BOUNDS[0] * r.width, r.high + DISTANCE_BOUNDS[1] * r.width),
-        )
-    return Bend(
-        "x0",
-        1,
-        lambda r: [r.low - share * r.width for share in DISTANCES],
-        lambda r: (r.low - DISTANCE_BOUNDS[1] * r.width, r.low - DISTANCE_BOUNDS[0] * r.width),
-    )
-
-
 def _bell(x: Array, b: Array) -> Array:
     return np.asarray(np.exp(-(((x - b[0]) / b[1]) ** 2)))
 
@@ -234,7 +118,7 @@ POWERS = (
         "a·sign(x)·|x/X|^p",
         (("a", 0.0),),
         _columns(lambda x, b: np.sign(x) * np.abs(x) ** b[0]),
-        (_exponent(),),
+        (exponent(),),
         symmetric=True,
     ),
     Form(
@@ -243,7 +127,7 @@ POWERS = (
         "a·|x/X|^p",
         (("a", 0.0),),
         _columns(lambda x, b: np.abs(x) ** b[0]),
-        (_exponent(),),
+        (exponent(),),
         symmetric=True,
     ),
     Form(
@@ -272,25 +156,25 @@ FIXED_POWERS = {
     5.0: ("fifth power",),
 }
 WAVES = (
-    Form("sine", "sine", "a·sin(2π·x/L) + b·cos(2π·x/L)", (("a", 0.0), ("b", 0.0)), _columns(*_wave(1)), (_period(),)),
+    Form("sine", "sine", "a·sin(2π·x/L) + b·cos(2π·x/L)", (("a", 0.0), ("b", 0.0)), _columns(*_wave(1)), (period(),)),
     Form(
         "sine with a second harmonic",
         "sine",
         "a·sin(2π·x/L) + b·cos(2π·x/L) + c·sin(4π·x/L) + d·cos(4π·x/L)",
         (("a", 0.0), ("b", 0.0), ("c", 0.0), ("d", 0.0)),
         _columns(*_wave(1), *_wave(2)),
-        (_period(),),
+        (period(),),
     ),
 )
 BUMPS = (
-    Form("bump", "bump", "a·exp(−((x − x0)/c)²)", (("a", 0.0),), _columns(_bell), (_centre(), _scale())),
+    Form("bump", "bump", "a·exp(−((x − x0)/c)²)", (("a", 0.0),), _columns(_bell), (centre(), scale())),
     Form(
         "pull to a point",
         "pull to a point",
         "a·(x − x0)/c·exp(−((x − x0)/c)²)",
         (("a", 0.0),),
         _columns(lambda x, b: (x - b[0]) / b[1] * _bell(x, b)),
-        (_centre(), _scale()),
+        (centre(), scale()),
     ),
     Form(
         "rational bump",
@@ -298,12 +182,12 @@ BUMPS = (
         "a/(1 + ((x − x0)/c)²)",
         (("a", 0.0),),
         _columns(lambda x, b: 1.0 / (1.0 + ((x - b[0]) / b[1]) ** 2)),
-        (_centre(), _scale()),
+        (centre(), scale()),
     ),
 )
 GROWTH = (
-    Form("exponential", "exponential", "a·exp(x/c)", (("a", 0.0),), _exponential(1.0), (_scale(),)),
-    Form("exponential", "exponential", "a·exp(−x/c)", (("a", 0.0),), _exponential(-1.0), (_scale(),)),
+    Form("exponential", "exponential", "a·exp(x/c)", (("a", 0.0),), _exponential(1.0), (scale(),)),
+    Form("exponential", "exponential", "a·exp(−x/c)", (("a", 0.0),), _exponential(-1.0), (scale(),)),
     *(
         Form(
             "inverse square of a distance" if power == 2 else "inverse of a distance",
@@ -311,7 +195,7 @@ GROWTH = (
             "a/(x0 − x)" + ("²" if power == 2 else ""),
             (("a", -float(power)),),
             _inverse(power),
-            (_beyond(above),),
+            (beyond(above),),
         )
         for power in (1, 2)
         for above in (True, False)
@@ -324,7 +208,7 @@ SATURATION = (
         "a·x/(1 + (x/c)²)",
         (("a", 1.0),),
         _columns(lambda x, b: x / (1.0 + (x / b[0]) ** 2)),
-        (_scale(),),
+        (scale(),),
         symmetric=True,
     ),
     Form(
@@ -333,7 +217,7 @@ SATURATION = (
         "a·tanh(x/c)",
         (("a", 0.0),),
         _columns(lambda x, b: np.tanh(x / b[0])),
-        (_scale(),),
+        (scale(),),
         symmetric=True,
     ),
     Form(
@@ -342,7 +226,7 @@ SATURATION = (
         "a·x/(1 + |x|/c)",
         (("a", 1.0),),
         _columns(lambda x, b: x / (1.0 + np.abs(x) / b[0])),
-        (_scale(),),
+        (scale(),),
         symmetric=True,
     ),
     Form(
@@ -351,7 +235,7 @@ SATURATION = (
         "a·tanh((x − x0)/c)",
         (("a", 0.0),),
         _columns(lambda x, b: np.tanh((x - b[0]) / b[1])),
-        (_centre(), _scale()),
+        (centre(), scale()),
     ),
     Form(
         "step",
@@ -359,7 +243,7 @@ SATURATION = (
         "a·sign(x − x0)",
         (("a", 0.0),),
         _columns(lambda x, b: np.sign(x - b[0])),
-        (_place("x0"),),
+        (place("x0"),),
     ),
 )
 KINKS = (
@@ -369,7 +253,7 @@ KINKS = (
         "a·dead_zone(x, c)",
         (("a", 1.0),),
         _columns(lambda x, b: _dead_zone(x, b[0])),
-        (_threshold(),),
+        (threshold(),),
         symmetric=True,
     ),
     Form(
@@ -378,7 +262,7 @@ KINKS = (
         "a·max(x − c, 0)",
         (("a", 1.0),),
         _columns(lambda x, b: np.maximum(x - b[0], 0.0)),
-        (_place("c"),),
+        (place("c"),),
     ),
     Form(
         "two kinks",
@@ -386,7 +270,7 @@ KINKS = (
         "a·max(x − c, 0) + b·min(x − d, 0)",
         (("a", 1.0), ("b", 1.0)),
         _columns(lambda x, b: np.maximum(x - b[0], 0.0), lambda x, b: np.minimum(x - b[1], 0.0)),
-        (_centre("c"), _centre("d")),
+        (centre("c"), centre("d")),
     ),
 )
 _CONTAINED = {
