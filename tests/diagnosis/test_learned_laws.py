@@ -88,7 +88,14 @@ def test_json_and_improved_simulation_hold_it(magnet, tmp_path):
     entry = content["effects"][-1]
     assert entry["id"] == "learned-force"
     assert len(entry["knots"]) == len(entry["values"]) == len(entry["standard_deviations"])
-    assert entry["formula"] is None
+    assert entry["formula"].startswith("f(y) = a·(y − y0)/c·exp(−((y − y0)/c)²), a = ")
+    truth = {"a": -0.35, "y0": 0.8, "c": 0.25}
+    for name, value in truth.items():
+        found = entry["formula_parameters"][name]
+        assert abs(found["value"] - value) < 4.0 * found["std"] < 0.2 * abs(value)
+    assert "centred at y = " in entry["description"]
+    declared = diagnosis.improved.effects[-1].parameters
+    assert (declared["formula"], declared["description"]) == (entry["formula"], entry["description"])
 
 
 def test_a_law_of_the_catalogue_is_named_and_not_learned():

@@ -22,6 +22,9 @@ from camid.number_text import SPACE, plain, with_deviation
 
 Array = NDArray[np.float64]
 
+# Share of the range below which the sensor's zero is that of the positions.
+NEAR_ZERO = 2e-3
+
 
 def with_formulas(
     problem: Problem,
@@ -91,6 +94,8 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
         power = None if found is None else Quantity(*found, "")
     words = described(choice.law, part.variables, formula, power)
     words += _loop(problem, decision, part)
+    if formulas and choice.best is not None:
+        words += _origin(choice.best, part)
     if formula is not None and formula.replaces:
         words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
     if len(formulas) > 1:
@@ -128,6 +133,16 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
         points=law.grid.tolist(),
         values=law.absorbed.without(values).tolist(),
     )
+
+
+def _origin(candidate: Candidate, part: LearnedPart) -> list[str]:
+    """Where the positions of a formula are counted from, where the sensor's zero is elsewhere."""
+    model = candidate.fit.fitted.model
+    constants = [e.values["offset"] for e in model.effects if e.is_constant and e.place == "sensor"]
+    offset = float(model.constants.get("offset", 0.0)) + sum(constants)
+    if part.knot_unit != "y" or abs(offset) < NEAR_ZERO * (part.knots[-1] - part.knots[0]):
+        return []
+    return [f"y is counted from the rest, which the sensor reads as {plain(offset, 3, 'y')}".replace(SPACE, " ")]
 
 
 def _loop(problem: Problem, decision: Decision, part: LearnedPart) -> list[str]:

@@ -26,7 +26,8 @@ class Group:
     index : int
         Of the last such law among the effects of the improved model.
     laws, named, others : tuple of int
-        The laws, effects found that are static laws of the same variable, and all other effects found or learned.
+        The laws, effects found that are static laws of the same variable, and all other effects found or learned
+        that are no constants.
     """
 
     variables: str
@@ -55,7 +56,8 @@ def groups_of(problem: Problem, decision: Decision, known: int) -> list[Group]:
             for i in range(known, count)
             if static_values(model.effects[i], variables, law.knots, plant, period) is not None
         ]
-        others = [i for i in range(known, len(model.effects)) if i not in indices]
+        # A constant stays beside a formula, which is zero at zero as the learned law is.
+        others = [i for i in range(known, len(model.effects)) if i not in indices and not model.effects[i].is_constant]
         groups.append(Group(variables, indices[-1], tuple(indices), tuple(named), tuple(others)))
     return groups
 
