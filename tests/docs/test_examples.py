@@ -125,7 +125,7 @@ def test_the_comparison_sees_lines_too_many_and_too_few():
     assert difference(["…", "e"], ["a", "b"]) is not None
 
 
-@pytest.mark.parametrize("maker", ["make_recording.py", "make_two_clocks.py", "make_magnet.py"])
+@pytest.mark.parametrize("maker", ["make_recording.py", "make_two_clocks.py", "make_magnet.py", "make_detent.py"])
 def test_examples_are_what_their_scripts_write(maker, tmp_path):
     """The recording is made without camid, and its script still writes it, to the byte."""
     source = (ROOT / "examples" / maker).read_text(encoding="utf-8")

@@ -41,6 +41,8 @@ class Formula:
     points, values : list of float
         The formula without that, and without the effects that it stands for: what the learned law has to be compared
         with.
+    carried : list of float
+        What those effects hold of the law, at the points.
     """
 
     form: str
@@ -50,6 +52,7 @@ class Formula:
     held: dict[str, float] = field(default_factory=dict)
     points: list[float] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
+    carried: list[float] = field(default_factory=list)
 
     @property
     def text(self) -> str:

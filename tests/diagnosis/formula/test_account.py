@@ -11,6 +11,7 @@ import camid
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.formula.account import with_formulas
 from camid.diagnosis.report import learned_pictures, summary
+from camid.diagnosis.report.panel import look_of_the_project
 from camid.diagnosis.verdict import learned_parts
 from camid.diagnosis.watch import Watch
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
@@ -39,8 +40,9 @@ def test_a_formula_stands_for_a_name_that_only_resembles_the_law():
     assert lines[0] == f"formula: {formula.text}"
     mapping = json.loads(json.dumps(diagnosis.to_mapping()))
     jsonschema.validate(mapping, json.loads((files("camid") / "schemas/diagnosis.schema.json").read_text()))
-    (panel,) = [p for p in learned_pictures.learned_pictures(diagnosis) if formula.text in p.caption]
-    assert ">formula<" in panel.svg
+    with look_of_the_project():
+        (panel,) = [p for p in learned_pictures.learned_pictures(diagnosis) if part.description in p.caption]
+    assert "formula</text>" in panel.svg
 
 
 def test_a_law_outside_of_the_dictionary_has_no_formula():

@@ -95,7 +95,7 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
     words = described(choice.law, part.variables, formula, power)
     words += _loop(problem, decision, part)
     if formulas and choice.best is not None:
-        words += _origin(choice.best, part)
+        words += _origin(choice.best, part) + _constant(choice.best, formulas[0])
     if formula is not None and formula.replaces:
         words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
     if len(formulas) > 1:
@@ -124,6 +124,9 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
             values = values + values_of(problem, refitted, kept.index(i), group.variables, law.grid)
     for i in group.laws[:-1]:
         values = values - values_of(problem, final, i, group.variables, law.grid)
+    carried = np.zeros(len(law.grid))
+    for i in (*group.laws[:-1], *candidate.replaced):
+        carried += values_of(problem, final, i, group.variables, law.grid)
     names = [name for name, there in (("constant", law.absorbed.constant), ("slope", law.absorbed.line)) if there]
     formula = formula_of(candidate.form, candidate.fit.covariance, group.variables)
     return replace(
@@ -132,7 +135,21 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
         held={name: float(value) for name, value in zip(names, held, strict=True)},
         points=law.grid.tolist(),
         values=law.absorbed.without(values).tolist(),
+        carried=law.absorbed.without(carried).tolist(),
     )
+
+
+def _constant(candidate: Candidate, formula: Formula) -> list[str]:
+    """The constant beside a formula that is zero at zero, where one was fitted."""
+    if candidate.constant is None:
+        return []
+    fitted, name = candidate.fit.fitted, candidate.constant.numeric()[0]
+    index = next(i for i, e in enumerate(fitted.model.effects) if e.identifier == candidate.constant.identifier)
+    value, variance = fitted.model.effects[index].vector[0], fitted.covariance
+    place = fitted.packing.names.index(f"{index} {name.name}")
+    spread = float(np.sqrt(max(variance[place, place], 0.0)))
+    text = with_deviation(float(value), spread, name.unit).replace(SPACE, " ")
+    return [f"counted from its value at zero, it stands beside a constant of {text}"]
 
 
 def _origin(candidate: Candidate, part: LearnedPart) -> list[str]:

@@ -12,6 +12,7 @@ from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.formula.bends import Range
 from camid.diagnosis.formula.groups import Group, values_of
 from camid.diagnosis.formula.search import FittedForm, fitted_forms, length_of
+from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.formula_fit import FormulaFit, fit_formula
@@ -39,12 +40,15 @@ class Candidate:
         Effects found in whose place it stands, beside the learned laws.
     at_bound : bool
         Whether a threshold, scale or exponent went as far as it may, so that the form is another.
+    constant : Effect, optional
+        A constant force or offset that was fitted beside it, as it was before the fit.
     """
 
     form: FittedForm
     fit: FormulaFit
     replaced: tuple[int, ...]
     at_bound: bool
+    constant: Effect | None = None
 
 
 # A form with its criterion to first order, the effects that it stands for, and what it was compared with.
@@ -92,27 +96,38 @@ def _scored(fitted: Fitted, linear: LinearisedLaw, named: tuple[int, ...]) -> li
 
 
 def fitted_through_the_chain(
-    problem: Problem, final: Fitted, group: Group, entries: Sequence[Entry]
+    problem: Problem, final: Fitted, group: Group, entries: Sequence[Entry], constant: Effect | None = None
 ) -> list[Candidate]:
-    """The likeliest forms, fitted to the recording; by Bayes's criterion, the best first."""
+    """The likeliest forms, fitted to the recording; by Bayes's criterion, the best first.
+
+    ``constant`` is an effect that stands beside them, too.
+    """
     candidates: list[Candidate] = []
     for score, form, named, linear in entries[:MOST_FITTED]:
         if score > entries[0][0] + GAP and len(candidates) > 1:
             break
-        candidate = through_the_chain(problem, final, group, form, named, linear)
+        candidate = through_the_chain(problem, final, group, form, named, linear, constant)
         if candidate is not None:
             candidates.append(candidate)
     return in_order(candidates)
 
 
 def through_the_chain(
-    problem: Problem, final: Fitted, group: Group, form: FittedForm, named: tuple[int, ...], linear: LinearisedLaw
+    problem: Problem,
+    final: Fitted,
+    group: Group,
+    form: FittedForm,
+    named: tuple[int, ...],
+    linear: LinearisedLaw,
+    constant: Effect | None = None,
 ) -> Candidate | None:
     """A formula fitted to the recording with everything else; None where the chain diverges."""
     law = final.model.effects[group.index]
     assert isinstance(law, LearnedEffect)
     gone = {*group.laws, *named}
     beside = replace(final.model, effects=tuple(e for i, e in enumerate(final.model.effects) if i not in gone))
+    if constant is not None:
+        beside = beside.plus(constant)
     length = length_of(linear.grid)
     visited = Range(float(linear.grid[0]) / length, float(linear.grid[-1]) / length)
     try:
@@ -130,7 +145,7 @@ def through_the_chain(
     low, high = form.bounds(visited)
     away = np.minimum(fit.vector - low, high - fit.vector)[len(form.amplitudes) :]
     at_bound = bool(np.any(away < ON_BOUND * (high - low)[len(form.amplitudes) :]))
-    return Candidate(form.with_vector(fit.vector), fit, named, at_bound)
+    return Candidate(form.with_vector(fit.vector), fit, named, at_bound, constant)
 
 
 def in_order(candidates: list[Candidate]) -> list[Candidate]:

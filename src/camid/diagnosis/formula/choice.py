@@ -28,8 +28,9 @@ from camid.diagnosis.formula.candidates import (
 from camid.diagnosis.formula.dictionary import FIXED_POWERS, POWERS
 from camid.diagnosis.formula.groups import Group, other_laws
 from camid.diagnosis.learned_laws import LEAST_EVIDENCE
+from camid.effects import known_effects
 from camid.effects.base import Effect
-from camid.effects.learned import LearnedEffect
+from camid.effects.learned import FORCES, LearnedEffect
 from camid.fitting.linearised_law import LawTable, LinearisedLaw, projected
 from camid.fitting.problem import Problem
 from camid.fitting.smoothness import smooth_curve
@@ -104,7 +105,33 @@ def chosen(problem: Problem, decision: Decision, group: Group, judging: Sequence
         candidates += found
         if found and _holds(problem, decision, group, found[0]):
             break
+    else:
+        candidates += _with_constant(problem, decision, group, in_order(candidates))
     return _judged(problem, decision, group, in_order(candidates), judging)
+
+
+def _with_constant(
+    problem: Problem, decision: Decision, group: Group, candidates: Sequence[Candidate]
+) -> list[Candidate]:
+    """The likeliest formulas beside a constant, where none is free: a law need not be zero at zero."""
+    if not candidates or FORCES.get(group.variables, (None, None))[1] is not None:
+        return []
+    constants = problem.kind.offset_free or problem.kind.bias_free
+    if constants or any(effect.is_constant for effect in candidates[0].fit.fitted.model.effects):
+        return []
+    place = "sensor" if group.variables == "reading" else "actuator"
+    kind = next(effect for effect in known_effects().values() if effect.is_constant and effect.place == place)
+    constant = kind(**{parameter.name: 0.0 for parameter in kind.numeric()})
+    best = candidates[0]
+    law = linear(problem, decision, group, best.replaced, None)
+    again = through_the_chain(problem, decision.improved, group, best.form, best.replaced, law, constant)
+    if again is None:
+        return []
+    others = other_laws(decision, group, best.replaced)
+    entries = [
+        e for e in about_formula(problem, decision, group, again, others) if e[1].form.name != again.form.form.name
+    ]
+    return in_order([again, *fitted_through_the_chain(problem, decision.improved, group, entries, constant)])
 
 
 def _searched(problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...]) -> list[Candidate]:
@@ -173,7 +200,9 @@ def exponent_of(problem: Problem, decision: Decision, choice: Choice) -> tuple[f
         free = next(form for form in POWERS if form.family == best.form.form.family and form.bends)
         power = next(p for p in FIXED_POWERS if best.form.form.name in FIXED_POWERS[p])
         start = replace(best.form, form=free, bends=np.array([max(power, EXPONENT_BOUNDS[0])]))
-        found = through_the_chain(problem, decision.improved, choice.group, start, best.replaced, choice.law)
+        found = through_the_chain(
+            problem, decision.improved, choice.group, start, best.replaced, choice.law, best.constant
+        )
         if found is None:
             return None
         best = found

@@ -34,7 +34,9 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
         title = part.name
         caption = "The band is two standard deviations. Beyond its ends the recording says nothing: the plant is alone."
         if part.drawn:
-            caption += f" {' Or: '.join(formula.text for formula in part.drawn)}."
+            caption += " Formulas are drawn without the straight line that the plant's coefficients hold."
+            if part.drawn[0].replaces:
+                caption += " Both hold what named effects of the same variable carry of the law."
         if part.description:
             caption += f" In words: {part.description}."
         yield Panel(title, caption, inline_svg(_curve(part, diagnosis), title))
@@ -47,6 +49,9 @@ def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
     knots, values = np.array(part.knots), np.array(part.values)
     over, across = AXES[part.variables]
     heights = values - knots if part.identifier == "learned-curve" else values
+    if part.drawn and part.drawn[0].replaces:
+        # The whole law, with what named effects hold of it.
+        heights = heights + np.interp(knots, part.drawn[0].points, part.drawn[0].carried)
     band = SIGNIFICANCE * np.array(part.standard_deviations)
     axes = new_panel(top=28.0)
     axes.fill_between(knots, heights - band, heights + band, color=style.BLUE, alpha=0.25, linewidth=0, label="± 2 σ")
@@ -54,9 +59,10 @@ def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
     looks = ((style.VERMILION, "--"), (style.BLACK, ":"), (style.GREEN, "-."))
     for formula, (colour, dashes) in zip(part.drawn, looks, strict=False):
         label = "formula" if part.formula is not None else formula.form
-        axes.plot(formula.points, formula.values, linestyle=dashes, color=colour, linewidth=2.0, label=label)
+        whole = np.array(formula.values) + (np.array(formula.carried) if part.drawn[0].replaces else 0.0)
+        axes.plot(formula.points, whole, linestyle=dashes, color=colour, linewidth=2.0, label=label)
     axes.axhline(0.0, color=style.BLACK, linewidth=0.8)
     unit, knot_unit = (printable(unit_of(u, *names)) for u in (part.unit, part.knot_unit))
     axes.set(xlim=(knots[0], knots[-1]), xlabel=f"{over}, {knot_unit}", ylabel=f"{across}, {unit}" if unit else across)
-    legend_above(axes, 2 if len(part.drawn) < 2 else 3)
+    legend_above(axes, 2 + len(part.drawn))
     return axes
