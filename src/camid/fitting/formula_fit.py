@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,66 +100,109 @@ def fit_formula(
     """
     from scipy.optimize import least_squares
 
-    points = points_about(absorbed.grid)
-
-    def effect(numbers: Array) -> LearnedEffect:
-        held = absorbed.part_of(values(absorbed.grid, numbers))
-        return on_points(law, points, values(points, numbers) - absorbed.functions(points) @ held)
-
-    first = start.plus(effect(vector))
-    pinned = problem.pinned(first, finest=True)
-    packing = Packing.of(pinned, first)
-    split = len(packing.names)
-
-    def model(at: Array) -> Model:
-        beside = packing.unpack(at[:split])
-        return replace(beside, effects=(*beside.effects[:-1], effect(at[split:])))
-
-    simulations: dict[bytes, Array] = {}
-
-    def simulated(at: Array) -> Array:
-        key = at.tobytes()
-        if key not in simulations:
-            try:
-                rows = pinned.simulate_fitted(model(at))
-            except (ValueError, ArithmeticError):
-                rows = np.full(len(problem.output), RUNAWAY)
-            simulations[key] = np.clip(np.nan_to_num(rows, nan=RUNAWAY), -RUNAWAY, RUNAWAY)
-        return simulations[key]
-
-    steps = DIFFERENCE * np.maximum(np.abs(vector), 1e-3 * float(np.max(np.abs(vector))))
-
-    def derivative(at: Array) -> Array:
-        here = simulated(at)
-        moving = replace(packing, template=model(at))
-        table = sensitivities(pinned, moving, at[:split], here)
-        columns = []
-        for i, step in enumerate(steps):
-            moved = at.copy()
-            moved[split + i] += step if at[split + i] + step <= bounds[1][i] else -step
-            columns.append((simulated(moved) - here) / (moved[split + i] - at[split + i]))
-        return -np.column_stack([table, *columns])
-
-    begin = np.concatenate([np.clip(packing.pack(first), packing.lower, packing.upper), np.clip(vector, *bounds)])
-    if np.max(np.abs(simulated(begin))) >= RUNAWAY:
+    chain = _ChainWithFormula.of(problem, start, law, absorbed, values, vector, bounds)
+    packing, split = chain.packing, len(chain.packing.names)
+    begin = np.concatenate([packing.pack(chain.first), vector])
+    begin = np.clip(begin, *chain.limits)
+    if np.max(np.abs(chain.simulated(begin))) >= RUNAWAY:
         raise ValueError("the simulation diverges with this formula")
-
-    def residual(at: Array) -> Array:
-        return np.asarray(problem.output - simulated(at))
-
     found = least_squares(
-        residual,
+        chain.residual,
         begin,
-        jac=derivative,
-        bounds=(np.concatenate([packing.lower, bounds[0]]), np.concatenate([packing.upper, bounds[1]])),
+        jac=chain.jacobian,
+        bounds=chain.limits,
         x_scale="jac",
         ftol=SETTLED,
         max_nfev=MOST_STEPS,
     )
-    fitted = evaluate(problem, model(found.x))
-    table = -derivative(found.x)
-    covariance = _covariance(fitted, table)[split:, split:]
-    return FormulaFit(replace(fitted, nuisance=None), found.x[split:], covariance, table[:, split:])
+    fitted = evaluate(problem, chain.model(found.x))
+    table = chain.derivatives(found.x)
+    return FormulaFit(fitted, found.x[split:], _covariance(fitted, table)[split:, split:], table[:, split:])
+
+
+@dataclass
+class _ChainWithFormula:
+    """The simulated output over the packed numbers and those of a formula behind them, one vector."""
+
+    pinned: Problem
+    first: Model
+    packing: Packing
+    law: LearnedEffect
+    absorbed: Absorbed
+    values: Callable[[Array, Array], Array]
+    bounds: tuple[Array, Array]
+    steps: Array
+    known: dict[bytes, Array] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        start: Model,
+        law: LearnedEffect,
+        absorbed: Absorbed,
+        values: Callable[[Array, Array], Array],
+        vector: Array,
+        bounds: tuple[Array, Array],
+    ) -> _ChainWithFormula:
+        """With the steps of the integrator that suit the formula's first numbers."""
+        first = start.plus(_effect(law, absorbed, values, vector))
+        pinned = problem.pinned(first, finest=True)
+        steps = DIFFERENCE * np.maximum(np.abs(vector), 1e-3 * float(np.max(np.abs(vector))))
+        return cls(pinned, first, Packing.of(pinned, first), law, absorbed, values, bounds, steps)
+
+    @property
+    def limits(self) -> tuple[Array, Array]:
+        """Least and largest values of the whole vector."""
+        lower = np.concatenate([self.packing.lower, self.bounds[0]])
+        return lower, np.concatenate([self.packing.upper, self.bounds[1]])
+
+    def model(self, at: Array) -> Model:
+        """The model of a vector."""
+        split = len(self.packing.names)
+        beside = self.packing.unpack(at[:split])
+        formula = _effect(self.law, self.absorbed, self.values, at[split:])
+        return replace(beside, effects=(*beside.effects[:-1], formula))
+
+    def simulated(self, at: Array) -> Array:
+        """Shape (M,)."""
+        key = at.tobytes()
+        if key not in self.known:
+            try:
+                rows = self.pinned.simulate_fitted(self.model(at))
+            except (ValueError, ArithmeticError):
+                rows = np.full(len(self.pinned.output), RUNAWAY)
+            self.known[key] = np.clip(np.nan_to_num(rows, nan=RUNAWAY), -RUNAWAY, RUNAWAY)
+        return self.known[key]
+
+    def residual(self, at: Array) -> Array:
+        """Recorded minus simulated output, shape (M,)."""
+        return np.asarray(self.pinned.output - self.simulated(at))
+
+    def jacobian(self, at: Array) -> Array:
+        """Derivatives of the residual, shape (M, p + q)."""
+        return -self.derivatives(at)
+
+    def derivatives(self, at: Array) -> Array:
+        """Of the simulated output, shape (M, p + q), by one-sided differences into the allowed range."""
+        split = len(self.packing.names)
+        here = self.simulated(at)
+        moving = replace(self.packing, template=self.model(at))
+        columns = [sensitivities(self.pinned, moving, at[:split], here)]
+        for i, step in enumerate(self.steps):
+            moved = at.copy()
+            moved[split + i] += step if at[split + i] + step <= self.bounds[1][i] else -step
+            columns.append(((self.simulated(moved) - here) / (moved[split + i] - at[split + i]))[:, None])
+        return np.hstack(columns)
+
+
+def _effect(
+    law: LearnedEffect, absorbed: Absorbed, values: Callable[[Array, Array], Array], vector: Array
+) -> LearnedEffect:
+    """A formula on many points, without what the coefficients hold of it."""
+    points = points_about(absorbed.grid)
+    held = absorbed.part_of(values(absorbed.grid, vector))
+    return on_points(law, points, values(points, vector) - absorbed.functions(points) @ held)
 
 
 def _covariance(fitted: Fitted, table: Array) -> Array:
