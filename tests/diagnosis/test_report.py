@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from camid.diagnosis.diagnosis import Location, NormalisedErrors, ParameterEstimate, Undetectable
-from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
 from camid.effects import known_effects
@@ -346,6 +346,47 @@ def test_a_law_without_a_name_is_shown_and_not_claimed(capsys):
         LEARNED.standard_deviations,
     )
     assert "Learned damping over the position" in report.render(diagnosis)
+
+
+FORMULA = Formula(
+    "square",
+    "f = d(y)·v, d(y) = a·y²",
+    {"a": Quantity(0.14, 0.01, "u s/y^3")},
+    ["cogging"],
+    {"constant": 0.1},
+    [-1.5, 0.0, 1.5],
+    [0.315, 0.0, 0.315],
+    [0.0, 0.0, 0.0],
+)
+
+
+def test_a_formula_is_shown_with_its_numbers(capsys):
+    law = replace(LEARNED, formula=FORMULA, description="even")
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[law])
+    text = "f = d(y)·v, d(y) = a·y², a = 0.140 ± 0.010 u s/y^3"
+    summary.print_summary(diagnosis, [])
+    printed = capsys.readouterr().out
+    assert f"formula: {text}" in printed
+    assert "in words: even" in printed
+    page = report.render(diagnosis)
+    assert f"Formula: <code>{text}</code>" in page
+    assert "In words: even." in page
+    entry = diagnosis.to_mapping()["effects"][-1]
+    assert (entry["formula"], entry["formula_replaces"], entry["formula_rivals"]) == (text, ["cogging"], [])
+
+
+def test_formulas_that_cannot_be_told_apart_are_all_shown(capsys):
+    other = replace(FORMULA, form="absolute value", expression="f = d(y)·v, d(y) = a·|y|")
+    diagnosis = written_diagnoses.diagnosis("partly-explained")
+    diagnosis = replace(diagnosis, learned=[replace(LEARNED, rivals=[FORMULA, other])])
+    summary.print_summary(diagnosis, [])
+    printed, page = capsys.readouterr().out, report.render(diagnosis)
+    entry = diagnosis.to_mapping()["effects"][-1]
+    assert entry["formula"] is None
+    assert entry["formula_rivals"] == [FORMULA.text, other.text]
+    for formula in (FORMULA, other):
+        assert f"formula, one of 2: {formula.text}" in printed
+        assert f"One of the formulas that cannot be told apart: <code>{formula.text}</code>" in page
 
 
 @pytest.mark.parametrize(("structured", "left"), [(True, "something remains"), (False, "what is left is noise")])

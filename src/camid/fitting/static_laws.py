@@ -59,8 +59,8 @@ def _force(effect: Effect, variables: str, at: Array, plant: TransferFunction) -
             force = _against_motion(effect, (time, now["position"], now["velocity"], now["input"], memory), values)
             rows.append(force / now[times] if times else force)
         found.append(np.array(rows))
-    size = max(float(np.max(np.abs(found[0]))), 1e-300)
-    if not all(np.max(np.abs(other - found[0])) <= SAME * size for other in found[1:]):
+    size = float(np.max(np.abs(found[0])))
+    if size == 0.0 or not all(np.max(np.abs(other - found[0])) <= SAME * size for other in found[1:]):
         return None
     # Dry friction is against the motion whatever the signs; other forces have that of the input.
     return found[0] if times == "input" or effect.force is None else motion_sign(plant) * found[0]
