@@ -21,6 +21,7 @@ from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.run import run, steps_of
+from camid.fitting.equivalent_input import equivalent_input
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identification_task import IdentificationTask
@@ -293,23 +294,8 @@ class PlantKind:
             return list(pool.map(respond, forces))
 
     def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
-        """Input that would have caused the residual of a recording, shape (N,): a Wiener filter.
-
-        It is regularised where the plant lets the camera see little of it.
-        """
-        acquisition = problem.chain(model, 0).declared()
-        count, period = len(residual), acquisition.period
-        size = 2 * count
-        angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
-        exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
-        lag = acquisition.latency + 0.5 * exposure
-        response = self.seen_plant(problem, model).frequency_response(np.maximum(angular, 1e-6 / period))
-        response = response * np.sinc(angular * exposure / (2.0 * np.pi)) * np.exp(-1j * angular * lag)
-        power = np.abs(response) ** 2
-        power = np.where(np.isfinite(power), power, 0.0)
-        regular = 1e-2 * float(np.max(power[1:], initial=0.0)) or 1.0
-        spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
-        return np.asarray(np.fft.irfft(spectrum, size)[:count])
+        """Input that would have caused the residual of a recording, shape (N,)."""
+        return equivalent_input(self.seen_plant(problem, model), problem.chain(model, 0).declared(), residual)
 
     def seen_plant(self, problem: Problem, model: Model) -> TransferFunction:
         """From the input to what the sensor sees, for small motions."""
