@@ -1,8 +1,9 @@
 """Camera-aware identification of machine dynamics.
 
 ``identify`` re-estimates the plant of a believed simulation from a recording, ``simulate`` runs it, ``diagnose``
-finds what it leaves out, ``track`` makes a recording of a video, ``init_recording`` a first simulation of a recording;
-``compare``, ``bode``, ``poles``, ``step`` and ``residuals`` draw models.
+finds what it leaves out, ``design`` computes the next experiment, ``track`` makes a recording of a video,
+``init_recording`` a first simulation of a recording; ``compare``, ``bode``, ``poles``, ``step`` and ``residuals`` draw
+models.
 They mirror the commands of the same name. Importing this package is cheap: each name is loaded when it is first used.
 """
 
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from camid.commands.bode import bode
     from camid.commands.compare import compare
+    from camid.commands.design import design
     from camid.commands.diagnose import diagnose
     from camid.commands.identify import identify
     from camid.commands.init_recording import init_recording
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from camid.diagnosis.diagnosis import Diagnosis
     from camid.effects.own_effects import own_effects
     from camid.errors import InputError
+    from camid.experiment_design.result import Design
     from camid.identification.identification import Identification
     from camid.recording.read import read_recording
     from camid.recording.recording import Recording
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MODULE_OF = {
+    "Design": "experiment_design.result",
     "Diagnosis": "diagnosis.diagnosis",
     "Identification": "identification.identification",
     "InputError": "errors",
@@ -43,6 +47,7 @@ _MODULE_OF = {
     "Track": "tracking.result",
     "bode": "commands.bode",
     "compare": "commands.compare",
+    "design": "commands.design",
     "diagnose": "commands.diagnose",
     "identify": "commands.identify",
     "init_recording": "commands.init_recording",
@@ -60,6 +65,7 @@ _MODULE_OF = {
 }
 
 __all__ = [
+    "Design",
     "Diagnosis",
     "Identification",
     "InputError",
@@ -69,6 +75,7 @@ __all__ = [
     "__version__",
     "bode",
     "compare",
+    "design",
     "diagnose",
     "identify",
     "init_recording",

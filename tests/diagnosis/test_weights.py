@@ -1,9 +1,12 @@
 """Weights of the names that a recording cannot tell apart, and of physics outside the catalogue."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from camid.diagnosis.verdict import different_inputs
 from camid.diagnosis.weights import LARGEST_CLASS, LEAST_WEIGHT, Comparison, Constants, Member, weight_outside, weights
 
 CONSTANTS = Constants(0.3, 0.05, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
@@ -72,3 +75,33 @@ def test_a_rig_may_have_what_makes_two_laws_of_the_same_special_case_general():
     found = of(special, near)
     assert found["stribeck-friction"] == pytest.approx(3.0 / 7.0 * found["coulomb-friction"])
     assert "stribeck-friction" not in of(special, far)
+
+
+def test_what_imitates_a_law_has_to_do_it_in_every_experiment():
+    member = Member("near", 100.0, 0.01)
+    once, twice = of(member), of(member, experiments=2)
+    assert twice["near"] / twice["coulomb-friction"] == pytest.approx(0.3 * once["near"] / once["coulomb-friction"])
+
+
+def test_another_experiment_that_leaves_nothing_speaks_against_physics_outside_the_catalogue():
+    once, twice = (weight_outside(replace(ALONE, experiments=count), CONSTANTS) for count in (1, 2))
+    assert twice / (1.0 - twice) == pytest.approx((once / (1.0 - once)) ** 2)
+    # One that leaves much speaks for it.
+    left = replace(ALONE, left=0.9)
+    structured = Constants(**{**vars(CONSTANTS), "outside": 1.0})
+    once, twice = (weight_outside(replace(left, experiments=count), structured) for count in (1, 2))
+    assert twice > once > 0.5
+
+
+def test_a_repetition_is_no_other_experiment():
+    def problem(*signals):
+        return SimpleNamespace(
+            experiments=[SimpleNamespace(signal=np.asarray(s, float), used=np.ones(len(s), bool)) for s in signals]
+        )
+
+    one = np.sin(np.arange(200.0))
+    assert different_inputs(problem(one)) == 1
+    assert different_inputs(problem(one, one + 1e-3)) == 1
+    assert different_inputs(problem(one, one[:150])) == 1
+    assert different_inputs(problem(one, 0.5 * one)) == 2
+    assert different_inputs(problem(one, np.cos(np.arange(200.0)), one)) == 2

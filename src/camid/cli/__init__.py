@@ -15,6 +15,7 @@ from camid import __version__
 from camid.cli import (
     bode,
     compare,
+    design,
     diagnose,
     identify,
     init,
@@ -40,6 +41,7 @@ def cli() -> None:
 for command in (
     bode.bode,
     compare.compare,
+    design.design,
     diagnose.diagnose,
     identify.identify,
     init.init,

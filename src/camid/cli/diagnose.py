@@ -43,7 +43,7 @@ def diagnose(
 ) -> None:
     """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.
 
-    Of several recordings the last one validates, unless the simulation says which rows do.
+    All recordings are fitted, and a fifth of each validates, unless the simulation says which rows do.
     """
     from camid.diagnosis.report.beside import PageDrawnBeside
     from camid.diagnosis.results_folder import check_folder, write_diagnosis

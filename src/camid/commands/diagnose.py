@@ -16,6 +16,7 @@ from camid.effects.declared import effects_of
 from camid.effects.own_effects import EffectSource, files_of, own_effects
 from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
 from camid.errors import InputError
+from camid.experiment_design.quick import with_designed_experiments
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
 from camid.linear_algebra_threads import one_blas_thread
@@ -38,8 +39,7 @@ def diagnose(
     Parameters
     ----------
     recording : path, DataFrame, or list of them
-        Of one rig. Of several the last one validates and the others are fitted, unless the simulation says which rows
-        validate.
+        Of one rig. All are fitted, and a fifth of each validates, unless the simulation says which rows do.
     simulation : path, mapping or Simulation
         What is believed of the rig: structure, nominal coefficients, declarations, effects that are known already.
     progress : callable, optional
@@ -88,6 +88,8 @@ def _diagnosed(
         mechanics_of(problem.chain(nominal, 0), experiments[0].signal)  # refuses before anything takes long
         problem, validation, chosen = with_validation(problem, nominal, held_out)
         diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
+        watch.say("designing the next experiment")
+        diagnosis = with_designed_experiments(diagnosis)
     except InputError:
         raise
     except MotionJumps:

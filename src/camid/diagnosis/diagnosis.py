@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import Comparison
 from camid.simulation.model import Simulation
+
+if TYPE_CHECKING:
+    from camid.diagnosis.remaining_hypotheses import Conditions, RemainingHypothesis
 
 Array = NDArray[np.float64]
 
@@ -295,6 +298,10 @@ class Diagnosis:
         What a user's own effects are called, by identifier.
     own_files : list of str
         Files that they were read from.
+    hypotheses : list of RemainingHypothesis
+        What the next experiment may have to tell apart.
+    conditions : Conditions or None
+        How the recordings were made.
     """
 
     verdict: str
@@ -319,6 +326,8 @@ class Diagnosis:
     structured: bool = False
     own_titles: dict[str, str] = field(default_factory=dict)
     own_files: list[str] = field(default_factory=list)
+    hypotheses: list[RemainingHypothesis] = field(default_factory=list)
+    conditions: Conditions | None = None
 
     @property
     def compared(self) -> str:
@@ -344,4 +353,6 @@ class Diagnosis:
             "coefficients": [vars(c) for c in self.coefficients],
             "tests": [vars(t) for t in self.tests],
             "warnings": self.warnings,
+            "hypotheses": [h.to_mapping() for h in self.hypotheses],
+            "conditions": None if self.conditions is None else self.conditions.to_mapping(),
         }

@@ -23,6 +23,7 @@ from camid.diagnosis.hypothesis_search import (
     other_choices,
     special_case,
 )
+from camid.diagnosis.models_of_each_recording import models_of_each_recording
 from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
@@ -156,9 +157,10 @@ def select_effects(
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
         beside = len(current.model.effects) > known
-        effort = BESIDE_OTHERS if beside else first_effort(problem.kind)
+        effort = BESIDE_OTHERS if beside else first_effort(problem)
         start = _nominal_start(problem, current, nominal)
-        ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch)
+        alone = () if beside else models_of_each_recording(problem, current, watch)
+        ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch, others=alone)
         searches.keep(current, ranked)
         screened = None
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM

@@ -16,7 +16,6 @@ from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import WORKERS, Problem
 
 # Error, as a share of the output's spread, from which fits start from the nominal coefficients, too.
@@ -66,15 +65,18 @@ class SearchEffort:
 
 
 FIRST_EFFECT = SearchEffort(12, shapes=2)
+# Several recordings say so much more than a first fit reaches that its criterion hardly ranks.
+GAP_SHARE_SEVERAL = 0.5
 # Where phases add up the screening is a poor guide; beside a first effect the motion is followed, and it is one again.
 FIRST_EFFECT_OVER_TIME = SearchEffort(12, least_share=0.0, gap_share=0.6)
 BESIDE_OTHERS = SearchEffort(7)
 RIVALS = SearchEffort(5, gap_share=0.3)
 
 
-def first_effort(kind: PlantKind) -> SearchEffort:
+def first_effort(problem: Problem) -> SearchEffort:
     """The effort in a search for a first effect."""
-    return FIRST_EFFECT_OVER_TIME if kind.phases_add_up else FIRST_EFFECT
+    effort = FIRST_EFFECT_OVER_TIME if problem.kind.phases_add_up else FIRST_EFFECT
+    return effort if len(set(problem.runs)) == 1 else replace(effort, gap_share=GAP_SHARE_SEVERAL)
 
 
 def hypotheses(
@@ -86,16 +88,18 @@ def hypotheses(
     effort: SearchEffort,
     watch: Watch,
     incumbent: Hypothesis | None = None,
+    others: Sequence[Model] = (),
 ) -> list[Hypothesis]:
     """The likeliest candidates, fitted together with the coefficients and everything in the base, the best first.
 
     With ``nominal`` effects without parameters start from it, too: they may have bent the refitted model beyond repair.
+    ``others`` are models with an effect that fits start from in addition.
     What is far behind an ``incumbent`` after a first fit is not fitted thoroughly.
     """
     starts = _shortlist(problem, screened, effort)
-    elsewhere = []
+    elsewhere = list(others)
     if nominal is not None and not watch.no_time_for("starts from other coefficients"):
-        elsewhere = _starts_elsewhere(problem, nominal, screened)
+        elsewhere += _starts_elsewhere(problem, nominal, screened)
 
     def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
         if watch.no_time_for(candidate.effect.identifier):

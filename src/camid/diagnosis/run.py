@@ -27,6 +27,7 @@ from camid.diagnosis.improved_simulation import Deviations, improved_simulation,
 from camid.diagnosis.learned_laws import with_learned_laws
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
+from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, share_left
 from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.simplest_effects import simplest
@@ -312,6 +313,7 @@ def _diagnosis(
     known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, judging)
     coefficients = coefficients_of(problem, setting.nominal, base, final)
+    conditions = conditions_of(problem, final)
     return Diagnosis(
         verdict,
         explanation(verdict, found, fits, location, coefficients, known_remainder, learned, bool(residue.reasons)),
@@ -330,6 +332,8 @@ def _diagnosis(
         residual_of=problem.kind.residual_of,
         known_remainder=known_remainder,
         further_signals=further,
+        hypotheses=remaining(believed, problem, decision, found, conditions),
+        conditions=conditions,
     )
 
 

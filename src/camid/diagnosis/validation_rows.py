@@ -35,29 +35,22 @@ def with_validation(
     """The problem without the rows that validate, these rows, and whether they were chosen here."""
     if any(rows.any() for rows in held_out):
         return problem, held_out, False
-    experiments = problem.experiments
-    runs = [i if e.same_run_as is None else e.same_run_as for i, e in enumerate(experiments)]
-    last = runs[-1]
-    if last > 0:
-        judging = np.ones(len(experiments[last].used), bool)
-        # The last recording's initial state has to come from somewhere: from its first fifth.
-        if experiments[last].estimate_initial_state:
-            judging[: len(judging) // 5] = False
-    else:
-        judging = _quiet_part(problem, nominal)
-    validation = [e.used & (judging if run == last else False) for e, run in zip(experiments, runs, strict=True)]
-    used = [e.used & ~rows for e, rows in zip(experiments, validation, strict=True)]
+    refitted = problem.kind.refit(problem, replace(nominal, effects=())).model
+    simulated = problem.simulate(refitted)
+    judging = {
+        r: _quiet_part(problem.experiments[r], problem.experiments[r].output - simulated[r]) for r in problem.runs
+    }
+    validation = [e.used & judging[run] for e, run in zip(problem.experiments, problem.runs, strict=True)]
+    used = [e.used & ~rows for e, rows in zip(problem.experiments, validation, strict=True)]
     return problem.with_used(used), validation, True
 
 
-def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
+def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     """The last part of a recording that judges: another one where the rig rests or a single event makes the mismatch.
 
     Where the rig hardly moves in the last part (a free decay, the end of a chirp), it is the last one that does move;
     where a single event makes most of the mismatch in it, the part with the least.
     """
-    experiment = problem.experiments[0]
-    residual = experiment.output - problem.simulate(problem.kind.refit(problem, replace(nominal, effects=())).model)[0]
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     square = without_outliers(residual) ** 2
     energy = np.array([float(np.mean(square[p])) for p in parts])
@@ -71,7 +64,7 @@ def _quiet_part(problem: Problem, nominal: Model) -> NDArray[np.bool_]:
         part = parts[-1]
     rows = np.zeros(len(residual), bool)
     rows[part] = True
-    return rows & experiment.used
+    return rows
 
 
 def without_outliers(residual: Array) -> Array:

@@ -21,6 +21,9 @@ from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
+# Difference of two inputs, as a share of the sum of their sizes, up to which one is a repetition of the other.
+SAME_INPUT = 0.05
+
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
     """Values with standard deviations and units."""
@@ -69,6 +72,7 @@ def findings(
             beside_laws if effect.identifier in decision.certain else left,
             i == strongest,
             effect.place == effects[strongest].place,
+            experiments=different_inputs(problem),
         )
         names, unlisted = weights(comparison)
         own = next((w for name, w in names if name == effect.identifier), 0.0)
@@ -103,6 +107,20 @@ def findings(
             )
         )
     return sorted(result, key=lambda f: -f.evidence["share"])
+
+
+def different_inputs(problem: Problem) -> int:
+    """How many of the recordings are experiments of their own: a repetition of an input says nothing new of a law."""
+    kinds: list[Array] = []
+    for experiment in problem.experiments:
+        signal, known = experiment.signal, False
+        for other in kinds:
+            rows = min(len(signal), len(other))
+            size = float(np.linalg.norm(signal[:rows]) + np.linalg.norm(other[:rows]))
+            known |= float(np.linalg.norm(signal[:rows] - other[:rows])) <= SAME_INPUT * size
+        if not known and experiment.used.any():
+            kinds.append(signal)
+    return max(len(kinds), 1)
 
 
 def learned_parts(decision: Decision) -> list[LearnedPart]:

@@ -103,6 +103,8 @@ class Comparison:
         Whether it sits at the place of the strongest.
     noise : bool
         Whether it is an effect on the noise.
+    experiments : int
+        How many experiments with different inputs are explained.
     """
 
     members: tuple[Member, ...]
@@ -111,6 +113,7 @@ class Comparison:
     strongest: bool = True
     same_place: bool = True
     noise: bool = False
+    experiments: int = 1
 
 
 @cache
@@ -136,7 +139,7 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     """
     constants = constants or calibrated()
     unlisted = weight_outside(comparison, constants)
-    raw = [(m.identifier, _likelihood(m, constants)) for m in comparison.members]
+    raw = [(m.identifier, relative_weight(m, comparison.experiments, constants)) for m in comparison.members]
     total = sum(value for _, value in raw)
     raw = sorted(((name, value / total) for name, value in raw), key=lambda item: -item[1])
     kept = [item for item in raw if item[1] >= LEAST_WEIGHT][:LARGEST_CLASS]
@@ -144,14 +147,20 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     return [(name, value / total * (1.0 - unlisted)) for name, value in kept], unlisted
 
 
-def _likelihood(member: Member, constants: Constants) -> float:
-    """Of a name relative to the likeliest, whose is one."""
+def relative_weight(member: Member, experiments: int = 1, constants: Constants | None = None) -> float:
+    """Weight of a name relative to the likeliest, whose is one.
+
+    That the rig has another law than the catalogue's, which the likeliest happens to imitate, has to happen again in
+    every experiment with another input.
+    """
+    constants = constants or calibrated()
+    other_law = constants.other_law**experiments
     exact = exp(-0.5 * max(member.gap, 0.0))
     prior = GENERAL_LAW / (1.0 - GENERAL_LAW)
     # What a special case leaves is what makes its general law general.
     other = 1.0 if member.special else exp(-max(member.left, 0.0) / constants.law_error)
     other *= prior if member.sibling else 1.0
-    value = (1.0 - constants.other_law) * exact + constants.other_law * other
+    value = (1.0 - other_law) * exact + other_law * other
     # A general law that fits better than its special case, and says no more, is ranked behind it for its prior.
     return value * prior if member.general and member.gap < 0.0 else value
 
@@ -162,6 +171,8 @@ def weight_outside(comparison: Comparison, constants: Constants) -> float:
         return _probability(constants.noise + constants.noise_beside * (not comparison.strongest))
     share = max(comparison.share, NOTHING_LEFT)
     odds = constants.outside + constants.outside_left * log(comparison.left / share + NOTHING_LEFT)
+    # Another input is another chance for a law outside the catalogue to leave something.
+    odds *= comparison.experiments
     if not comparison.strongest:
         odds += constants.beside_share * log(share) + constants.beside_place * comparison.same_place
     return _probability(odds)

@@ -109,6 +109,11 @@ class Problem:
     steps: tuple[int, ...] | None = None
     remainder: float | None = None
 
+    @property
+    def runs(self) -> list[int]:
+        """For each experiment the first one of the same run: columns of one recording are several."""
+        return [i if e.same_run_as is None else e.same_run_as for i, e in enumerate(self.experiments)]
+
     @cached_property
     def output(self) -> Array:
         """Recorded outputs on the fitted rows, shape (M,)."""
@@ -191,7 +196,7 @@ class Problem:
     def chain(self, model: Model, index: int) -> Chain:
         """Chain of a model as recording ``index`` saw it."""
         experiment = self.experiments[index]
-        run = index if experiment.same_run_as is None else experiment.same_run_as
+        run = self.runs[index]
         return Chain(
             self.structure.plant(model.coefficients),
             experiment.acquisition,

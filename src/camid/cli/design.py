@@ -1,0 +1,98 @@
+"""``camid design``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from camid.cli.shared import own_effects_option, progress_display
+from camid.errors import need
+
+
+@click.command(short_help="Compute the experiment that tells the remaining hypotheses apart.")
+@click.argument("source", type=click.Path(path_type=Path), nargs=-1, required=True)
+@click.option(
+    "--output", type=click.Path(path_type=Path), required=True, help="Folder for the design; created if missing."
+)
+@own_effects_option
+@click.option("--amplitude", type=float, nargs=2, metavar="LOW HIGH", help="Least and largest input [as recorded].")
+@click.option("--rate", type=float, help="Largest change of the input in a second; inf for none [as recorded].")
+@click.option("--duration", type=float, help="Seconds [as recorded].")
+@click.option(
+    "--travel", type=float, nargs=2, metavar="LOW HIGH", help="Least and largest reading [a tenth more than recorded]."
+)
+@click.option("--frame-rate", type=float, multiple=True, help="Frames per second; several may be tried [as recorded].")
+@click.option("--exposure", type=float, multiple=True, help="Exposure in s; several may be tried [as declared].")
+@click.option("--initial-position", type=float, multiple=True, help="Reading from which the rig can be released.")
+@click.option("--noise", type=float, help="Standard deviation of a reading [as recorded].")
+@click.option(
+    "--recording",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="With simulations: a recording that they are fitted to first.",
+)
+@click.option("--picture/--no-picture", default=True, show_default=True, help="Also draw design.png.")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.0),
+    default=50.0,
+    show_default=True,
+    help="Seconds after which nothing new is tried; 0 for no limit.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print design.json.")
+def design(
+    *,
+    source: tuple[Path, ...],
+    output: Path,
+    effects: tuple[Path, ...],
+    amplitude: tuple[float, float] | None,
+    rate: float | None,
+    duration: float | None,
+    travel: tuple[float, float] | None,
+    frame_rate: tuple[float, ...],
+    exposure: tuple[float, ...],
+    initial_position: tuple[float, ...],
+    noise: float | None,
+    recording: tuple[Path, ...],
+    picture: bool,
+    time_limit: float,
+    as_json: bool,
+) -> None:
+    """Compute the next experiment of a rig.
+
+    SOURCE is the output folder of camid diagnose, or simulations that are held against each other. The experiment tells
+    the hypotheses that remain apart, or, where one remains, determines its coefficients.
+    """
+    from camid.experiment_design.results_folder import check_folder, write_design
+    from camid.writing import without_infinities
+
+    if picture:
+        need("design.png", "plots", hint="or say --no-picture")
+    check_folder(output, [*source, *recording, *effects])
+    with progress_display(as_json) as progress:
+        from camid.commands.design import design as run
+
+        result = run(
+            source[0] if len(source) == 1 else list(source),
+            amplitude=amplitude,
+            rate=rate,
+            duration=duration,
+            travel=travel,
+            frame_rate=frame_rate,
+            exposure=exposure,
+            initial_position=initial_position,
+            noise=noise,
+            recording=list(recording),
+            progress=progress,
+            time_limit=time_limit or None,
+            effects=effects,
+        )
+        written = write_design(result, output, picture=picture)
+    if as_json:
+        click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
+        return
+    from camid.experiment_design.words import print_design
+
+    print_design(result, written)

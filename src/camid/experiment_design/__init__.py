@@ -1,0 +1,1 @@
+"""The next experiment: it tells apart what a diagnosis leaves possible, or determines what is undetermined."""

@@ -1,0 +1,70 @@
+"""Limits and inputs as the files of a rig have them: in the units of its columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.recording.units import Conversion
+from camid.simulation.model import Simulation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column whose values are factor · cell + zero."""
+
+    factor: float = 1.0
+    zero: float = 0.0
+
+    @classmethod
+    def of(cls, conversion: Conversion) -> Column:
+        """From what a simulation declares."""
+        return cls(conversion.factor, float(conversion(np.zeros(1))[0]))
+
+    def value(self, cell: float) -> float:
+        """What the simulation takes."""
+        return self.factor * cell + self.zero
+
+    def cells(self, values: Array) -> Array:
+        """What the file has, shape (N,)."""
+        return np.asarray((values - self.zero) / self.factor)
+
+    def values_of(self, limits: tuple[float, float]) -> tuple[float, float]:
+        """Two limits, the lower one first."""
+        first, second = self.value(limits[0]), self.value(limits[1])
+        return (first, second) if self.factor > 0.0 or limits[0] > limits[1] else (second, first)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns of a rig's files: names and units.
+
+    Attributes
+    ----------
+    time, signal, output : str
+    seconds, inputs, outputs : Column
+    """
+
+    time: str
+    signal: str
+    output: str
+    seconds: Column
+    inputs: Column
+    outputs: Column
+
+    @classmethod
+    def of(cls, simulation: Simulation) -> Columns:
+        """Of the recordings that a simulation reads."""
+        reading = simulation.reading
+        return cls(
+            simulation.time_column,
+            str(simulation.input_column),
+            simulation.output_column,
+            Column.of(reading.time),
+            Column.of(reading.input),
+            Column.of(reading.output),
+        )

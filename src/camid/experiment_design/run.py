@@ -1,0 +1,249 @@
+"""One design: search within the limits, check by a real fit, and say what to expect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.watch import Watch
+from camid.errors import InputError
+from camid.experiment_design.hypothesis import Hypothesis, Played
+from camid.experiment_design.limits import Limits
+from camid.experiment_design.prediction import TIMES, NoiseModel, Response, travelled
+from camid.experiment_design.refit import refitted
+from camid.experiment_design.result import Design, Determined, Expectation
+from camid.experiment_design.search import Candidate, Search
+from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, pairs_of
+
+Array = NDArray[np.float64]
+
+# Rows of simulations that a design may cost: some ten seconds of a plant of second order with friction.
+SIMULATED_ROWS = 4e6
+# Experiments that are checked by a fit.
+CHECKED = 4
+# Evidence below which names stay together whatever is played.
+NO_EVIDENCE = 2.0
+# Times as long as was allowed for which the growth of the evidence is carried on.
+LONGEST = 20.0
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be designed.
+
+    Attributes
+    ----------
+    hypotheses : list of Hypothesis
+    limits : Limits
+    noise : NoiseModel
+    rows_before : int
+        Rows of earlier recordings that were fitted.
+    experiments : int
+        Earlier experiments with different inputs.
+    """
+
+    hypotheses: list[Hypothesis]
+    limits: Limits
+    noise: NoiseModel
+    rows_before: int
+    experiments: int = 1
+
+    @property
+    def judge(self) -> Judge:
+        """What turns evidence into weights after the next experiment."""
+        return Judge(self.hypotheses, self.rows_before, self.experiments + 1)
+
+    @property
+    def names(self) -> list[int]:
+        """Places of the hypotheses that exclude another one."""
+        every = self.hypotheses
+        return [i for i, h in enumerate(every) if any(excludes(h, o) for j, o in enumerate(every) if j != i)]
+
+
+def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_ROWS, checked: int = CHECKED) -> Design:
+    """The best experiment for a task.
+
+    Raises
+    ------
+    InputError
+        If no experiment keeps the limits.
+    """
+    started = perf_counter()
+    for period, exposure in task.limits.settings:
+        for hypothesis in task.hypotheses:  # refuses a camera that cannot be
+            hypothesis.at(Played(np.zeros(10), period, exposure))
+    _refuse_rest_outside(task)
+    judge, noise, names = task.judge, task.noise, task.names
+
+    def score(found: Sequence[Response]) -> float:
+        return judge.score(pairs_of(found, noise), len(found[0].output)) if names else information(found[0])
+
+    watch.say("looking at experiments")
+    search = Search(task.hypotheses, task.limits, noise, score, simulated_rows, watch)
+    best = search.best()
+    if not best:
+        raise InputError(
+            "no experiment keeps the travel under every hypothesis",
+            hint="allow more travel, or a smaller input",
+        )
+    watch.say("fitting the rivals to the best ones")
+    pairs: list[Pair] = []
+    chosen = best[0]
+    if names:
+        chosen, pairs = _checked(task, best[:checked], watch)
+    others = {c.kind: c.score for c in best}
+    return replace(_said(task, chosen, pairs, others), looked_at=search.looked_at, seconds=perf_counter() - started)
+
+
+def information(found: Response) -> float:
+    """Logarithm of the determinant of the information on all parameters, each measured by its size: D-optimality."""
+    values = np.linalg.eigvalsh(found.information)
+    return float(0.5 * np.sum(np.log(np.maximum(values, 1e-6))))
+
+
+def _checked(task: Task, best: Sequence[Candidate], watch: Watch) -> tuple[Candidate, list[Pair]]:
+    """The one of the best experiments that says most after real fits, and its pairs."""
+    judge = task.judge
+    found: list[tuple[float, int, list[Pair]]] = []
+    for i, candidate in enumerate(best):
+        if found and watch.no_time_for("fits of more experiments"):
+            break
+        pairs = refitted(task.hypotheses, candidate.played, task.noise, pairs_of(candidate.found, task.noise))
+        found.append((judge.score(pairs, len(candidate.played.signal)), i, pairs))
+    _, index, pairs = max(found, key=lambda item: (item[0], -item[1]))
+    return best[index], pairs
+
+
+def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, float]) -> Design:
+    """What is to be expected of an experiment."""
+    played = chosen.played
+    ranges = [travelled(h, played) for h in task.hypotheses]
+    rows = np.unique(np.linspace(0, len(played.signal), TIMES + 1).astype(np.int64)[1:])
+    times = np.asarray(rows * played.period, dtype=np.float64)
+    expectations, growth = [], {}
+    linear = pairs_of(chosen.found, task.noise) if pairs else []
+    for i in sorted({p.true for p in pairs}):
+        expectation, grown = _expectation(task, chosen, i, (pairs, linear), rows)
+        expectations.append(expectation)
+        growth[expectation.identifier] = grown
+    likeliest = max(range(len(task.hypotheses)), key=lambda i: task.hypotheses[i].weight)
+    return Design(
+        task.hypotheses,
+        task.limits,
+        chosen.kind,
+        chosen.described,
+        played,
+        expectations,
+        _determined(chosen.found[likeliest]),
+        {h.identifier: r.output for h, r in zip(task.hypotheses, chosen.found, strict=True) if h.identifier},
+        (min(r[0] for r in ranges), max(r[1] for r in ranges)),
+        others,
+        growth,
+        times,
+    )
+
+
+def _expectation(
+    task: Task, chosen: Candidate, true: int, pairs: tuple[list[Pair], list[Pair]], rows: NDArray[np.int64]
+) -> tuple[Expectation, Array]:
+    """What is expected if one name is right, and how its evidence grows."""
+    judge, played, noise = task.judge, chosen.played, task.noise
+    whole = len(played.signal)
+    own = [p for p in pairs[0] if p.true == true]
+    first_order = {p.rival: p for p in pairs[1] if p.true == true}
+    nearest = min(own, key=lambda p: judge.evidence(p, whole))
+    found = chosen.found
+    grown: dict[int, Array] = {}
+    output = noise.whitened(found[true].output)
+    without = next(
+        (k for k, h in enumerate(task.hypotheses) if not h.identifier and h.question == task.hypotheses[true].question),
+        None,
+    )
+    base = np.zeros(len(rows)) if without is None else _growth(found[without], output, noise, rows)
+    for pair in own:
+        # What the fit took from the first order it takes from the beginning on.
+        share = pair.left / first_order[pair.rival].left if first_order[pair.rival].left > 0.0 else 1.0
+        grown[pair.rival] = share * _growth(found[pair.rival], output, noise, rows)
+
+    def weight_after(k: int) -> float:
+        now = [replace(p, left=float(grown[p.rival][k]), mismatch=float(base[k])) for p in own]
+        return judge.weight(true, now, int(rows[k]))
+
+    seconds = next((float(rows[k] * played.period) for k in range(len(rows)) if weight_after(k) >= DECIDED), None)
+    if seconds is None:
+        seconds = _beyond(judge, true, own, whole, played)
+    evidence = judge.evidence(nearest, whole)
+    expectation = Expectation(
+        task.hypotheses[true].identifier,
+        task.hypotheses[nearest.rival].identifier,
+        evidence,
+        evidence / (whole * played.period),
+        judge.evidence(first_order[nearest.rival], whole),
+        judge.weight(true, own, whole),
+        seconds,
+    )
+    curves = [
+        [judge.evidence(replace(p, left=float(grown[p.rival][k])), int(rows[k])) for p in own] for k in range(len(rows))
+    ]
+    return expectation, np.array([min(curve) for curve in curves])
+
+
+def _growth(found: Response, output: Array, noise: NoiseModel, rows: NDArray[np.int64]) -> Array:
+    return found.growth(output - noise.whitened(found.output), rows)
+
+
+def _beyond(judge: Judge, true: int, own: list[Pair], rows: int, played: Played) -> float | None:
+    """Seconds until one name has 95 % if the experiment goes on in the same way; None if it never has."""
+    for factor in np.geomspace(1.1, LONGEST, 60):
+        longer = [replace(p, left=factor * p.left, mismatch=factor * p.mismatch) for p in own]
+        if judge.weight(true, longer, round(factor * rows)) >= DECIDED:
+            return float(factor * rows * played.period)
+    return None
+
+
+def _determined(found: Response) -> list[Determined]:
+    """The parameters of a hypothesis with what is known of them before and after."""
+    packing, hypothesis = found.packing, found.hypothesis
+    values = packing.pack(packing.template) * packing.units
+    before, after = found.deviations(with_experiment=False), found.deviations(with_experiment=True)
+    names = readable_names(hypothesis, packing.names)
+    return [
+        Determined(name, float(v), float(b), float(a))
+        for name, v, b, a in zip(names, values, before, after, strict=True)
+        if not name.startswith("initial")
+    ]
+
+
+def readable_names(hypothesis: Hypothesis, packed: Sequence[str]) -> list[str]:
+    """Names of parameters as the reports have them: ``b0``, ``coulomb-friction force``, ``mass``."""
+    from camid.diagnosis.remaining_hypotheses import stable_names
+
+    problem, model = hypothesis.problem, hypothesis.model
+    coefficients = [name for name, _, _ in problem.kind.estimates(problem.structure, model, None)]
+    found = []
+    for name in stable_names(packed, model.effects):
+        head, _, tail = name.partition(" ")
+        if head == "coefficient" and int(tail) < len(coefficients):
+            found.append(coefficients[int(tail)])
+        else:
+            found.append(tail if head == "constant" else name)
+    return found
+
+
+def _refuse_rest_outside(task: Task) -> None:
+    """Refuse a travel that does not hold the rest."""
+    travel = task.limits.travel
+    if travel is None:
+        return
+    still = Played(np.zeros(10), task.limits.periods[0])
+    for hypothesis in task.hypotheses:
+        low, high = travelled(hypothesis, still)
+        if low <= travel[0] or high >= travel[1]:
+            raise InputError(
+                f"the rig rests at {low:.4g}, which lies outside of the travel from {travel[0]:g} to {travel[1]:g}",
+                hint="give the travel as readings of the sensor",
+            )

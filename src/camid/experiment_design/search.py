@@ -1,0 +1,247 @@
+"""The search for an experiment: every family is sampled, the best members are refined, and pairs of them are joined."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.watch import Watch
+from camid.experiment_design.hypothesis import Hypothesis, Played
+from camid.experiment_design.limits import Limits
+from camid.experiment_design.prediction import NoiseModel, Response, responses, travelled
+from camid.experiment_design.signals import FAMILIES, Band, Family
+
+Array = NDArray[np.float64]
+
+# Share of the travel that a design leaves free at each end, since the hypotheses are estimates.
+TRAVEL_MARGIN = 0.05
+# How often an input is made smaller so that the travel is kept, and how much smaller than it would have to be.
+MOST_SHRINKS = 8
+SHRINK = 0.97
+# Frequencies of candidates reach so far below and above those of the plant; of the frame rate at most this share.
+BELOW, ABOVE, FASTEST = 0.1, 4.0, 0.35
+FEWEST_CYCLES = 1.5
+# Members of the best families that are refined; shares of the effort for the first look and for joining pairs.
+REFINED = 3
+FIRST_LOOK, JOINING = 0.5, 0.15
+RELEASE = "release from a position"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An experiment that was looked at.
+
+    Attributes
+    ----------
+    kind : str
+        Its family.
+    described : dict
+        Numbers that say which member it is.
+    played : Played
+    found : list of Response
+        What the hypotheses predict.
+    score : float
+        What is maximised.
+    numbers : ndarray, shape (d,)
+        Between zero and one; they chose it from its family.
+    """
+
+    kind: str
+    described: dict[str, Any]
+    played: Played
+    found: list[Response]
+    score: float
+    numbers: Array = field(default_factory=lambda: np.zeros(0))
+
+
+class Search:
+    """A search among experiments within limits.
+
+    Parameters
+    ----------
+    hypotheses : sequence of Hypothesis
+    limits : Limits
+    noise : NoiseModel
+    score : callable
+        From the responses of all hypotheses to what is maximised.
+    simulated_rows : float
+        Rows of all simulations together that it may cost: the same on every machine.
+    watch : Watch
+    """
+
+    def __init__(
+        self,
+        hypotheses: Sequence[Hypothesis],
+        limits: Limits,
+        noise: NoiseModel,
+        score: Callable[[Sequence[Response]], float],
+        simulated_rows: float,
+        watch: Watch,
+    ) -> None:
+        self.hypotheses, self.limits, self.noise, self.score = list(hypotheses), limits, noise, score
+        self.budget, self.watch = simulated_rows, watch
+        self.spent = 0.0
+        self.looked_at = 0
+
+    def best(self) -> list[Candidate]:
+        """The best experiment of every family and of joined pairs, the best first; none where none keeps the travel."""
+        from scipy.stats import qmc
+
+        settings = self.limits.settings
+        starts: list[float | None] = [None, *self.limits.positions]
+        best: dict[str, Candidate] = {}
+        samplers = {f.name: qmc.Sobol(f.numbers, seed=0) for f in FAMILIES}
+        families = [] if self.limits.low == self.limits.high else list(FAMILIES)
+        for released in self.limits.positions:
+            for setting in settings:
+                still = np.zeros(self.limits.rows(setting[0]))
+                self._keep(best, self.played(RELEASE, {"position": released}, still, setting, released))
+        turn = 0
+        while families and not self._over(FIRST_LOOK):
+            for family in families:
+                numbers = samplers[family.name].random(1)[0]
+                setting, position = settings[turn % len(settings)], starts[turn % len(starts)]
+                self._keep(best, self.member(family, numbers, setting, position))
+            turn += 1
+        if not best:
+            return []
+        for candidate in sorted(best.values(), key=lambda c: -c.score)[:REFINED]:
+            self._keep(best, self._refined(candidate, FIRST_LOOK + (1.0 - FIRST_LOOK - JOINING) / REFINED))
+        self._join(best)
+        return sorted(best.values(), key=lambda c: -c.score)
+
+    def member(
+        self, family: Family, numbers: Array, setting: tuple[float, float | None], position: float | None
+    ) -> Candidate | None:
+        """A member of a family within the limits; None where no size of it keeps the travel."""
+        self.spent += self.limits.rows(setting[0])
+        shape, described = family.make(np.clip(numbers, 0.0, 1.0), self.band(setting[0]))
+        found = self.played(family.name, described, self.limits.kept(shape, setting[0]), setting, position)
+        return None if found is None else replace(found, numbers=numbers)
+
+    def played(
+        self,
+        kind: str,
+        described: dict[str, Any],
+        signal: Array,
+        setting: tuple[float, float | None],
+        position: float | None,
+    ) -> Candidate | None:
+        """An input, made smaller until every hypothesis keeps the travel, and what it says."""
+        played = self._within_travel(Played(signal, setting[0], setting[1], position))
+        if played is None or (not np.any(played.signal) and position is None):
+            return None
+        self.looked_at += 1
+        self.spent += len(signal) * sum(2.0 + len(h.known or range(8)) for h in self.hypotheses)
+        try:
+            found = responses(self.hypotheses, played, self.noise)
+        except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+            return None
+        return Candidate(kind, described, played, found, self.score(found))
+
+    def _over(self, share: float) -> bool:
+        return self.spent >= share * self.budget or self.watch.no_time_for("more candidates")
+
+    @staticmethod
+    def _keep(best: dict[str, Candidate], new: Candidate | None) -> None:
+        if new is not None and np.isfinite(new.score) and (new.kind not in best or new.score > best[new.kind].score):
+            best[new.kind] = new
+
+    def _refined(self, start: Candidate, share: float) -> Candidate | None:
+        """The best that Nelder and Mead's simplex finds around a member of a family."""
+        from scipy.optimize import minimize
+
+        family = next((f for f in FAMILIES if f.name == start.kind), None)
+        if family is None:
+            return None
+        setting, position = (start.played.period, start.played.exposure), start.played.position
+        best, until = start, self.spent + (share - FIRST_LOOK) * self.budget
+
+        def loss(numbers: Array) -> float:
+            nonlocal best
+            if self.spent > until or self.watch.no_time_for("more candidates"):
+                raise StopIteration
+            found = self.member(family, numbers, setting, position)
+            if found is None:
+                return 0.0
+            best = found if found.score > best.score else best
+            return -found.score
+
+        first = np.clip(start.numbers, 0.02, 0.98)
+        simplex = np.vstack([first, *(first + np.where(first < 0.5, 0.2, -0.2) * row for row in np.eye(len(first)))])
+        with suppress(StopIteration):
+            minimize(
+                loss,
+                first,
+                method="Nelder-Mead",
+                bounds=[(0.0, 1.0)] * len(first),
+                options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-3},
+            )
+        return best
+
+    def _join(self, best: dict[str, Candidate]) -> None:
+        """Try the best members one after another, each for half of the time: one may separate what another does not."""
+        ranked = [c for c in sorted(best.values(), key=lambda c: -c.score) if c.kind != RELEASE][: REFINED + 1]
+        for one in ranked:
+            for other in ranked:
+                if one is other or one.played.period != other.played.period or self._over(1.0):
+                    continue
+                half = len(one.played.signal) // 2
+                signal = np.concatenate(
+                    [one.played.signal[:half], other.played.signal[: len(one.played.signal) - half]]
+                )
+                setting = one.played.period, one.played.exposure
+                signal = self.limits.slowed(signal, setting[0])
+                described = {"first_half": {"kind": one.kind, **one.described}}
+                described |= {"second_half": {"kind": other.kind, **other.described}}
+                kind = f"{one.kind}, then {other.kind}"
+                self._keep(best, self.played(kind, described, signal, setting, one.played.position))
+
+    def _within_travel(self, played: Played) -> Played | None:
+        travel = self.limits.travel
+        if travel is None:
+            return played
+        for _ in range(MOST_SHRINKS):
+            self.spent += len(played.signal) * len(self.hypotheses)
+            ranges = [travelled(h, played) for h in self.hypotheses]
+            low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
+            rest = self.hypotheses[0].model.constants.get("offset", 0.0)
+            factor = shrink_factor((low, high), travel, rest)
+            if factor is None:
+                return None
+            if factor >= 1.0:
+                return played
+            played = replace(played, signal=self.limits.slowed(SHRINK * factor * played.signal, played.period))
+        return None
+
+    def band(self, period: float) -> Band:
+        """Where candidates have their frequencies."""
+        rows = self.limits.rows(period)
+        plants = [h.problem.structure.plant(h.model.coefficients) for h in self.hypotheses]
+        poles = np.concatenate([np.abs(plant.poles()) for plant in plants]) / (2.0 * np.pi)
+        poles = poles[poles > 1e-9 / period]
+        fastest, slowest = FASTEST / period, FEWEST_CYCLES / (rows * period)
+        low = float(np.clip(BELOW * np.min(poles, initial=fastest), slowest, 0.25 * fastest))
+        high = float(np.clip(ABOVE * np.max(poles, initial=low), 2.0 * low, fastest))
+        return Band(low, high, period, rows)
+
+
+def shrink_factor(reached: tuple[float, float], travel: tuple[float, float], rest: float) -> float | None:
+    """What an input has to be multiplied with to keep a range about the rest; None where nothing would."""
+    if not np.all(np.isfinite(reached)):
+        return 0.5
+    margin = TRAVEL_MARGIN * (travel[1] - travel[0])
+    low, high = travel[0] + margin, travel[1] - margin
+    if not low < rest < high:
+        return None
+    factor = 1.0
+    if reached[0] < low:
+        factor = min(factor, (rest - low) / (rest - reached[0]))
+    if reached[1] > high:
+        factor = min(factor, (high - rest) / (reached[1] - rest))
+    return factor

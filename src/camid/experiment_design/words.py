@@ -1,0 +1,129 @@
+"""A design in words and in a terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from camid.diagnosis.report.summary import title_of
+from camid.experiment_design.result import Design
+from camid.number_text import number, percentage, plain, printable, span, with_deviation
+
+# Names of the numbers of families, and their units.
+NUMBERS = {
+    "hold": ("held for", "s"),
+    "levels": ("levels", ""),
+    "order": ("order", ""),
+    "share": ("share of the range", ""),
+    "lowest_frequency": ("from", "Hz"),
+    "highest_frequency": ("to", "Hz"),
+    "first_frequency": ("from", "Hz"),
+    "last_frequency": ("to", "Hz"),
+    "frequency": ("at", "Hz"),
+    "push": ("pushed for", "s"),
+    "free": ("released for", "s"),
+    "lines": ("lines", ""),
+    "position": ("from", "y"),
+}
+# Evidence that decides nothing (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
+NO_EVIDENCE = 2.0
+
+
+def described(kind: str, numbers: dict[str, Any]) -> str:
+    """An input in words: ``steps (7 levels, held for 0.44 s)``."""
+    if "first_half" in numbers:
+        halves = (numbers["first_half"], numbers["second_half"])
+        return ", then ".join(described(h["kind"], {k: v for k, v in h.items() if k != "kind"}) for h in halves)
+    parts = []
+    for key, value in numbers.items():
+        if key not in NUMBERS or key == "share":
+            continue
+        words, unit = NUMBERS[key]
+        shown = plain(value, 3, unit)
+        parts.append(f"{shown} {words}" if key in {"levels", "lines"} else f"{words} {shown}")
+    return f"{kind} ({', '.join(parts)})" if parts else kind
+
+
+def sentence(design: Design) -> str:
+    """A design in two sentences, for a report: what to play, and what to expect."""
+    simulation = design.hypotheses[0].simulation
+    unit = simulation.symbols[0] or "u"
+    signal = design.played.signal
+    text = (
+        f"Play {described(design.kind, design.described)} for {plain(design.duration, 3, 's')} between "
+        f"{plain(float(signal.min()))} and {plain(float(signal.max()), unit=unit)}: "
+    )
+    evidence = design.evidence
+    if evidence is None:
+        return text + "it determines the coefficients best."
+    rate = number(evidence / design.duration, 2)
+    text += f"expected ΔBIC {number(evidence, 2)} against the nearest rival ({rate} a second)"
+    undecided = [e for e in design.expectations if e.seconds is None]
+    if undecided:
+        pairs = "; ".join(f"{title_of(e.identifier)} from {title_of(e.rival)}" for e in undecided)
+        return f"{text}. Within the limits of the recording it would not tell apart: {pairs}."
+    decided = design.seconds_to_decide
+    return f"{text}, one name at 95 % after about {number(float(decided or 0.0), 2)} s."
+
+
+def print_design(design: Design, written: list[Path]) -> None:
+    """Print what to play, what to expect of it and what it was chosen from, for a person."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False, emoji=False)
+    simulation, limits, played = design.hypotheses[0].simulation, design.limits, design.played
+    unit, output = simulation.symbols
+    console.print(f"▶ {described(design.kind, design.described)}", style="bold", soft_wrap=True)
+    signal = played.signal
+    console.print(
+        f"{len(signal)} rows, {plain(design.duration, 4, 's')} at {plain(1.0 / played.period, 4)} frames per second; "
+        f"input {span((float(signal.min()), float(signal.max())), unit or 'u')}, "
+        f"travel {span(design.travel, output)} under every hypothesis",
+        soft_wrap=True,
+    )
+    if played.exposure is not None:
+        console.print(f"exposure {plain(played.exposure, 4, 's')}", soft_wrap=True)
+    if played.position is not None:
+        console.print(
+            f"released at rest from {plain(played.position, 4, output)}: diagnose with initial_state: estimate",
+            soft_wrap=True,
+        )
+    if design.expectations:
+        console.print(_table_of_names(design, Table(title="What to expect", title_justify="left")))
+    else:
+        table = Table(title="Standard deviations", title_justify="left")
+        for heading in ("parameter", "known now", "after the experiment"):
+            table.add_column(heading)
+        for one in design.determined:
+            table.add_row(one.name, with_deviation(one.value, one.before), with_deviation(one.value, one.after))
+        console.print(table)
+    rate = "" if limits.rate == float("inf") else f", {plain(limits.rate, 4)} {unit or 'u'}/s"
+    travel = "" if limits.travel is None else f", travel {span(limits.travel, output)}"
+    console.print(
+        f"limits: input {span((limits.low, limits.high), unit or 'u')}{rate}{travel}, "
+        f"{plain(limits.duration, 4, 's')}; {design.looked_at} experiments looked at",
+        soft_wrap=True,
+    )
+    for warning in design.warnings:
+        console.print(f"warning: {printable(warning)}", style="yellow", soft_wrap=True)
+    for path in written:
+        console.print(f"written to {printable(str(path))}", soft_wrap=True)
+
+
+def _table_of_names(design: Design, table: Any) -> Any:
+    for heading in ("if this is right", "nearest rival", "ΔBIC", "a second", "weight", "95 % after"):
+        table.add_column(heading, overflow="fold")
+    for e in design.expectations:
+        seconds = "never" if e.seconds is None else f"{number(e.seconds, 2)} s"
+        if e.seconds is not None and e.seconds > design.duration:
+            seconds += " (longer)"
+        table.add_row(
+            title_of(e.identifier),
+            title_of(e.rival),
+            number(e.evidence, 2),
+            number(e.evidence_per_second, 2),
+            percentage(e.weight, 2),
+            seconds,
+        )
+    return table

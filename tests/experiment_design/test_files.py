@@ -1,0 +1,143 @@
+"""``camid design``: its folder, its formats, and one line for what is wrong."""
+
+import json
+from importlib.resources import files
+
+import numpy as np
+import pandas as pd
+import pytest
+from jsonschema import Draft202012Validator
+from ruamel.yaml import YAML
+
+import camid
+from camid.cli import main
+from camid.diagnosis.results_folder import write_diagnosis
+from camid.experiment_design.results_folder import input_text, write_design
+from camid.experiment_design.words import sentence
+from tests.experiment_design.test_design import believed
+from tests.support.mass_on_spring import effect
+
+SCHEMA = json.loads(files("camid").joinpath("schemas/design.schema.json").read_text(encoding="utf-8"))
+QUICK = ["--amplitude", "-1", "1", "--duration", "4", "--frame-rate", "50", "--noise", "0.02"]
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch, diagnosis, first):
+    """A folder with a recording, its diagnosis and two simulations, and the current one."""
+    monkeypatch.chdir(tmp_path)
+    first.to_csv("first.csv", index=False)
+    write_diagnosis(diagnosis, "diagnosis", report=False)
+    for name, content in (
+        ("friction", believed(effect("coulomb-friction", force=0.1))),
+        ("drag", believed(effect("quadratic-drag", coefficient=0.005))),
+    ):
+        with open(f"{name}.yaml", "w", encoding="utf-8") as file:
+            YAML().dump(content, file)
+    return tmp_path
+
+
+def test_the_folder_of_a_design(bench, capsys):
+    assert main(["design", "diagnosis", "--output", "next", "--duration", "4", "--time-limit", "0"]) == 0
+    printed = capsys.readouterr().out
+    assert "What to expect" in printed
+    assert "written to next/input.csv" in printed
+    assert sorted(p.name for p in (bench / "next").iterdir()) == ["design.json", "design.png", "input.csv"]
+    content = json.loads((bench / "next/design.json").read_text(encoding="utf-8"))
+    Draft202012Validator.check_schema(SCHEMA)
+    Draft202012Validator(SCHEMA).validate(content)
+    table = pd.read_csv(bench / "next/input.csv")
+    assert list(table.columns) == ["t", "u"]
+    assert len(table) == content["experiment"]["rows"] == 200
+    np.testing.assert_allclose(np.diff(table["t"]), 0.02, rtol=1e-9)
+    low, high = content["limits"]["amplitude"].values()
+    assert low <= table["u"].min() < table["u"].max() <= high
+    evidence = content["evidence"]
+    assert evidence["delta_bic_per_second"] == pytest.approx(evidence["delta_bic"] / 4.0)
+    assert {"gain-asymmetry", "input-bias"} <= {name["if_right"] for name in evidence["names"]}
+    assert all(d["std_after"] < d["std_before"] for d in content["parameters"] if d["name"] == "gain-asymmetry ratio")
+
+
+def test_two_simulations_as_hypotheses_and_json(bench, capsys):
+    command = ["design", "friction.yaml", "drag.yaml", "--output", "next", *QUICK, "--no-picture", "--json"]
+    assert main(command) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((bench / "next/design.json").read_text(encoding="utf-8"))
+    assert {h["id"] for h in printed["hypotheses"]} == {"friction", "drag"}
+    assert printed["evidence"]["delta_bic"] > 50.0
+    assert not (bench / "next/design.png").exists()
+
+
+def test_two_simulations_after_a_recording(bench):
+    """Fitted to it first: friction and drag of a rig that has neither are small, and hard to tell apart."""
+    found = camid.design(["friction.yaml", "drag.yaml"], recording="first.csv", duration=4.0, time_limit=None)
+    free = camid.design(
+        ["friction.yaml", "drag.yaml"], amplitude=(-1, 1), duration=4.0, frame_rate=50.0, noise=0.02, time_limit=None
+    )
+    assert 0.0 <= found.evidence < 0.2 * free.evidence
+
+
+def test_an_input_is_written_in_the_units_of_its_column(diagnosis, bench):
+    """Cells in millivolts for a simulation in volts: limits and file are in millivolts."""
+    content = believed(effect("coulomb-friction", force=0.1), input={"column": "u", "hold": "zoh", "unit": "mV"})
+    other = believed(effect("quadratic-drag", coefficient=0.005), input={"column": "u", "hold": "zoh", "unit": "mV"})
+    options = {"duration": 4.0, "frame_rate": 50.0, "noise": 0.02, "time_limit": None}
+    found = camid.design([content, other], amplitude=(-1000.0, 1000.0), rate=50_000.0, **options)
+    signal = found.played.signal
+    assert 0.05 < np.max(np.abs(signal)) <= 1.0
+    assert np.max(np.abs(np.diff(signal, prepend=0.0))) <= 50.0 * 0.02 + 1e-6
+    cells = np.array([float(line.split(",")[1]) for line in input_text(found).splitlines()[1:]])
+    np.testing.assert_allclose(cells, 1000.0 * signal, rtol=1e-5, atol=1e-6)
+
+
+def test_a_sentence_for_a_report(design):
+    said = sentence(design)
+    assert said.startswith("Play ")
+    assert "expected ΔBIC" in said
+    assert "95 % after about" in said
+    assert "\n" not in said
+
+
+def test_nothing_is_written_where_a_limit_is_refused(bench, capsys):
+    assert main(["design", "diagnosis", "--output", "next", "--travel", "0.5", "0.6"]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert error.startswith("camid: error: the rig rests at")
+    assert not (bench / "next").exists()
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["design", "nowhere", "--output", "next"], "nowhere"),
+        (["design", ".", "--output", "next"], "no diagnosis.json"),
+        (["design", "first.csv", "--output", "next", *QUICK], "first.csv"),
+        (["design", "diagnosis", "--output", "first.csv"], "this is a file"),
+        (["design", "diagnosis", "--output", "no/where"], "no such folder"),
+        (["design", "friction.yaml", "drag.yaml", "--output", "next"], "--frame-rate"),
+        (["design", "friction.yaml", "friction.yaml", "--output", "next", *QUICK], "named twice"),
+    ],
+)
+def test_what_is_wrong_is_one_line(bench, capsys, command, said):
+    assert main(command) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert said in error
+    assert not (bench / "next").exists()
+
+
+def test_a_diagnosis_of_an_earlier_version_says_what_to_do(bench, capsys):
+    path = bench / "diagnosis/diagnosis.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps({k: v for k, v in content.items() if k != "hypotheses"}), encoding="utf-8")
+    assert main(["design", "diagnosis", "--output", "next"]) == 2
+    assert "diagnose again" in capsys.readouterr().err
+    path.write_text("{", encoding="utf-8")
+    assert main(["design", "diagnosis", "--output", "next"]) == 2
+    assert "no JSON" in capsys.readouterr().err
+
+
+def test_the_same_bytes_again(diagnosis, design, tmp_path):
+    for name in ("one", "two"):
+        write_design(design, tmp_path / name)
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
