@@ -26,6 +26,7 @@ COMMENTS = ("#", "%")
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}
 # Lines that are looked at to find the separator.
 SAMPLE = 200
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 NOT_TEXT = "a recording is CSV, Parquet, MAT or HDF5"
 
 
@@ -213,9 +214,13 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _decoded(data: bytes, name: str) -> str:
-    """Text of a file: UTF-8, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
+    """Text of a file: UTF-8, marked UTF-16, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
+    if data.startswith(UTF_16):  # as spreadsheets call Unicode text; its first two bytes tell the order of the others
+        with suppress(UnicodeDecodeError):
+            return data.decode("utf-16")
     if b"\0" in data:
-        raise InputError("this is not UTF-8 text", where=name, hint=NOT_TEXT)
+        hint = f"{NOT_TEXT}; UTF-16 needs its first mark, so save it as UTF-8"
+        raise InputError("this is not UTF-8 text", where=name, hint=hint)
     with suppress(UnicodeDecodeError):
         return data.decode("utf-8-sig")
     head, rest = [], data
