@@ -15,7 +15,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from tests.faults import clocks, determinism, hostile, kills, storage, together
-from tests.faults.campaign import Project, progress
+from tests.faults.campaign import Budget, Project, progress
 from tests.support import ROOT
 
 CAMPAIGNS = {
@@ -33,12 +33,13 @@ def main():
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description=__doc__)
     parser.add_argument("campaigns", nargs="*", help=f"of {', '.join(CAMPAIGNS)} [all]")
     parser.add_argument("--seed", type=int, default=17, help="of the moments and places of the faults [17]")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="for each campaign; then one of each [∞]")
     chosen = parser.parse_args()
     started = time.time()
     os.environ.pop("SNAKEMAKE_OUTPUT_CACHE", None)
     folder = Path(tempfile.mkdtemp(prefix="camid-faults-"))
     try:
-        rows = run(chosen.campaigns or list(CAMPAIGNS), chosen.seed, folder)
+        rows = run(chosen.campaigns or list(CAMPAIGNS), chosen.seed, folder, chosen.minutes)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     wrong = [f"{row.fault}: {sentence}" for row in rows for sentence in row.wrong]
@@ -55,7 +56,7 @@ def keep(name, seed, seconds, rows):
     RESULT.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def run(names, seed, folder):
+def run(names, seed, folder, minutes):
     """Rows of some campaigns."""
     project = Project(folder / "project")
     progress("the reference")
@@ -70,6 +71,7 @@ def run(names, seed, folder):
     rows = []
     for name in names:
         began = time.time()
+        Budget.end = began + 60.0 * minutes
         progress(f"campaign: {name}")
         found = CAMPAIGNS[name](project, reference, seconds, folder / name, random.Random(f"{seed} {name}"))
         for row in found:

@@ -17,6 +17,17 @@ TARGETS = ["fig2", "fig6"]
 LONGEST = 240.0  # seconds of a command, after which it counts as hanging
 
 
+class Budget:
+    """When to stop: never, or once each fault was tried and the time is over."""
+
+    end = float("inf")
+
+    @classmethod
+    def over(cls, count):
+        """Whether a count has a trial and there is no time for another."""
+        return count.trials > 0 and time.time() > cls.end
+
+
 @dataclass
 class Count:
     """One row of the table: a fault, what it was tried on, how often, and what was wrong."""

@@ -4,7 +4,7 @@ import os
 import time
 from pathlib import Path
 
-from tests.faults.campaign import Count, progress
+from tests.faults.campaign import Budget, Count, progress
 
 LIBRARIES = (
     "/usr/lib/x86_64-linux-gnu/faketime/libfaketime.so.1",
@@ -28,6 +28,8 @@ def faked(jump):
 def whole_runs(project, reference, count):
     """A run under a clock that is wrong, then one under the right one."""
     for jump in JUMPS:
+        if Budget.over(count):
+            break
         project.reset()
         code, printed = project.run(environment=faked(jump))
         wrong = None if code == 0 else f"{jump}: exit code {code}: {printed[-300:]}"
@@ -42,6 +44,8 @@ def during_a_run(project, reference, seconds, folder, random, count):
     """The clock jumps while jobs run; the rerun has the right clock again."""
     folder.mkdir(parents=True, exist_ok=True)
     for jump in DURING:
+        if Budget.over(count):
+            break
         project.reset()
         file = folder / "faketime"
         file.write_text("+0\n")
@@ -63,6 +67,8 @@ def during_a_run(project, reference, seconds, folder, random, count):
 def times_of_files(project, reference, random, count):
     """Files from the future and from the past, as a clock that was set back or forth leaves them."""
     for trial in range(4):
+        if Budget.over(count):
+            break
         project.reset()
         project.run()
         shift = random.choice([-3.0, -0.1, 0.1, 3.0]) * DAY

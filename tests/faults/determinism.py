@@ -2,7 +2,7 @@
 
 import os
 
-from tests.faults.campaign import Count, Project, bench, camid, ended, progress
+from tests.faults.campaign import Budget, Count, Project, bench, camid, ended, progress
 from tests.faults.together import contents
 
 WAYS = [  # cores, threads of the linear algebra, processor that OpenBLAS would choose
@@ -25,6 +25,8 @@ def campaign(project, reference, seconds, folder, random):
         "other folder, cores, threads and kernels of BLAS", "the workflow in little, fresh clones", "the same bytes"
     )
     for number, (cores, threads, kernel) in enumerate(WAYS):
+        if Budget.over(workflow):
+            break
         clone = Project(folder / f"eine Kopie {number} · 二")
         clone.reset()
         code, printed = clone.run(cores=cores, environment=variables(threads, kernel))

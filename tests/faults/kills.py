@@ -7,7 +7,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from tests.faults.campaign import TARGETS, Count, bench, camid, ended, progress
+from tests.faults.campaign import TARGETS, Budget, Count, bench, camid, ended, progress
 
 TRIALS = {"workflow": 24, "alone": 14, "worker": 18, "command": 24}
 # The first part of a run only reads the Snakefile.
@@ -43,6 +43,8 @@ def kill_workflow(project, reference, seconds, random, counts):
     ways = [way for way in ("workflow", "alone", "worker") for _ in range(TRIALS[way])]
     random.shuffle(ways)
     for number, way in enumerate(ways, 1):
+        if Budget.over(counts[way]):
+            continue
         if number % 8 == 0:
             progress(f"kill {number} of {len(ways)}")
         project.reset()
@@ -76,6 +78,8 @@ def kill_commands(folder, random, count):
     new = output.read_bytes()
     inputs = {name: (folder / name).read_bytes() for name in ("recording.csv", "S.yaml")}
     for _ in range(TRIALS["command"]):
+        if Budget.over(count):
+            break
         output.write_bytes(b"an older result\n")
         process = camid(arguments, folder)
         with suppress(subprocess.TimeoutExpired):

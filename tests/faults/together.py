@@ -2,7 +2,7 @@
 
 import time
 
-from tests.faults.campaign import Count, bench, camid, ended, progress
+from tests.faults.campaign import Budget, Count, bench, camid, ended, progress
 
 SNAKEMAKES, SIMULATIONS, DIAGNOSES = 6, 8, 2
 REFUSALS = ("Directory cannot be locked", "another Snakemake is at work")
@@ -10,6 +10,8 @@ REFUSALS = ("Directory cannot be locked", "another Snakemake is at work")
 
 def two_snakemakes(project, reference, random, count):
     for trial in range(SNAKEMAKES):
+        if Budget.over(count):
+            break
         project.reset()
         targets = [["fig2", "fig6"], ["fig2", "fig6"]] if trial % 2 else [["fig2"], ["fig6"]]
         processes = []
@@ -29,6 +31,8 @@ def two_commands(folder, count):
     kinds = [("simulate", "both.csv", [])] * SIMULATIONS + [("diagnose", "both", ["--no-report"])] * DIAGNOSES
     alone = {}
     for command, output, options in kinds:
+        if Budget.over(count) and command in alone:
+            continue
         start = [command, "recording.csv", "--simulation", "S.yaml", *options, "--output"]
         if command not in alone:
             ended(camid([*start, f"alone-{output}"], folder))

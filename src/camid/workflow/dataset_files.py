@@ -42,7 +42,7 @@ def write_dataset(table: pd.DataFrame, path: str | Path, configuration: Mapping[
 
     arrow = pa.Table.from_pandas(table, preserve_index=False)
     metadata = {**(arrow.schema.metadata or {}), METADATA_KEY: json.dumps(configuration, sort_keys=True).encode()}
-    metadata[CHECKSUM_KEY] = _checksum_of_table(arrow, metadata[METADATA_KEY]).encode()
+    metadata[CHECKSUM_KEY] = _checksum_of_table(arrow, metadata).encode()
     arrow = arrow.replace_schema_metadata(metadata)
     write_whole(path, lambda temporary: pq.write_table(arrow, temporary))
 
@@ -109,21 +109,23 @@ def _verified_table(path: str | Path) -> pa.Table:
     with Path(path).open("rb") as stream:
         arrow = pq.read_table(stream)
     metadata = arrow.schema.metadata or {}
-    checksum = _checksum_of_table(arrow, metadata.get(METADATA_KEY, b""))
+    checksum = _checksum_of_table(arrow, metadata)
     if metadata.get(CHECKSUM_KEY) != checksum.encode():
         raise _DamagedError("its checksum is not that of its content")
     return arrow
 
 
-def _checksum_of_table(arrow: pa.Table, configuration: bytes) -> str:
-    """SHA-256 over configuration, names and values, whatever the encoding and the chunks of the file."""
+def _checksum_of_table(arrow: pa.Table, metadata: Mapping[bytes, bytes]) -> str:
+    """SHA-256 over configuration, names, kinds and values, whatever the encoding and the chunks of the file."""
     import pyarrow as pa
 
-    digest = hashlib.sha256(configuration)
+    digest = hashlib.sha256()
+    for key, value in sorted(metadata.items()):
+        if key != CHECKSUM_KEY:  # configuration, and what pandas makes of the columns
+            digest.update(repr((key, value)).encode())
     for name, column in zip(arrow.column_names, arrow.columns, strict=True):
-        digest.update(json.dumps([name, len(column), column.null_count]).encode())
+        digest.update(json.dumps([name, str(column.type), len(column), column.null_count]).encode())
         if pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
-            digest.update(str(column.type).encode())
             digest.update(column.is_null().to_numpy().tobytes() if column.null_count else b"")
             digest.update(np.ascontiguousarray(column.to_numpy()).tobytes())
         else:
