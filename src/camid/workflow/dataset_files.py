@@ -6,6 +6,7 @@ a flipped bit in it would change figures without a word.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -147,7 +148,8 @@ def _put_aside(path: str | Path, error: Exception) -> Exception:
 
     What the system says (no such file, no right to read) is passed on, and the file stays.
     """
-    if isinstance(error, OSError) and error.errno is not None:
+    # An invalid argument is a place beyond the file's ends, to which damaged bytes lead.
+    if isinstance(error, OSError) and error.errno not in {None, errno.EINVAL}:
         return error
     target = Path(os.path.realpath(path))
     aside = target.with_name(target.name + DAMAGED)
