@@ -6,6 +6,7 @@ import pytest
 
 from camid.cli import main
 from camid.recording import size_limits
+from camid.recording.units import is_unit
 from tests.support import hostile_files
 from tests.support import linear_rig as rig
 from tests.support.command_lines import contents
@@ -52,11 +53,11 @@ def test_simulations_that_hurt_are_refused(bench, capfd):
 
 
 SAID = {
-    "bomb.csv.gz": "more than 2 MiB of data",
-    "bomb.csv.zip": "more than 2 MiB of data",
-    "bomb.h5": "more than 2 MiB of data",
-    "bomb.mat": "more than 2 MiB of data",
-    "bomb.parquet": "more than 2 MiB of data",
+    "bomb.csv.gz": "more than 8 MiB of data",
+    "bomb.csv.zip": "more than 8 MiB of data",
+    "bomb.h5": "more than 8 MiB of data",
+    "bomb.mat": "more than 8 MiB of data",
+    "bomb.parquet": "more than 8 MiB of data",
     "circle.h5": "groups without end",
     "elsewhere.h5": "y: a link to another file",
     "far.xlsx": "cannot be read as spreadsheet (its area of cells does not fit into memory)",
@@ -70,10 +71,10 @@ SAID = {
 
 
 def test_recordings_that_hurt_are_refused(bench, capfd, monkeypatch):
-    monkeypatch.setattr(size_limits, "MOST_BYTES", 2**21)
+    monkeypatch.setattr(size_limits, "MOST_BYTES", 2**23)
     (bench / "hostile").mkdir()
     found = {}
-    for path in hostile_files.recordings(bench / "hostile", unpacked=2**21):
+    for path in hostile_files.recordings(bench / "hostile", unpacked=2**23):
         for arguments in (["identify", str(path), "--simulation", "S.yaml"], ["init", "recording", str(path)]):
             code, lines = answer(capfd, arguments)
             assert code == 0 or (code == 2 and len(lines) == 1), (path, lines)
@@ -86,6 +87,20 @@ def test_pictures_and_playlists_that_hurt_are_refused(bench, capfd):
     (bench / "videos").mkdir()
     for path in hostile_files.videos(bench / "videos"):
         refused(capfd, ["track", str(path), "--bright", "--frame-rate", "50", "--output", "tracked.csv"])
+
+
+@pytest.mark.parametrize(
+    "unit", ["m**9**9**9", "m ** 9 ** 9 ** 9", "s^99999", "x" * 300_000, "(" * 50 + "m" + ")" * 50]
+)
+def test_units_that_hurt_are_refused_at_once(unit):
+    started = time.perf_counter()
+    assert not is_unit(unit)
+    assert time.perf_counter() - started < SOON
+
+
+@pytest.mark.parametrize("unit", ["m/s^2", "m^2 s^-2", "kg*m^2/s^3", "N*m**2"])
+def test_units_with_several_powers_are_units(unit):
+    assert is_unit(unit)
 
 
 def test_memory_that_does_not_suffice_is_said(bench, capfd, monkeypatch):
