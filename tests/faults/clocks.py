@@ -21,8 +21,8 @@ def library():
 
 
 def faked(jump):
-    # The monotonic clock is that of the system, which no jump of the wall clock touches.
-    return {"LD_PRELOAD": library(), "FAKETIME": jump, "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
+    # The monotonic clock and the times of files are those of the system, which no jump of the wall clock touches.
+    return {"LD_PRELOAD": library(), "FAKETIME": jump, "FAKETIME_DONT_FAKE_MONOTONIC": "1", "NO_FAKE_STAT": "1"}
 
 
 def whole_runs(project, reference, count):

@@ -104,11 +104,11 @@ def test_units_with_several_powers_are_units(unit):
 
 
 def test_memory_that_does_not_suffice_is_said(bench, capfd, monkeypatch):
-    from camid.recording import recording
+    from camid.recording import experiment_rows
 
     def too_much(*_):
         raise MemoryError
 
-    monkeypatch.setattr(recording, "grid_of", too_much)
+    monkeypatch.setattr(experiment_rows, "grid_of", too_much)
     line = refused(capfd, ["identify", "recording.csv", "--simulation", "S.yaml", "--output", "model.yaml"])
     assert "there is not enough memory" in line

@@ -108,11 +108,7 @@ class ExperimentRows:
             values[column], unit_said = self._values(column, rows)
             notes += unit_said
         check_order(time, where)
-        grid = grid_of(time, where) if reading.period is None else Grid(time, time, reading.period)
-        if not SHORTEST_PERIOD <= grid.period <= LONGEST_PERIOD:
-            raise InputError(
-                f"the period is {grid.period:g} s", where=self.name, hint="say the unit of the times: unit: under time"
-            )
+        grid = self._grid(time, where)
         driven = [c for c in values if c in self.holds]
         if grid.gaps is not None and driven and reading.gaps != "hold":
             raise self._gap(grid, where)
@@ -188,6 +184,15 @@ class ExperimentRows:
             warnings=warnings,
             logs=logs,
         )
+
+    def _grid(self, time: Array, where: Callable[[int], str]) -> Grid:
+        """The regular grid of the times, whose period is one that a recording may have."""
+        period = self.reading.period
+        grid = grid_of(time, where) if period is None else Grid(time, time, period)
+        if not SHORTEST_PERIOD <= grid.period <= LONGEST_PERIOD:
+            hint = "say the unit of the times: unit: under time"
+            raise InputError(f"the period is {grid.period:g} s", where=self.name, hint=hint)
+        return grid
 
     def _values(self, column: str, rows: RowNumbers) -> tuple[Array, list[str]]:
         optional = self.reading.missing == "leave-out" and column not in self.holds
