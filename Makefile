@@ -29,7 +29,7 @@ export PYTHONDONTWRITEBYTECODE :=
 export STARTED := $(shell date +%s)
 
 .DEFAULT_GOAL := all
-.PHONY: all env development docs test test-slow test-workflow lint style types format check bench slurm lock clean help
+.PHONY: all env development docs test test-slow test-workflow test-faults lint style types format check bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	@installed=$$(date +%s); \
@@ -67,6 +67,10 @@ test-slow: development ## run the tests with large samples, many seeds and the w
 
 test-workflow: development ## run the whole workflow in fresh copies, and what it promises
 	$(BIN)/python -m pytest -m workflow
+
+test-faults: development ## kills, full disks, damaged data, wrong clocks, hostile files: half an hour, counts printed
+	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --requirement requirements-faults.lock
+	$(BIN)/python -m tests.faults
 
 # Two at a time where make is called with -j2.
 lint: style types docs ## ruff, snakefmt, mypy, import-linter, and the documentation built strictly
@@ -113,6 +117,7 @@ lock: ## renew the hashed locks (needs uv)
 	  --output-file requirements-development.lock
 	$(COMPILE) --extra benchmark pyproject.toml --output-file requirements-benchmark.lock
 	$(COMPILE) --extra slurm --constraint requirements.lock pyproject.toml --output-file requirements-slurm.lock
+	$(COMPILE) --extra faults --constraint requirements-development.lock pyproject.toml --output-file requirements-faults.lock
 
 clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake

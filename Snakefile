@@ -29,6 +29,13 @@ include: "workflow/rules/recordings.smk"
 include: "workflow/rules/check.smk"
 
 
+onstart:
+    if workflow.is_main_process and not WORKING_COPY.begin_work():
+        raise WorkflowError(
+            f"another Snakemake is at work in {Path.cwd()}; wait until it is done"
+        )
+
+
 rule all:
     default_target: True
     input:

@@ -65,6 +65,8 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> N
     os.close(handle)
     try:
         write(Path(temporary))
+        with open(temporary, "rb") as written:  # before its name says that it is whole
+            os.fsync(written.fileno())
         # A temporary file is private; what it becomes is as readable as any other new file.
         mask = os.umask(0)
         os.umask(mask)

@@ -65,7 +65,7 @@ def test_parquet_and_tables_read_like_csv(tmp_path):
 
 
 def test_numbers_are_read_to_the_last_bit(tmp_path):
-    values = np.random.default_rng(3).standard_normal(200) * 10.0 ** np.arange(-100, 100)
+    values = np.random.default_rng(3).standard_normal(200) * 10.0 ** np.arange(-135, 65)
     lines = [f"{0.1 * k},{v!r},{v!r}" for k, v in enumerate(values.tolist())]
     np.testing.assert_array_equal(read(csv_file(tmp_path, HEADER, *lines)).columns["u"], values)
 
@@ -80,7 +80,7 @@ def test_files_that_are_no_recordings(tmp_path):
     picture = tmp_path / "picture.csv"
     picture.write_bytes(bytes(range(256)) * 40)
     assert "not UTF-8 text" in refusal(picture)
-    assert "not UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS, encoding="utf-16"))
+    assert "not UTF-8 text" in refusal(csv_file(tmp_path, HEADER, *ROWS, encoding="utf-16-le"))
 
 
 @pytest.mark.parametrize("kept", [0, 10, 0.5, 0.99])

@@ -130,7 +130,8 @@ def test_unknown_keys_are_named_with_line_and_nearest_match(tmp_path, old, new, 
         (
             "[100.0]",
             "100.0",
-            "line 8, plant.transfer_function.numerator: 100.0 is not a list; expected: Coefficients of B",
+            "line 8, plant.transfer_function.numerator: 100.0 is not a list; expected: a list in brackets, such as "
+            "[1.0, 2.0]: Coefficients of B",
         ),
         ("[100.0]", "[]", "line 8, plant.transfer_function.numerator: [] is empty"),
         ("[100.0]", '["100"]', "line 8, plant.transfer_function.numerator.0: '100' is not a finite number"),

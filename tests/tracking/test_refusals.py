@@ -122,7 +122,9 @@ def test_no_time_stamps(bench, capsys, frames):
 def test_no_frames(bench, capsys, frames):
     films.encode(bench / "film.avi", frames)
     said = "film.avi: there are no frames between --start and --end"
-    assert said in refusal(capsys, "film.avi", "--bright", "--start", "5")
+    message = refusal(capsys, "film.avi", "--bright", "--start", "100")
+    assert said in message
+    assert "; the clip lasts from 0 s to " in message
     films.encode(bench / "two.avi", frames[:2])
     assert "two.avi: 2 frames with a marker; a recording needs 3" in refusal(capsys, "two.avi", "--bright")
 
@@ -198,6 +200,7 @@ def test_a_motion_smaller_than_the_marker_needs_a_choice(bench, capsys):
     ("options", "said"),
     [
         (["--colour", "rde"], "--colour: there is no colour 'rde'; did you mean 'red'?"),
+        (["--colour", "notacolour"], "there is no colour 'notacolour'; nearest are "),
         (["--colour", "#12345g"], "--colour: '#12345g' is not a colour"),
         (["--colour", "white"], "--colour: white has no hue; say --bright or --dark"),
         (["--bright", "--dark"], "--bright and --dark contradict each other"),

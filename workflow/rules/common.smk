@@ -14,6 +14,7 @@ import yaml
 from camid.workflow.arithmetic import reproducible_environment
 from code_digest import CodeDigest
 from snakemake.exceptions import WorkflowError
+from working_copy import WorkingCopy, settle_times
 
 
 def read_yaml(path):
@@ -40,6 +41,12 @@ check_against_schema(
     ROOT / "workflow/schemas/concealed.schema.yaml",
     "config: concealed",
 )
+
+# Jobs in processes of their own read this file, too; the working copy is that of the process that starts them.
+WORKING_COPY = WorkingCopy(Path(".snakemake"))
+if workflow.is_main_process and WORKING_COPY.enter():
+    settle_times(Path())
+
 
 # Jobs inherit it, so that committed results are those of any machine.
 os.environ.update(reproducible_environment())

@@ -69,8 +69,8 @@ rule recording_track:
     message:
         "Measuring the ball's positions in the clip."
     shell:
-        "{params.camid} track {input.video} {params.options} --output {output.recording} --preview {output.preview}"
-        " > {log} 2>&1"
+        "{params.camid} track {input.video:q} {params.options} --output {output.recording:q} --preview {output.preview:q}"
+        " > {log:q} 2>&1"
 
 
 rule recording_diagnosis:
@@ -91,8 +91,8 @@ rule recording_diagnosis:
     message:
         "Diagnosing the recording {wildcards.recording}."
     shell:
-        "{params.camid} diagnose {input.recording} --simulation {input.simulation} --output {params.folder}"
-        " --time-limit 0 > {log} 2>&1"
+        "{params.camid} diagnose {input.recording:q} --simulation {input.simulation:q} --output {params.folder:q}"
+        " --time-limit 0 > {log:q} 2>&1"
 
 
 rule recording_diagnosis_again:
@@ -110,8 +110,8 @@ rule recording_diagnosis_again:
     message:
         "Diagnosing the recording {wildcards.recording} again, from the improved simulation."
     shell:
-        "{params.camid} diagnose {input.recording} --simulation {input.improved} --output {params.folder} --no-report"
-        " --time-limit 0 > {log} 2>&1"
+        "{params.camid} diagnose {input.recording:q} --simulation {input.improved:q} --output {params.folder:q} --no-report"
+        " --time-limit 0 > {log:q} 2>&1"
 
 
 rule silverbox_parts:
@@ -146,8 +146,8 @@ rule silverbox:
     message:
         "Identifying the Silverbox with {wildcards.hold} input and simulating the test multisine."
     shell:
-        "{params.camid} identify {input.training} --simulation {input.simulation} --output {output.model} > {log} 2>&1"
-        " && {params.camid} simulate {input.multisine} --simulation {output.model} --output {output.simulated} >> {log} 2>&1"
+        "{params.camid} identify {input.training:q} --simulation {input.simulation:q} --output {output.model:q} > {log:q} 2>&1"
+        " && {params.camid} simulate {input.multisine:q} --simulation {output.model:q} --output {output.simulated:q} >> {log:q} 2>&1"
 
 
 for name in BENCHMARK_RECORDINGS:

@@ -2,9 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from camid.workflow.dataset_files import write_dataset
+from camid.workflow.dataset_files import write_arrays, write_dataset
 from camid.workflow.job import arguments, function_of, logged, parameters_of
 
 if TYPE_CHECKING:
@@ -15,7 +13,7 @@ def main() -> None:
     """Call the function and write what it returns, with the parameters beside it."""
     result = function_of(snakemake)(**arguments(snakemake))
     if snakemake.output[0].endswith(".npz"):
-        np.savez_compressed(snakemake.output[0], allow_pickle=False, **result)
+        write_arrays(result, snakemake.output[0])
     else:
         write_dataset(result, snakemake.output[0], parameters_of(snakemake))
 

@@ -8,6 +8,7 @@ import pandas as pd
 from camid.plotting import rounded
 from camid.proof.rates import coverage
 from camid.proof.targets import lines, quantities, to_markdown
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 from camid.workflow.revision import revision
 from camid.writing import write_whole
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 def main() -> None:
     """Hold what the sealed proof measured against its targets."""
     scores, parameters, run_times, weights = (
-        pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters", "run_times", "weights")
+        read_dataset(snakemake.input[name]) for name in ("scores", "parameters", "run_times", "weights")
     )
     found = lines(scores, parameters, run_times, weights)
     seed = snakemake.params.seed

@@ -2,11 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-import pandas as pd
-
 from camid.plotting import save
 from camid.proof.figures.sample import draw
 from camid.proof.targets import lines, quantities
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 
 if TYPE_CHECKING:
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Draw the small sample of the sealed proof and state its numbers."""
-    scores, parameters = (pd.read_parquet(snakemake.input[name]) for name in ("scores", "parameters"))
+    scores, parameters = (read_dataset(snakemake.input[name]) for name in ("scores", "parameters"))
     figure, plotted = draw(scores)
     save(figure, plotted, snakemake.output.png, snakemake.output.csv)
     table = quantities(lines(scores, parameters), "concealed_sample")

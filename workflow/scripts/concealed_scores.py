@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from camid.workflow.dataset_files import write_dataset
+from camid.workflow.dataset_files import read_dataset, write_dataset
 from camid.workflow.job import logged
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ def main() -> None:
     """Collect the scores of all shards of a set."""
     configuration = {"seed": int(snakemake.wildcards.seed), "recordings": snakemake.params.number}
     for name in ("scores", "parameters", "weights", "run_times"):
-        read = pd.read_csv if name == "run_times" else pd.read_parquet
+        read = pd.read_csv if name == "run_times" else read_dataset
         # An empty table, of a shard without a named effect, has no types of its own.
         tables = [table for table in map(read, snakemake.input[name]) if len(table)]
         table = pd.concat(tables) if tables else read(snakemake.input[name][0])

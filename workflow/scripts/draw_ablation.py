@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.plotting import save
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 def main() -> None:
     """Draw one ablation and state its numbers and its conclusion."""
     name = snakemake.params.ablation
-    table = pd.read_parquet(snakemake.input.runs)
+    table = read_dataset(snakemake.input.runs)
     figure, plotted = import_module(f"camid.ablations.{name}.drawing").draw(table)
     save(figure, plotted, snakemake.output.png, snakemake.output.csv)
     runs = import_module(f"camid.ablations.{name}.runs")

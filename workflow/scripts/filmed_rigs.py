@@ -7,6 +7,7 @@ import pandas as pd
 
 from camid.plotting import rounded
 from camid.proof.filmed_rigs.campaign import to_markdown
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 from camid.workflow.revision import revision
 from camid.writing import write_whole
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Hold what was found in filmed rigs against what was put in."""
-    found = pd.concat([pd.read_parquet(file) for file in snakemake.input.diagnoses], ignore_index=True)
+    found = pd.concat([read_dataset(file) for file in snakemake.input.diagnoses], ignore_index=True)
     found = found.sort_values("clip")
     stamp = (
         f"{snakemake.params.clips} clips of seed {snakemake.params.seed}, made and diagnosed by\n"

@@ -3,10 +3,8 @@
 import sys
 from typing import TYPE_CHECKING
 
-import pandas as pd
-
 from camid.ablations.monte_carlo.runs import combine
-from camid.workflow.dataset_files import read_configuration, write_dataset
+from camid.workflow.dataset_files import read_configuration, read_dataset, write_dataset
 from camid.workflow.job import logged
 
 if TYPE_CHECKING:
@@ -19,7 +17,7 @@ def main() -> None:
     shards = [tuple(found.pop(key) for key in ("seeds", "shard", "shards")) for found in configurations]
     if len(set(shards)) < len(shards):
         sys.exit("two shards hold the same noise seeds: remove results/monte_carlo and call the workflow again")
-    write_dataset(combine([pd.read_parquet(f) for f in snakemake.input.shards]), snakemake.output[0], configurations[0])
+    write_dataset(combine([read_dataset(f) for f in snakemake.input.shards]), snakemake.output[0], configurations[0])
 
 
 if __name__ == "__main__":

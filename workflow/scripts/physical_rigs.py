@@ -7,6 +7,7 @@ import pandas as pd
 
 from camid.plotting import rounded
 from camid.proof.physical_rigs.campaign import summary, summary_of_undetermined, to_markdown
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 from camid.workflow.revision import revision
 from camid.writing import write_whole
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 def main() -> None:
     """Hold the stated uncertainties of physical constants against the truth."""
     estimates, undetermined = (
-        pd.concat([pd.read_parquet(file) for file in snakemake.input[name]], ignore_index=True)
+        pd.concat([read_dataset(file) for file in snakemake.input[name]], ignore_index=True)
         for name in ("estimates", "undetermined")
     )
     determined, ambiguous = summary(estimates), summary_of_undetermined(undetermined)

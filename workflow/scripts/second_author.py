@@ -8,6 +8,7 @@ import pandas as pd
 from camid.plotting import rounded
 from camid.proof.second_table import second_lines
 from camid.proof.targets import quantities, to_markdown
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 from camid.workflow.revision import revision
 from camid.writing import write_whole
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 def main() -> None:
     """Hold what the second proof measured against the targets of the first."""
     scores, parameters, weights = (
-        pd.concat([pd.read_parquet(file) for file in snakemake.input[name]], ignore_index=True)
+        pd.concat([read_dataset(file) for file in snakemake.input[name]], ignore_index=True)
         for name in ("scores", "parameters", "weights")
     )
     found = second_lines(scores, parameters, weights)

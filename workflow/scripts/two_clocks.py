@@ -7,6 +7,7 @@ import pandas as pd
 
 from camid.plotting import rounded
 from camid.proof.two_clocks.campaign import summary, to_markdown
+from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
 from camid.workflow.revision import revision
 from camid.writing import write_whole
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Hold the stated uncertainties of two clocks against the truth."""
-    errors = pd.concat([pd.read_parquet(file) for file in snakemake.input.errors], ignore_index=True)
+    errors = pd.concat([read_dataset(file) for file in snakemake.input.errors], ignore_index=True)
     found = summary(errors)
     stamp = (
         f"{snakemake.params.pairs} pairs of seed {snakemake.params.seed}, made and joined by\n"

@@ -83,6 +83,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (InputError, OSError, click.ClickException) as error:
         click.echo(f"camid: error: {_message(error)}", err=True)
         return 2
+    except MemoryError:
+        click.echo("camid: error: there is not enough memory; cut the recording, or leave out columns", err=True)
+        return 2
     except (click.Abort, KeyboardInterrupt):
         click.echo("camid: interrupted; no file is half-written", err=True)
         return INTERRUPTED

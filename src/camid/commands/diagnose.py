@@ -18,7 +18,12 @@ from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
 from camid.errors import InputError
 from camid.experiment_design.quick import with_designed_experiments
 from camid.fitting.from_simulation import model_of, problem_of, refuse_stillness, structure_of
-from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.identification.from_recordings import (
+    RecordingSource,
+    SimulationSource,
+    experiments_or_free_decay,
+    warnings_of,
+)
 from camid.linear_algebra_threads import one_blas_thread
 from camid.number_text import with_deviation
 from camid.simulation.file import load_simulation
@@ -79,7 +84,7 @@ def _diagnosed(
     progress = watch.progress
     effects = effects_of(believed)
     refuse_stillness(believed)
-    recordings, experiments, held_out = experiments_of(recording, believed, progress)
+    believed, recordings, experiments, held_out = experiments_or_free_decay(recording, believed, progress)
     structure = structure_of(believed)
     refuse_too_short_to_diagnose(structure, experiments, recordings)
     problem = problem_of(believed, structure, recordings, experiments)

@@ -15,7 +15,12 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.identification.estimate import METHODS
 from camid.identification.experiment import Experiment
-from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
+from camid.identification.from_recordings import (
+    RecordingSource,
+    SimulationSource,
+    experiments_or_free_decay,
+    warnings_of,
+)
 from camid.identification.identification import Identification
 from camid.identification.structure import Structure
 from camid.identification.unknown_constants import why_no_offset
@@ -23,6 +28,9 @@ from camid.linear_algebra_threads import one_blas_thread
 from camid.recording.recording import Recording
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
+
+# The coefficients of a polynomial of a higher degree differ by more than the digits of a number.
+MOST_POLES = 20
 
 
 @one_blas_thread()
@@ -92,7 +100,9 @@ def _identified(
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known", hint=f"it must be one of {', '.join(METHODS)}")
     structure, nominal = _wanted(believed, order)
-    recordings, experiments, held_out = experiments_of(recording, believed, progress)
+    believed, recordings, experiments, held_out = experiments_or_free_decay(recording, believed, progress)
+    if believed.input_column is None:
+        structure, nominal = _wanted(believed, order)
     _refuse_undetermined(structure, believed, recordings, experiments)
     problem = problem_of(believed, structure, recordings, experiments)
     try:
@@ -121,6 +131,9 @@ def _refuse_undetermined(
             where=recordings[0].source,
             hint="record longer, or choose a lower order",
         )
+    if structure.order > MOST_POLES:
+        hint = f"coefficients of more than {MOST_POLES} mean nothing"
+        raise InputError(f"{structure.order} poles", where=believed.source, hint=hint)
     clock_open = "estimate" in (believed.latency, believed.skew)
     if not structure.free.any() and believed.physical is None and not clock_open:
         raise InputError("no coefficient is free", where=believed.source, hint="free one under plant.free")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from camid.commands.identify import MOST_POLES
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
 from camid.identification.from_recordings import RecordingSource, SimulationSource, experiments_of, warnings_of
@@ -65,6 +66,8 @@ def select_order(
         raise InputError(f"order compares {problem}", where=believed.source, hint=hint)
     if largest < 1:
         raise InputError(f"the largest order is {largest}", hint="it takes at least one pole")
+    if largest > MOST_POLES:
+        raise InputError(f"the largest order is {largest}", hint=f"coefficients of more than {MOST_POLES} mean nothing")
     recordings, experiments, _ = experiments_of(recording, believed, progress)
     try:
         selection = run(experiments, largest, progress=progress)

@@ -251,7 +251,7 @@ def characteristics(plant: TransferFunction, covariance: Array) -> list[dict[str
     last = plant.denominator[-1]
     if last != 0.0:
         gradient = np.zeros(count)
-        gradient[split - 1], gradient[-1] = 1.0 / last, -plant.numerator[-1] / last**2
+        gradient[split - 1], gradient[-1] = 1.0 / last, -plant.numerator[-1] / last / last
         add("static gain", plant.static_gain(), gradient, "y/u")
     derivative = np.polyder(np.asarray(plant.denominator))
     poles = sorted(plant.poles(), key=abs)

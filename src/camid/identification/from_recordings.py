@@ -29,6 +29,14 @@ RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
 
+class ZeroInput(InputError):  # noqa: N818 - an InputError that callers may take for a free decay
+    """The declared input is zero in every recording."""
+
+    def __init__(self, column: str, where: str) -> None:
+        hint = "for a free decay say input: null and initial_state: estimate in the simulation"
+        super().__init__(f"column '{column}' is zero throughout", where=where, hint=hint)
+
+
 def load_recordings(recording: RecordingSource, simulation: Simulation, *, output_needed: bool) -> list[Recording]:
     """Columns that a simulation names, checked against each other, of each experiment in a file."""
     reading = simulation.reading
@@ -208,7 +216,7 @@ def experiments_of(
             used = experiment.used & ~rows
             experiments.append(replace(experiment, used=used, same_run_as=run, estimate_initial_state=alone))
             recordings.append(part)
-            _refuse_constant(part, believed)
+            _refuse_constant(part, believed, several=len(runs) > 1)
     if believed.validation is not None and not any(rows.any() for rows in held_out):
         raise InputError(
             f"no row of the recording lies between {believed.validation[0]:g} s and {believed.validation[1]:g} s",
@@ -223,12 +231,26 @@ def experiments_of(
             hint=f"the recording lasts from {recordings[-1].time[0]:g} s to {recordings[-1].time[-1]:g} s",
         )
     if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
-        raise InputError(
-            f"column '{believed.input_column}' is zero throughout",
-            where=recordings[0].source,
-            hint="for a free decay say input: null in the simulation",
-        )
+        raise ZeroInput(believed.input_column, recordings[0].source)
     return recordings, with_unknown_constants(experiments, believed), held_out
+
+
+def experiments_or_free_decay(
+    recording: RecordingSource | Sequence[RecordingSource],
+    believed: Simulation,
+    progress: Callable[[str], None] | None,
+) -> tuple[Simulation, list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
+    """What :func:`experiments_of` returns, after the simulation; an input of zeros alone makes it a free decay."""
+    try:
+        return believed, *experiments_of(recording, believed, progress)
+    except ZeroInput as zero:
+        if believed.controller is not None:
+            raise
+        decay = replace(believed, input_column=None, initial_state="estimate", bias=None, bias_deviation=None)
+        recordings, experiments, held_out = experiments_of(recording, decay, progress)
+        said = f"{zero.where}: {zero.problem}: read as a free decay (input: null, initial_state: estimate)"
+        first = replace(recordings[0], warnings=(*recordings[0].warnings, said))
+        return decay, [first, *recordings[1:]], experiments, held_out
 
 
 def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
@@ -236,7 +258,7 @@ def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
     return tuple(sentence for one in recordings for sentence in one.warnings)
 
 
-def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
+def _refuse_constant(recording: Recording, simulation: Simulation, *, several: bool) -> None:
     if np.ptp(recording.columns[simulation.output_column]) == 0.0:
         raise InputError(
             f"column '{simulation.output_column}' is constant",
@@ -244,9 +266,10 @@ def _refuse_constant(recording: Recording, simulation: Simulation) -> None:
             hint="there is nothing to identify in it",
         )
     column = simulation.input_column
-    if column is not None and not np.any(recording.columns[column]) and not simulation.estimates_initial_state:
+    still = column is not None and not np.any(recording.columns[column])
+    if several and still and not simulation.estimates_initial_state:
         raise InputError(
             f"column '{column}' is zero throughout",
             where=recording.source,
-            hint="for a free decay say input: null and initial_state: estimate",
+            hint="for a free decay among others say initial_state: estimate",
         )

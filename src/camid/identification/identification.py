@@ -25,6 +25,10 @@ Array = NDArray[np.float64]
 # A mean of the residual calls for a warning if it is this many standard deviations off and this share of the power.
 OFFSET_SIGNIFICANCE = 5.0
 OFFSET_SHARE = 0.02
+# A larger NRMSE leaves less than a fifth of the variance explained.
+LITTLE_EXPLAINED = 0.9
+# Deviations are those of many samples.
+FEWEST_ROWS_PER_UNKNOWN = 5
 # Rivals of a smaller weight are left to --json, and so are those beyond the first few.
 NAMED_WEIGHT, MOST_NAMED_RIVALS = 1e-3, 3
 
@@ -154,6 +158,12 @@ class Identification:
         zeros, poles = len(self.estimate.plant.numerator) - 1, self.estimate.plant.order
         return f"b{zeros - coefficient}" if coefficient <= zeros else f"a{poles - (coefficient - zeros)}"
 
+    def _unknowns(self) -> int:
+        """Number of coefficients and constants that were estimated, and of initial states."""
+        constants = sum(constant is not None for constant in (self.estimate.offset, self.estimate.bias))
+        states = self.estimate.plant.order if self.simulation.estimates_initial_state else 0
+        return int(np.sum(self.estimate.free)) + constants + states * len(self.estimate.residuals)
+
     def warnings(self) -> list[str]:
         """What limits how far the numbers can be trusted, one sentence each."""
         sentences = [*self.recording_warnings, *self.notes]
@@ -162,6 +172,18 @@ class Identification:
         elif not self.nrmse < 1.0:
             sentences.append(
                 "the model follows the recording no better than a constant does: another plant, or other first values?"
+            )
+        elif self.nrmse > LITTLE_EXPLAINED:
+            share = percentage(max(1.0 - self.nrmse**2, 0.0), 2)
+            sentences.append(
+                f"the model explains {share} of the output's variance, next to nothing: is the output moved by this "
+                "input, and does the recording show more than noise?"
+            )
+        unknowns = self._unknowns()
+        if self.rows_fitted < FEWEST_ROWS_PER_UNKNOWN * unknowns:
+            sentences.append(
+                f"{self.rows_fitted} samples for {unknowns} unknowns are few: the deviations may say too little "
+                f"(record at least {FEWEST_ROWS_PER_UNKNOWN * unknowns})"
             )
         latency = self.simulation.latency_deviation
         if latency is not None and self.simulation.known_latency < latency:

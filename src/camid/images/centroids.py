@@ -267,5 +267,8 @@ def _unscaled_gradient(view: Image, horizontal: Single, vertical: Single) -> Sin
         view = view.astype(np.float32)
     cv2.Sobel(view, cv2.CV_32F, 1, 0, horizontal)
     cv2.Sobel(view, cv2.CV_32F, 0, 1, vertical)
-    cv2.magnitude(horizontal, vertical, horizontal)
-    return horizontal
+    # Not by cv2.magnitude, whose last digits depend on where in memory the arrays begin.
+    np.multiply(horizontal, horizontal, out=horizontal)
+    np.multiply(vertical, vertical, out=vertical)
+    np.add(horizontal, vertical, out=horizontal)
+    return np.sqrt(horizontal, out=horizontal)

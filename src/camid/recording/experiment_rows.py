@@ -20,6 +20,10 @@ from camid.recording.units import Conversion
 Array = NDArray[np.float64]
 
 FEWEST_ROWS = 3
+# A diagnosis adds up squares of squares; those of larger and of smaller numbers leave the range of double precision.
+LARGEST, SMALLEST = 1e70, 1e-70
+# Seconds: what a clock of light in a millimetre ticks, and thirty years.
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-12, 1e9
 # A longer period, in seconds, is as likely one in milliseconds.
 LONG_PERIOD = 10.0
 
@@ -104,7 +108,7 @@ class ExperimentRows:
             values[column], unit_said = self._values(column, rows)
             notes += unit_said
         check_order(time, where)
-        grid = grid_of(time, where) if reading.period is None else Grid(time, time, reading.period)
+        grid = self._grid(time, where)
         driven = [c for c in values if c in self.holds]
         if grid.gaps is not None and driven and reading.gaps != "hold":
             raise self._gap(grid, where)
@@ -181,11 +185,34 @@ class ExperimentRows:
             logs=logs,
         )
 
+    def _grid(self, time: Array, where: Callable[[int], str]) -> Grid:
+        """The regular grid of the times, whose period is one that a recording may have."""
+        period = self.reading.period
+        grid = grid_of(time, where) if period is None else Grid(time, time, period)
+        if not SHORTEST_PERIOD <= grid.period <= LONGEST_PERIOD:
+            hint = "say the unit of the times: unit: under time"
+            raise InputError(f"the period is {grid.period:g} s", where=self.name, hint=hint)
+        return grid
+
     def _values(self, column: str, rows: RowNumbers) -> tuple[Array, list[str]]:
         optional = self.reading.missing == "leave-out" and column not in self.holds
         cells = numbers(self.table, column, rows, self.name, empty_allowed=optional)
         conversion, said = with_unit_of_header(self.table, column, self.conversions.get(column, Conversion()))
-        return conversion(cells), said
+        values = conversion(cells)
+        self._refuse_scale(values, column, rows)
+        return values, said
+
+    def _refuse_scale(self, values: Array, column: str, rows: RowNumbers) -> None:
+        """Refuse numbers whose powers are infinite or zero in double precision: no unit in use makes such."""
+        size = np.abs(np.nan_to_num(values))
+        largest = int(np.argmax(size))
+        hint = f"choose another unit, or say scale: for column '{column}' in the simulation"
+        if size[largest] > LARGEST:
+            where = f"{self.name}, {self.table.where(int(rows[largest]))}, column '{column}'"
+            raise InputError(f"{values[largest]:g} is too large to be squared", where=where, hint=hint)
+        if 0.0 < size[largest] < SMALLEST:
+            where = f"{self.name}, column '{column}'"
+            raise InputError(f"all numbers are below {SMALLEST:g}, too small to be squared", where=where, hint=hint)
 
     def _few(self, count: int, what: str = "rows") -> InputError:
         return InputError(f"{count} {what}", where=self.name, hint=f"a recording needs at least {FEWEST_ROWS}")

@@ -7,12 +7,14 @@ import os
 import sys
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard, cast
 
 from camid.errors import InputError, need
 from camid.recording.options import Reading
+from camid.recording.size_limits import read_at_most, refuse_many_columns, refuse_no_file, refuse_size
 from camid.recording.table import Table
 
 if TYPE_CHECKING:
@@ -65,7 +67,7 @@ def read_tables(source: str | os.PathLike[str] | pd.DataFrame, wanted: Sequence[
     kind, data = _kind(path, name)
     if kind == "text":
         _refuse_keys("a text file", reading, "group")
-        return [_of_text(data if data is not None else path.read_bytes(), name, wanted, reading)]
+        return [_of_text(data if data is not None else _bytes_of(path, name), name, wanted, reading)]
     without = ["separator", "decimal"] if kind == "spreadsheet" else [*TEXT_KEYS]
     _refuse_keys(f"a {kind} file", reading, *without, *(["group"] if kind == "Parquet" else []))
     if kind == "Parquet":
@@ -95,6 +97,7 @@ def _whole(path: Path, name: str, kind: str) -> Any:
             import pandas as pd
 
             need("reading a Parquet file", "formats", "pyarrow")
+            _refuse_large_parquet(path, name)
             return pd.read_parquet(path)
         return {"MAT": read_mat, "HDF5": read_hdf5, "spreadsheet": read_workbook}[kind](path)
     except InputError:
@@ -106,6 +109,16 @@ def _whole(path: Path, name: str, kind: str) -> Any:
             where=name,
             hint=f"is it whole, and is it a {kind}{'' if kind == 'spreadsheet' else ' file'}?",
         ) from None
+
+
+def _refuse_large_parquet(path: Path, name: str) -> None:
+    """Refuse by its footer what would not fit into memory: equal values take next to nothing in the file."""
+    import pyarrow.parquet as pq
+
+    footer = pq.read_metadata(path)
+    refuse_many_columns(footer.num_columns, name)
+    packed = sum(footer.row_group(i).total_byte_size for i in range(footer.num_row_groups))
+    refuse_size(max(8 * footer.num_rows * footer.num_columns, packed), name)
 
 
 def possible_readings(path: Path) -> list[tuple[Reading, list[Table]]]:
@@ -121,7 +134,7 @@ def possible_readings(path: Path) -> list[tuple[Reading, list[Table]]]:
     if kind == "text":
         from camid.recording.text import names_needed
 
-        count = names_needed(data if data is not None else path.read_bytes(), name)
+        count = names_needed(data if data is not None else _bytes_of(path, name), name)
         names = tuple(f"column{i + 1}" for i in range(count))
         reading = Reading(header=False, columns=names) if names else Reading()
         return [(reading, read_tables(path, (), reading))]
@@ -139,6 +152,11 @@ def possible_readings(path: Path) -> list[tuple[Reading, list[Table]]]:
     return [(Reading(group=group), tables) for group, tables in layouts(_whole(path, name, kind), name)]
 
 
+def _bytes_of(path: Path, name: str) -> bytes:
+    refuse_size(path.stat().st_size, name)
+    return path.read_bytes()
+
+
 def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:
     from camid.recording.text import line_of, read_text
 
@@ -148,7 +166,7 @@ def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) ->
 
 def _of_frame(frame: pd.DataFrame, name: str) -> Table:
     names = [str(c) for c in frame.columns]
-    repeated = sorted({c for c in names if names.count(c) > 1})
+    repeated = sorted(c for c, count in Counter(names).items() if count > 1)
     if repeated:
         raise InputError(f"two columns are named '{repeated[0]}'", where=name, hint="rename one")
     return Table({n: frame.iloc[:, i] for i, n in enumerate(names)}, name)
@@ -169,6 +187,7 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
         raise InputError("this is a folder", where=name, hint="name a CSV, Parquet, MAT or HDF5 file, or a spreadsheet")
     if not path.exists():
         raise InputError("no such file", where=name, hint="check the path")
+    refuse_no_file(path, name)
     suffix = path.suffix.lower()
     try:
         with path.open("rb") as stream:
@@ -213,7 +232,7 @@ def _unpacked(path: Path, name: str, kind: str) -> bytes:
     try:
         if kind == "gzip":
             with gzip.open(path) as stream:
-                data = stream.read()
+                data = read_at_most(stream, name)  # type: ignore[arg-type]
         else:
             with zipfile.ZipFile(path) as archive:
                 members = [m for m in archive.namelist() if not m.endswith("/")]
@@ -221,7 +240,8 @@ def _unpacked(path: Path, name: str, kind: str) -> bytes:
                     raise InputError(
                         f"{len(members)} files in an archive", where=name, hint="unpack it, and name one of them"
                     )
-                data, inner = archive.read(members[0]), Path(members[0])
+                with archive.open(members[0]) as stream:
+                    data, inner = read_at_most(stream, name), Path(members[0])
     except (OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"cannot be unpacked ({error})", where=name, hint="pack it again") from None
     if SUFFIXES.get(inner.suffix.lower(), "text") != "text" or any(data.startswith(h) for h in SIGNATURES.values()):

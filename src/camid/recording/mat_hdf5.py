@@ -13,6 +13,7 @@ import numpy as np
 
 from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
+from camid.recording.size_limits import refuse_hdf5, refuse_unpacking_mat
 from camid.recording.table import Table
 from camid.recording.units import is_unit
 
@@ -25,8 +26,14 @@ KINDS = {"b": "made of truth values", "c": "complex", "S": "text", "U": "text", 
 def read_mat(path: Path) -> dict[str, Any]:
     """Variables of a MAT file of version 4, 5 to 7.2, or 7.3; structures are dictionaries."""
     need("reading a MAT file", "formats", "pymatreader", "h5py")
+    import h5py
     import pymatreader
 
+    if h5py.is_hdf5(path):
+        with h5py.File(path, "r") as file:
+            refuse_hdf5(file, str(path))
+    else:
+        refuse_unpacking_mat(path)
     with warnings.catch_warnings():  # what it cannot read turns up as a variable that is not a column
         warnings.simplefilter("ignore")
         tree = pymatreader.read_mat(path)
@@ -39,7 +46,7 @@ def read_mat(path: Path) -> dict[str, Any]:
 def read_hdf5(path: Path) -> dict[str, Any]:
     """Datasets of an HDF5 file, read at once; groups are dictionaries, and so are compound datasets."""
     need("reading an HDF5 file", "formats", "h5py")
-    import h5py  # type: ignore[import-untyped]
+    import h5py
 
     def unit(node: Any) -> str:
         """The unit that a dataset's attributes give, in brackets as in a header."""
@@ -59,6 +66,7 @@ def read_hdf5(path: Path) -> dict[str, Any]:
         return values if fields is None else {str(n): values[n] for n in fields}
 
     with h5py.File(path, "r") as file:
+        refuse_hdf5(file, str(path))
         return dict(content(file))
 
 

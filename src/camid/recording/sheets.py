@@ -12,6 +12,7 @@ from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
 from camid.recording.table import Table
 from camid.recording.units import is_unit, with_bracketed_unit
+from camid.recording.workbook_process import read_cells
 
 Rows = list[list[Any]]
 
@@ -19,10 +20,7 @@ Rows = list[list[Any]]
 def read_workbook(path: Path) -> dict[str, Rows]:
     """Cells of each sheet that is not empty, by its name; an empty cell is an empty text."""
     need("reading a spreadsheet", "formats", "python_calamine", hint="or save the sheet as CSV")
-    from python_calamine import CalamineWorkbook
-
-    workbook = CalamineWorkbook.from_path(str(path))
-    sheets = {n: workbook.get_sheet_by_name(n).to_python(skip_empty_area=False) for n in workbook.sheet_names}
+    sheets = read_cells(path)
     return {n: rows for n, rows in sheets.items() if any(_filled(row) for row in rows)}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import warnings
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from camid.errors import InputError
 from camid.recording.options import Reading
+from camid.recording.size_limits import LONGEST_LINE, refuse_long_lines, refuse_many_columns
 from camid.recording.units import is_unit, unit_in_header, with_bracketed_unit
 
 if TYPE_CHECKING:
@@ -24,8 +26,11 @@ if TYPE_CHECKING:
 
 COMMENTS = ("#", "%")
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}
+# A cell may be as long as a line; Python's own limit is lower, and its error is none of ours.
+csv.field_size_limit(LONGEST_LINE)
 # Lines that are looked at to find the separator.
 SAMPLE = 200
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 NOT_TEXT = "a recording is CSV, Parquet, MAT or HDF5"
 
 
@@ -81,6 +86,7 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     (line, first), (_, second) = [*islice(text.rows(), 2), (1, []), (1, [])][:2]
     if not first:
         raise InputError("the file is empty", where=name, hint="it needs a header line and rows")
+    refuse_many_columns(len(first), f"{name}, line {line}")
     names = list(reading.columns)
     if reading.header:
         numeric = all(_is_number(c, text.decimal) for c in first if c)
@@ -213,9 +219,13 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _decoded(data: bytes, name: str) -> str:
-    """Text of a file: UTF-8, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
+    """Text of a file: UTF-8, marked UTF-16, or Latin-1 in the lines before the numbers (µ and ° of older programs)."""
+    if data.startswith(UTF_16):  # as spreadsheets call Unicode text; its first two bytes tell the order of the others
+        with suppress(UnicodeDecodeError):
+            return data.decode("utf-16")
     if b"\0" in data:
-        raise InputError("this is not UTF-8 text", where=name, hint=NOT_TEXT)
+        hint = f"{NOT_TEXT}; UTF-16 needs its first mark, so save it as UTF-8"
+        raise InputError("this is not UTF-8 text", where=name, hint=hint)
     with suppress(UnicodeDecodeError):
         return data.decode("utf-8-sig")
     head, rest = [], data
@@ -234,6 +244,7 @@ def _decoded(data: bytes, name: str) -> str:
 
 
 def _taken_apart(content: str, name: str, reading: Reading) -> Text:
+    refuse_long_lines(content, name)
     declared, comment = reading.separator, ""
     position, skipped = 0, 0
     while position < len(content):
@@ -338,6 +349,6 @@ def _word(separator: str) -> str:
 
 
 def _refuse_repeated(names: Sequence[str], where: str) -> None:
-    repeated = sorted({c for c in names if names.count(c) > 1 and c})
+    repeated = sorted(c for c, count in Counter(names).items() if count > 1 and c)
     if repeated:
         raise InputError(f"two columns are named '{repeated[0]}'", where=where, hint="rename one")

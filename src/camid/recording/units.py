@@ -28,6 +28,11 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
+# The parser takes minutes for longer texts, and for ever to raise a power to a power.
+LONGEST_UNIT = 60
+POWER_OF_A_POWER = re.compile(r"(?:\^|\*\*)\s*[^*/·\s]*\s*(?:\^|\*\*)|\d{5}")
+
+
 @cache
 def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[float, float]:
     """Factor and offset that bring a number in a unit to SI: value = factor · number + offset.
@@ -48,6 +53,9 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
     """
     import pint
 
+    if len(unit) > LONGEST_UNIT or POWER_OF_A_POWER.search(unit):
+        shown = unit if len(unit) <= LONGEST_UNIT else f"{unit[:LONGEST_UNIT]}…"
+        raise InputError(f"'{shown}' is no unit", where=where, hint=f"common ones are {COMMON_UNITS}")
     registry = _registry()
     try:
         # For pint, px is the pixel of style sheets, 1/96 inch.

@@ -81,6 +81,8 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
         return InputError(f"'{value}' is not known here", where=where, hint=f"it must be {expected}")
     problem = _PROBLEMS.get(kind)
     described = _description(path)
+    if kind == "list_type" and described:
+        described = f"a list in brackets, such as [1.0, 2.0]: {described}"
     return InputError(
         error["msg"] if problem is None else f"{value!r} {problem.format(**error.get('ctx', {}))}",
         where=where,

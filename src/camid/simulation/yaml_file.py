@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from io import StringIO
 from pathlib import Path
@@ -10,6 +11,8 @@ from typing import Any
 from camid.errors import InputError
 
 Where = Callable[..., str]  # file, line and dotted key of the keys that lead to a value
+# Of a file; of brackets within each other.
+MOST_BYTES, DEEPEST = 500_000, 50
 # First characters of text that ruamel.yaml leaves unquoted within braces, and then cannot read back: {:a: ?b}.
 NEED_QUOTES = (":", "?")
 
@@ -29,9 +32,14 @@ def read_yaml(path: Path) -> Any:
         raise InputError("this is a folder", where=str(path), hint="name a YAML file")
     if not path.exists():
         raise InputError("no such file", where=str(path), hint="check the path")
+    if not path.is_file():
+        raise InputError("this is a device or a pipe", where=str(path), hint="name a YAML file")
+    _refuse_large(path)
     try:
-        return YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8-sig"))
-    except OSError:
+        text = path.read_text(encoding="utf-8-sig")
+        _refuse_nested(text, path)
+        return YAML(typ="rt", pure=True).load(text)
+    except (OSError, InputError):
         raise
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -41,6 +49,26 @@ def read_yaml(path: Path) -> Any:
     except Exception as error:  # the parser lets errors of its own making through, such as those of impossible dates
         problem = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError(f"not valid YAML: {problem}", where=str(path), hint="write it as text") from None
+
+
+def _refuse_large(path: Path) -> None:
+    """Refuse a file that is no simulation: the parser takes a minute for two megabytes."""
+    size = path.stat().st_size
+    if size > MOST_BYTES:
+        raise InputError(
+            f"{size:,} bytes, and a simulation has at most {MOST_BYTES:,}", where=str(path), hint="is it a simulation?"
+        )
+
+
+def _refuse_nested(text: str, path: Path) -> None:
+    """Refuse brackets in brackets without end, whose parsing takes the square of their number."""
+    depth = 0
+    for bracket in re.finditer(r"[\[{]|[]}]", text):
+        depth = depth + 1 if bracket[0] in "[{" else max(depth - 1, 0)
+        if depth > DEEPEST:
+            line = text.count("\n", 0, bracket.start()) + 1
+            hint = "a simulation has lists of lists at most"
+            raise InputError(f"more than {DEEPEST} brackets are open", where=f"{path}, line {line}", hint=hint)
 
 
 def yaml_text(content: Mapping[str, Any]) -> str:

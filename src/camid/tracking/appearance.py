@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from difflib import get_close_matches
 from typing import Protocol
 
 import numpy as np
@@ -72,6 +73,17 @@ class Dark:
         return grey.dtype.type(FULL_SCALE) - grey
 
 
+def _nearest_colours(name: str) -> str:
+    """Sentence that offers the likeliest spelling of a colour, or the three nearest: there are 148 of them."""
+    from matplotlib import colors
+
+    offered = nearest_match(name, colors.CSS4_COLORS)
+    if offered.startswith("did you mean"):
+        return offered
+    near = get_close_matches(name.lower(), list(colors.CSS4_COLORS), n=3, cutoff=0.0)
+    return f"nearest are {', '.join(near)}; or say its red, green and blue, such as #ff0000"
+
+
 class Colour:
     """Things of one hue, however bright.
 
@@ -95,9 +107,7 @@ class Colour:
         from matplotlib import colors
 
         if name.lower() not in colors.CSS4_COLORS and not (name.startswith("#") and len(name) == 7):
-            raise InputError(
-                f"there is no colour '{name}'", where="--colour", hint=nearest_match(name, colors.CSS4_COLORS)
-            )
+            raise InputError(f"there is no colour '{name}'", where="--colour", hint=_nearest_colours(name))
         try:
             rgb = np.array(colors.to_rgb(name.lower()))
         except ValueError:

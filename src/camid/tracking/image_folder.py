@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 
@@ -119,10 +121,27 @@ class ImageFolder:
             yield Frame(number, time, picture)
 
 
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the lines to itself that libpng writes to the error stream about a damaged file."""
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
+
+
 def _read(file: Path) -> Picture:
     import cv2
 
-    image = cv2.imdecode(np.fromfile(file, np.uint8), cv2.IMREAD_UNCHANGED) if file.stat().st_size else None
+    try:
+        with _quiet():
+            image = cv2.imdecode(np.fromfile(file, np.uint8), cv2.IMREAD_UNCHANGED) if file.stat().st_size else None
+    except cv2.error:  # more pixels than OpenCV takes
+        image = None
     if image is None:
         raise InputError("this is not a PNG image", where=str(file), hint="remove it, or write it again")
     full_scale = FULL_SCALE if image.dtype == np.uint8 else 65535.0

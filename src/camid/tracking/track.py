@@ -19,6 +19,8 @@ from camid.writing import check_writable
 if TYPE_CHECKING:
     import pandas as pd
 
+    from camid.tracking.video import Source
+
 FEWEST_ROWS = 3
 # Frames between two messages of progress.
 EVERY = 25
@@ -79,8 +81,7 @@ def track_marker(path: Path, options: Options, progress: Callable[[str], None] |
             raise InputError(error.problem, where=source.name, hint=error.hint) from None
         raise
     if follower is None:
-        between = "" if options.start is None and options.end is None else " between --start and --end"
-        raise InputError(f"there are no frames{between}", where=source.name, hint="check the file and the times")
+        raise _no_frames(source, options)
     if not positions:
         raise nowhere(appearance, source.name, len(times))
     if len(positions) < FEWEST_ROWS:
@@ -114,6 +115,15 @@ def _difference(picture: Picture, before: Picture | None) -> float:
 def _whole(plane: Image) -> Image:
     """A plane that OpenCV takes: one channel of a packed picture is copied."""
     return plane if plane.strides[1] == plane.itemsize else np.ascontiguousarray(plane)
+
+
+def _no_frames(source: Source, options: Options) -> InputError:
+    """The error for a clip, or a part of it, without frames; it says from when to when the clip lasts."""
+    if options.start is None and options.end is None:
+        return InputError("there are no frames", where=source.name, hint="check the file")
+    all_times = [frame.time for frame in source.frames()]
+    lasts = f"the clip lasts from {all_times[0]:.6g} s to {all_times[-1]:.6g} s" if all_times else "check the file"
+    return InputError("there are no frames between --start and --end", where=source.name, hint=lasts)
 
 
 def _table(positions: list[Position], differences: list[float], options: Options) -> pd.DataFrame:

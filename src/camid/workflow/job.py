@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TextIO
@@ -47,7 +48,7 @@ def logged(path: str | Path, *, also_print: bool = False) -> Iterator[None]:
         In place of any error, with a line that names it and the log.
     """
     terminal = sys.stdout
-    with Path(path).open("w", encoding="utf-8") as log:
+    with _alone_at(Path(path)), Path(path).open("w", encoding="utf-8") as log:
         out = _TwoStreams(terminal, log) if also_print else log
         try:
             with redirect_stdout(out), redirect_stderr(log):
@@ -58,6 +59,15 @@ def logged(path: str | Path, *, also_print: bool = False) -> Iterator[None]:
         except Exception as error:
             log.write(traceback.format_exc())
             sys.exit(f"camid: {type(error).__name__}: {error} (details in {path})")
+
+
+@contextmanager
+def _alone_at(log: Path) -> Iterator[None]:
+    """Wait for the same job of a workflow that was killed: it may be at work still, and would write the same files."""
+    with log.with_name(f".{log.name}.lock").open("a") as lock:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 # Inputs and parameters that only the workflow needs.
@@ -86,10 +96,10 @@ def arguments(job: Any) -> dict[str, Any]:
 
 
 def _read(file: Path) -> Any:
-    import numpy as np
     import pandas as pd
 
+    from camid.workflow.dataset_files import read_arrays, read_dataset
+
     if file.suffix == ".npz":
-        with np.load(file) as arrays:
-            return dict(arrays)
-    return pd.read_parquet(file) if file.suffix == ".parquet" else pd.read_csv(file)
+        return read_arrays(file)
+    return read_dataset(file) if file.suffix == ".parquet" else pd.read_csv(file)
