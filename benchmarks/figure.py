@@ -32,7 +32,7 @@ MARKERS = {
 # Where a label may go, in points from its marker, best first: offset and horizontal alignment.
 PLACES = [
     (dx, dy, side)
-    for reach, rise in ((7, 0), (7, 7), (12, 12), (20, 10), (16, 18), (26, 16), (16, 26))
+    for reach, rise in ((7, 0), (9, 0), (7, 7), (12, 12), (20, 10), (16, 18), (26, 16), (16, 26))
     for dy in ({0} if rise == 0 else (rise, -rise))
     for dx, side in ((reach, "left"), (-reach, "right"))
 ]
@@ -73,6 +73,8 @@ def place_labels(axes: Axes, texts: list[str], points: list[tuple[float, float]]
     frame = axes.bbox
     bound = axes.transData.transform((1.0, points[0][1]))[0]
     line = Bbox.from_extents(bound - 2.0, axes.bbox.y0, bound + 2.0, axes.bbox.y1)
+    written: list[Bbox] = []  # labels, and points on the lines to them
+    ways: list[tuple[float, float]] = []
     for i, (text, point) in enumerate(zip(texts, points, strict=True)):
         others = markers[:i] + markers[i + 1 :]
         label = axes.annotate(
@@ -83,11 +85,14 @@ def place_labels(axes: Axes, texts: list[str], points: list[tuple[float, float]]
             label.set(position=(dx, dy), horizontalalignment=side)
             box = label.get_window_extent()
             way = centres[i] + pixels * np.multiply.outer(WAY, (dx, dy))
-            crossed = any(other.contains(*step) for other in others for step in way)
-            if contains(frame, box) and box.count_overlaps(obstacles) == 0 and not (dy and crossed):
+            crossed = any(other.contains(*step) for other in [*others, *written] for step in way)
+            covered = any(box.contains(*step) for step in ways)
+            if contains(frame, box) and box.count_overlaps(obstacles) == 0 and not (dy and crossed) and not covered:
                 break
         taken.append(box)
+        written.append(box)
         if dy != 0:  # a line back to the marker, since another marker may be as near
+            ways.extend(way)
             axes.annotate(
                 "",
                 point,
