@@ -32,7 +32,7 @@ MARKERS = {
 # Where a label may go, in points from its marker, best first: offset and horizontal alignment.
 PLACES = [
     (dx, dy, side)
-    for reach, rise in ((7, 0), (9, 0), (7, 7), (12, 12), (20, 10), (16, 18), (26, 16), (16, 26))
+    for reach, rise in ((7, 0), (7, 7), (12, 12), (20, 10), (16, 18), (26, 16), (16, 26))
     for dy in ({0} if rise == 0 else (rise, -rise))
     for dx, side in ((reach, "left"), (-reach, "right"))
 ]
@@ -98,8 +98,8 @@ def place_labels(axes: Axes, texts: list[str], points: list[tuple[float, float]]
                 point,
                 xytext=(dx, dy),
                 textcoords="offset points",
-                arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK, "shrinkA": 0.0, "shrinkB": 3.0},
-                zorder=2.5,
+                arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK, "shrinkA": 0.0, "shrinkB": 0.0},
+                zorder=3.5,  # to the middle of the marker, over those that it passes
             )
 
 

@@ -17,6 +17,7 @@ from camid.ablations.signal_to_noise.runs import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 LOOKS = {"b0": (style.BLUE, "o", "-"), "a1": (style.VERMILION, "s", "--"), "a0": (style.BLACK, "^", ":")}
@@ -72,9 +73,21 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
             fontsize=6.5,
         )
     left.set(xlabel="signal-to-noise ratio (dB)", ylabel="relative error (%)")
+    _name_gross_failures(right, levels)
+    right.set(xlabel="signal-to-noise ratio (dB)", ylabel="rms error over the bound", ylim=(0.7, 5.0))
+    right.set_yticks([0.7, 1, 1.5, 2, 3, 5], ["0.7", "1", "1.5", "2", "3", "5"])
+    right.minorticks_off()
+    left.legend(ncols=1, loc="lower left")
+    right.legend(loc="upper right")
+    columns = [c for c in levels.columns if c.split("_")[0] in {"rms", "bound", "ratio", "mean"}]
+    return figure, printed(levels, columns)
+
+
+def _name_gross_failures(axes: Axes, levels: pd.DataFrame) -> None:
+    """Say at which levels runs are left out, and why."""
     for row in levels[levels["gross"] > 0].to_dict("records"):
         worst = max(row[f"ratio_{p}"] for p in LOOKS)
-        right.annotate(
+        axes.annotate(
             f"{row['gross']:.0f} of {row['runs']:.0f} runs, off by more than\n"
             f"{GROSS_MULTIPLE_OF_BOUND:g} times the bound, are left out",
             (row["level"], worst),
@@ -83,10 +96,3 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
             fontsize=6.5,
             arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkB": 3.0},
         )
-    right.set(xlabel="signal-to-noise ratio (dB)", ylabel="rms error over the bound", ylim=(0.7, 5.0))
-    right.set_yticks([0.7, 1, 1.5, 2, 3, 5], ["0.7", "1", "1.5", "2", "3", "5"])
-    right.minorticks_off()
-    left.legend(ncols=1, loc="lower left")
-    right.legend(loc="upper right")
-    columns = [c for c in levels.columns if c.split("_")[0] in {"rms", "bound", "ratio", "mean"}]
-    return figure, printed(levels, columns)
