@@ -82,9 +82,9 @@ def _stretch(table: pd.DataFrame, rows: Any) -> str:
     time, fitted = table["t"].to_numpy(), table["fitted"].to_numpy()[rows]
     if rows.all():
         return "the whole recording"
-    long = time[rows][-1] - time[rows][0]
+    drawn, whole = (f"{t:.0f}" if t >= 100.0 else f"{t:.3g}" for t in (np.ptp(time[rows]), np.ptp(time)))
     seen = "fitted" if fitted.all() else "not fitted" if not fitted.any() else "partly fitted"
-    return f"{long:.2g} s of {time[-1] - time[0]:.3g} s ({seen}), between the dashed lines below"
+    return f"{drawn} s of {whole} s ({seen}), between the dashed lines below"
 
 
 def _draw_law(axes: Any, law: Law) -> None:
