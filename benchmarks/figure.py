@@ -73,6 +73,8 @@ def place_labels(axes: Axes, texts: list[str], points: list[tuple[float, float]]
     frame = axes.bbox
     bound = axes.transData.transform((1.0, points[0][1]))[0]
     line = Bbox.from_extents(bound - 2.0, axes.bbox.y0, bound + 2.0, axes.bbox.y1)
+    written: list[Bbox] = []  # labels, and points on the lines to them
+    ways: list[tuple[float, float]] = []
     for i, (text, point) in enumerate(zip(texts, points, strict=True)):
         others = markers[:i] + markers[i + 1 :]
         label = axes.annotate(
@@ -83,18 +85,21 @@ def place_labels(axes: Axes, texts: list[str], points: list[tuple[float, float]]
             label.set(position=(dx, dy), horizontalalignment=side)
             box = label.get_window_extent()
             way = centres[i] + pixels * np.multiply.outer(WAY, (dx, dy))
-            crossed = any(other.contains(*step) for other in others for step in way)
-            if contains(frame, box) and box.count_overlaps(obstacles) == 0 and not (dy and crossed):
+            crossed = any(other.contains(*step) for other in [*others, *written] for step in way)
+            covered = any(box.contains(*step) for step in ways)
+            if contains(frame, box) and box.count_overlaps(obstacles) == 0 and not (dy and crossed) and not covered:
                 break
         taken.append(box)
+        written.append(box)
         if dy != 0:  # a line back to the marker, since another marker may be as near
+            ways.extend(way)
             axes.annotate(
                 "",
                 point,
                 xytext=(dx, dy),
                 textcoords="offset points",
-                arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK, "shrinkA": 0.0, "shrinkB": 3.0},
-                zorder=2.5,
+                arrowprops={"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK, "shrinkA": 0.0, "shrinkB": 0.0},
+                zorder=3.5,  # to the middle of the marker, over those that it passes
             )
 
 

@@ -8,11 +8,15 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from camid.writing import write_whole
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
 COLUMN_WIDTH = 3.5  # inches: one column of a two-column journal
 PAGE_WIDTH = 7.1
@@ -104,6 +108,63 @@ def separate_panels(figure: Figure, share: float = 0.08) -> None:
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(wspace=share)
+
+
+def mark_outside(axes: Axes, abscissa: ArrayLike, ordinate: ArrayLike, colour: str, joined: bool = True) -> bool:
+    """Mark with triangles on the frame where a curve, or its points, lie above or below the axis.
+
+    Call it when limits and scales of the axes are set.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    abscissa, ordinate : array_like, shape (n,)
+        In the order in which they are drawn; not finite values are gaps.
+    colour : str
+    joined : bool
+        Whether lines join the points: marked is where the line leaves the axis or comes back; otherwise every point
+        outside is.
+
+    Returns
+    -------
+    bool
+        Whether anything was marked.
+    """
+    points = np.column_stack([np.asarray(abscissa, float), np.asarray(ordinate, float)])
+    if not len(points):
+        return False
+    marked = False
+    for edge, sign, symbol in ((axes.get_ylim()[1], 1.0, "^"), (axes.get_ylim()[0], -1.0, "v")):
+        outside = sign * points[:, 1] > sign * edge
+        if joined:
+            # In the scales of the axes, where lines are straight.
+            scaled = axes.transScale.transform(points)
+            level = axes.transScale.transform((points[0, 0], edge))[1]
+            first = np.flatnonzero((outside[1:] != outside[:-1]) & np.isfinite(points[1:] + points[:-1]).all(axis=1))
+            share = (level - scaled[first, 1]) / (scaled[first + 1, 1] - scaled[first, 1])
+            across = scaled[first, 0] + share * (scaled[first + 1, 0] - scaled[first, 0])
+            places = axes.transScale.inverted().transform(np.column_stack([across, np.full(across.shape, level)]))[:, 0]
+        else:
+            places = points[outside, 0]
+        if not len(places):  # an empty line would count as the corner of the figure to the layout
+            continue
+        look: dict[str, Any] = {
+            "color": colour,
+            "markersize": 4.5,
+            "markeredgewidth": 0.0,
+            "clip_on": False,
+            "zorder": 5.0,
+        }
+        axes.plot(places, np.full(len(places), edge), symbol, label="_outside", **look)
+        marked = True
+    return marked
+
+
+def outside_handle(words: str = "leaves the axis") -> Any:
+    """Entry of a legend for :func:`mark_outside`."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], marker="^", color=GREY, markersize=4.5, linestyle="none", label=words)
 
 
 def rounded(table: pd.DataFrame, digits: int = SIGNIFICANT_DIGITS) -> pd.DataFrame:

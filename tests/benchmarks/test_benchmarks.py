@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from benchmarks.peers import PEERS, Peer, from_discrete, from_state_space
 from benchmarks.rendering_reference import corner_area, coverage, expose_reference
@@ -63,6 +64,28 @@ def test_missing_and_failing_peers_stand_in_the_table():
     assert [goal.met for goal in result.goals] == [goal.measured <= goal.limit for goal in result.goals]
     drawn = figure.draw(result.table)
     assert {text.get_text() for text in drawn.axes[0].texts} >= {"camid (2 fits only)"}
+
+
+def test_no_line_to_a_label_of_the_figure_crosses_a_label():
+    """Three tools as near to each other as measured, under a long label."""
+    tools = {"scipy": (1.089, 10.0), "pysib": (1.5415, 6.4), "SIPPY": (1.589, 6.24), "nfoursid": (1.576, 7.32)}
+    table = pd.DataFrame(
+        {"period": figure.PERIOD, "tool": tool, "start": "none", "to_bound": error, "milliseconds": time, "fits": 60}
+        | {"gross_failures": 0}
+        for tool, (error, time) in {**tools, "jax-sysid": (0.79, 5400.0), "sysidentpy": (7.8, 5.6)}.items()
+    )
+    table.loc[0, "tool"] = "scipy output error with a long name"
+    drawn = figure.draw(table)
+    drawn.draw_without_rendering()
+    texts = [text for text in drawn.axes[0].texts if text.get_text()]
+    lines = [text.arrow_patch for text in drawn.axes[0].texts if text.arrow_patch is not None]
+    assert len(texts) == len(table)
+    assert lines
+    for line in lines:
+        (x0, y0), (x1, y1) = line.get_path().transformed(line.get_transform()).vertices[[0, -1]]
+        for share in np.linspace(0.1, 0.9, 50):
+            at = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+            assert not any(text.get_window_extent().contains(*at) for text in texts)
 
 
 def test_reference_is_right_on_a_static_disk():

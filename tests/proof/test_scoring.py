@@ -326,9 +326,16 @@ def test_matrix_counts_every_chosen_recording_once():
             diagnosis(entry("delay"), entry("end-stop")),
             "right, with a wrong name besides",
         ),
-        (truth(true_effect("delay"), true_effect("end-stop", multiple=1.0)), diagnosis(entry("delay")), "right"),
+        (
+            truth(true_effect("delay"), true_effect("end-stop", multiple=1.0)),
+            diagnosis(entry("delay")),
+            "a weaker one not named",
+        ),
         (truth(true_effect("delay"), true_effect("end-stop")), diagnosis(entry("delay")), "not (all) named"),
         (truth(true_effect("detent"), kind="outside"), diagnosis(entry("end-stop")), "wrong"),
+        (truth(true_effect("detent"), kind="outside"), diagnosis(verdict="unexplained"), "right"),
+        (truth(true_effect("detent"), kind="outside"), SILENT, "not detected"),
+        (truth(true_effect("delay", multiple=0.3)), SILENT, "not detected"),
     ],
 )
 def test_sample_puts_the_outcome_in_one_word(case, said, word):

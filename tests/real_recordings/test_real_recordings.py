@@ -200,8 +200,10 @@ def test_last_recording_is_drawn_and_equal_curves_once(monkeypatch):
     figure = draw(two_records(), Law(none, none, none, none, {}, "level (V)", "residual (V)", "where the rest sits"))
     above, _, below = figure.axes
     assert [line.get_label() for line in above.lines] == ["recorded", "refitted"]
-    assert above.get_title() == "rows that were not fitted"
-    (residual,) = below.lines
+    assert above.get_title() == "12 s of 20 s (not fitted), between the dashed lines below"
+    first, last, residual = below.lines
+    assert (first.get_xdata()[0], last.get_xdata()[0]) == (8.0, 20.0)
+    assert residual.get_label() == f"refitted: rms {np.sqrt(17.0):.3g} V"
     np.testing.assert_array_equal(residual.get_ydata(), [7.0, 7.0, 1.0, 1.0, 1.0, 1.0])
     plt.close(figure)
 

@@ -212,6 +212,9 @@ def test_report_holds_every_figure_with_its_caption_and_needs_no_network(compute
     for phrase in ("Sobel gradient", "neglected mode", "second version"):
         assert phrase in page
     assert not re.findall(r'(?:src|href)="https?://[^"]+\.(?:js|css)"', page)
+    # It opens at words, on a phone too: the graph of the rules stands below them in a frame of its own.
+    assert "#rulegraph { max-width: 100%" in page
+    assert "Figs. 7 and 8, errors of the estimates" in page
 
 
 @pytest.mark.skipif("not __import__('os').environ.get('CAMID_RECORDINGS')", reason="CAMID_RECORDINGS is not set")

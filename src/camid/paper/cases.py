@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
@@ -41,3 +42,9 @@ def declared_experiment(signal: Array, output: Array, period: float, case: Mappi
 def parameter_vector(numerator: tuple[float, ...], denominator: tuple[float, ...]) -> Array:
     """[b0, a1, a0] of b0/(s² + a1 s + a0)."""
     return np.array([numerator[-1], denominator[-2], denominator[-1]])
+
+
+def with_gain(estimates: pd.DataFrame) -> pd.DataFrame:
+    """The table with ``error_K``, in percent: of the static gain K = b0/a0, from the errors of b0 and a0."""
+    ratio = (1.0 + estimates["error_b0"] / 100.0) / (1.0 + estimates["error_a0"] / 100.0)
+    return estimates.assign(error_K=100.0 * (ratio - 1.0))

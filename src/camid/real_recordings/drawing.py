@@ -19,7 +19,7 @@ SIGNALS: dict[str, tuple[str, float, tuple[float, float]]] = {
     "silverbox": ("V2 (mV)", 1e3, (92.0, 92.15)),
     "emps": ("force of the drive (N)", 1.0, (20.0, 24.8)),
     "pendulum_decay": ("angle (rad)", 1.0, (42.5, 47.5)),
-    "pendulum_clip": ("x from the middle (px)", 1.0, (1.95, 2.65)),
+    "pendulum_clip": ("marker position x (px)", 1.0, (1.95, 2.65)),
     "pendulum2_decay": ("angle (rad)", 1.0, (18.8, 23.8)),
     "coupled_drives": ("speed as counted (a.u.)", 1.0, (8.0, 9.98)),
     "cascaded_tanks": ("level (V)", 1.0, (816.0, 4092.0)),
@@ -56,6 +56,9 @@ def draw(results: Results, law: Law) -> Figure:
     for name in ("recorded", *_models(results)):
         above.plot(time[rows], factor * table[name].to_numpy()[rows], label=name, **LOOKS[name])
     above.set(xlabel="time (s)", ylabel=label, title=_stretch(table, rows), xlim=(time[rows][0], time[rows][-1]))
+    if not rows.all():
+        for edge in (time[rows][0], time[rows][-1]):
+            below.axvline(edge, color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
     handles, labels = above.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3, title=RECORDINGS[results.name])
     _draw_law(beside, law)
@@ -75,8 +78,13 @@ def _models(results: Results) -> tuple[str, ...]:
 
 
 def _stretch(table: pd.DataFrame, rows: Any) -> str:
-    fitted = table["fitted"].to_numpy()[rows]
-    return "rows that were not fitted" if not fitted.any() else "all rows" if len(fitted) == len(table) else "a stretch"
+    """Which part of the recording is drawn, and whether it was fitted."""
+    time, fitted = table["t"].to_numpy(), table["fitted"].to_numpy()[rows]
+    if rows.all():
+        return "the whole recording"
+    drawn, whole = (f"{t:.0f}" if t >= 100.0 else f"{t:.3g}" for t in (np.ptp(time[rows]), np.ptp(time)))
+    seen = "fitted" if fitted.all() else "not fitted" if not fitted.any() else "partly fitted"
+    return f"{drawn} s of {whole} s ({seen}), between the dashed lines below"
 
 
 def _draw_law(axes: Any, law: Law) -> None:
@@ -91,15 +99,15 @@ def _draw_law(axes: Any, law: Law) -> None:
 def _draw_residuals(axes: Any, results: Results, factor: float, label: str) -> None:
     table = _drawn(results)
     time = table["t"].to_numpy()
+    unit = label[label.rindex("(") + 1 : -1]
     for name in _models(results):
         residual = factor * table[f"residual_{name}"].to_numpy()
         size = float(np.sqrt(np.mean(residual**2)))
-        axes.plot(time, residual, color=RESIDUAL_COLOURS[name], linewidth=0.5, label=f"{name}: rms {size:.3g}")
+        axes.plot(time, residual, color=RESIDUAL_COLOURS[name], linewidth=0.5, label=f"{name}: rms {size:.3g} {unit}")
     held_out = time[table["fitted"].to_numpy() == 0]
     if len(held_out):
         axes.axvspan(held_out[0], held_out[-1], color="#EEEEEE", zorder=-1, label="not fitted")
-    unit = label[label.rindex("(") :]
-    axes.set(xlabel="time (s)", ylabel=f"residual {unit}", xlim=(time[0], time[-1]))
+    axes.set(xlabel="time (s)", ylabel=f"residual ({unit})", xlim=(time[0], time[-1]))
     legend = axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.1)
     for line in legend.get_lines():
         line.set_linewidth(2.0)

@@ -13,30 +13,32 @@ if TYPE_CHECKING:
 
 GRADIENT, FIXED = "gradient", "gradient, fixed threshold"
 GREY, REMOVED, CUT = "grey-level", "grey-level, border removed", "grey-level, border removed, threshold"
-# Panel → condition, centroid, line, colour, words.
-PANELS: dict[str, tuple[tuple[str, str, str, str, str], ...]] = {
+# A colour stands for a centroid in all panels.
+COLOURS = {GRADIENT: style.VERMILION, FIXED: style.ORANGE, GREY: style.BLUE, REMOVED: style.BLACK, CUT: style.GREY}
+# Panel → condition, centroid, line, words.
+PANELS: dict[str, tuple[tuple[str, str, str, str], ...]] = {
     "clean": (
-        ("8 bit", GRADIENT, "o-", style.VERMILION, "gradient, relative threshold"),
-        ("8 bit", FIXED, "D:", style.ORANGE, "gradient, fixed threshold"),
-        ("8 bit, truncated", GREY, "^--", style.BLUE, "grey-level, 8 bit truncated"),
-        ("8 bit", GREY, "s-", style.BLACK, "grey-level, 8 bit rounded"),
+        ("8 bit", GRADIENT, "o-", "gradient, relative threshold"),
+        ("8 bit", FIXED, "D:", "gradient, fixed threshold"),
+        ("8 bit, truncated", GREY, "^--", "grey-level, 8 bit truncated"),
+        ("8 bit", GREY, "s-", "grey-level, 8 bit rounded"),
     ),
     "pixel noise": (
-        ("noise", GRADIENT, "o-", style.VERMILION, "gradient, relative threshold"),
-        ("noise", FIXED, "D:", style.ORANGE, "gradient, fixed threshold"),
-        ("noise", GREY, "^--", style.BLUE, "grey-level, noise clipped at 0"),
-        ("noise", CUT, "x-.", style.GREY, "grey-level, above 5 σ"),
-        ("noise, black level", REMOVED, "s-", style.BLACK, "grey-level, black level raised"),
+        ("noise", GRADIENT, "o-", "gradient, relative threshold"),
+        ("noise", FIXED, "D:", "gradient, fixed threshold"),
+        ("noise", GREY, "s-", "grey-level, noise clipped at 0"),
+        ("noise", CUT, "x-.", "grey-level, above 5 σ"),
+        ("noise, black level", REMOVED, "v-", "grey-level, black level raised, border removed"),
     ),
     "background light": (
-        ("uniform light", GRADIENT, "o-", style.VERMILION, "gradient, uniform light"),
-        ("ramp of light", REMOVED, "D:", style.ORANGE, "grey-level, ramp, border removed"),
-        ("uniform light", GREY, "^--", style.BLUE, "grey-level, uniform, left in"),
-        ("uniform light", REMOVED, "s-", style.BLACK, "grey-level, uniform, border removed"),
+        ("uniform light", GRADIENT, "o-", "gradient, relative threshold, uniform light"),
+        ("uniform light", GREY, "s-", "grey-level, uniform light left in"),
+        ("ramp of light", REMOVED, "^--", "grey-level, border removed, ramp of light"),
+        ("uniform light", REMOVED, "v-", "grey-level, border removed, uniform light"),
     ),
     "saturation": (),
 }
-SATURATED = (("s-", style.BLACK), ("^--", style.BLUE), ("D:", style.ORANGE), ("o-", style.VERMILION))
+SATURATED = ("s-", "^--", "D:", "o-.")
 # Ten-thousandths of a pixel: what lies below is the rendering's own error.
 DIGITS = 4
 
@@ -56,18 +58,21 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     drawn = {
         **PANELS,
         "saturation": tuple(
-            (name, GREY, *look, f"grey-level, {name}") for name, look in zip(saturated, SATURATED, strict=False)
+            (name, GREY, line, f"grey-level, {name}") for name, line in zip(saturated, SATURATED, strict=False)
         ),
     }
-    figure, panels = plt.subplots(2, 2, figsize=(style.PAGE_WIDTH, 5.6), sharex=True, sharey=True)
+    figure, panels = plt.subplots(2, 2, figsize=(style.PAGE_WIDTH, 6.2), sharex=True, sharey=True)
     for axes, (title, curves) in zip(panels.flat, drawn.items(), strict=True):
-        for condition, centroid, line, colour, words in curves:
+        for condition, centroid, line, words in curves:
             runs = table[(table["condition"] == condition) & (table["centroid"] == centroid)].sort_values("frequency")
-            axes.plot(runs["frequency"], runs["error"], line, color=colour, label=words)
-        axes.set(yscale="log", ylim=(3e-4, 6e4), title=title)
-        axes.set_yticks([1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2], ["0.001", "0.01", "0.1", "1", "10", "100"])
+            axes.plot(runs["frequency"], runs["error"], line, color=COLOURS[centroid], label=words)
+        axes.set(yscale="log", ylim=(3e-4, 60.0))
+        axes.set_yticks([1e-3, 1e-2, 1e-1, 1.0, 1e1], ["0.001", "0.01", "0.1", "1", "10"])
         axes.minorticks_off()
-        axes.legend(loc="upper left", handlelength=2.6, labelspacing=0.3)
+        legend = axes.legend(
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), handlelength=2.6, labelspacing=0.3, title=title
+        )
+        legend.set_alignment("left")
     for axes in panels[-1]:
         axes.set_xlabel("frequency of the circle (Hz)")
     for axes in panels[:, 0]:

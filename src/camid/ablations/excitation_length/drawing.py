@@ -73,7 +73,10 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         axes.set_xticks([128, 256, 512, 1024, 2048, 4096], ["128", "256", "512", "1024", "2048", "4096"])
         axes.minorticks_off()
         axes.set(xlabel="length N (samples)", title=symbol, ylim=(low, high))
+        style.mark_outside(axes, lengths["length"], lengths[f"moving_start_{p}"].abs(), style.BLACK, joined=False)
     panels[0].set_ylabel("relative error (%)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    handles, labels = panels[0].get_legend_handles_labels()
+    below = plt.Line2D([], [], marker="v", color=style.BLACK, markersize=4.5, linestyle="none")
+    figure.legend([*handles, below], [*labels, "|bias| below the axis"], loc="outside upper center", ncols=3)
     columns = [c for c in lengths.columns if c.split("_")[0] in {"rms", "bound", "moving", "ratio"}]
     return figure, printed(lengths, columns)

@@ -50,17 +50,29 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     figure, panels = plt.subplots(2, 2, figsize=(style.PAGE_WIDTH, 5.4), sharey=True)
     for axes, (varied, (label, title, curves)) in zip(panels.flat, PANELS.items(), strict=True):
         for (motion, centroid), (line, colour, words) in curves.items():
-            chosen = (table["varied"] == varied) & (table["motion"] == motion) & (table["centroid"] == centroid)
-            runs = table[chosen].sort_values("setting")
+            runs = _runs(table, varied, motion, centroid)
             axes.plot(runs["setting"], runs["error"], line, color=colour, label=words)
         axes.set(yscale="log", ylim=(3e-4, 50.0), xlabel=label, title=title)
         axes.set_yticks([1e-3, 1e-2, 1e-1, 1.0, 1e1], ["0.001", "0.01", "0.1", "1", "10"])
         axes.minorticks_off()
     panels[0, 0].set_xscale("log")
+    for axes, (varied, (_, _, curves)) in zip(panels.flat, PANELS.items(), strict=True):
+        for (motion, centroid), (_, colour, _) in curves.items():
+            runs = _runs(table, varied, motion, centroid)
+            style.mark_outside(axes, runs["setting"], runs["error"], colour)
     panels[0, 0].set_xticks([2, 5, 10, 20, 30, 60], ["2", "5", "10", "20", "30", "60"])
     panels[0, 0].minorticks_off()
     for axes in panels[:, 0]:
         axes.set_ylabel("rms error (px)")
     panels[1, 1].legend(loc="upper left", ncols=2)
-    figure.legend(*panels[1, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    handles, labels = panels[1, 0].get_legend_handles_labels()
+    below = plt.Line2D([], [], marker="v", color=style.GREY, markersize=4.5, linestyle="none")
+    words = "falls below the axis"
+    figure.legend([*handles, below], [*labels, words], loc="outside upper center", ncols=3)
     return figure, table
+
+
+def _runs(table: pd.DataFrame, varied: str, motion: str, centroid: str) -> pd.DataFrame:
+    """Rows of one curve in the order of the setting."""
+    chosen = (table["varied"] == varied) & (table["motion"] == motion) & (table["centroid"] == centroid)
+    return table[chosen].sort_values("setting")

@@ -64,6 +64,7 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     by_diameter.set(xlabel="marker diameter (px)", title=f"circle at {fastest:g} Hz")
     by_diameter.legend(loc="lower left")
     by_speed.set(xlabel="frequency of the circle (Hz)", title=f"marker of {paper:g} px")
+    by_speed.legend(loc="lower left")
     zeros = gradient.drop_duplicates(["frequency", "diameter"])
     frequencies = [f for f in DRAWN_FREQUENCIES if f in set(zeros["frequency"])]
     for frequency in frequencies:

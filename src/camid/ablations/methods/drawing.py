@@ -51,6 +51,12 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     failures.set(ylabel="gross failures (%)", title="failures", ylim=(-4.0, 104.0))
     for axes in panels[-1]:
         axes.set_xlabel("sampling period T (ms)")
-    figure.legend(*failures.get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    figure.legend(
+        *failures.get_legend_handles_labels(),
+        loc="outside upper center",
+        ncols=3,
+        title="Errors are of the runs without gross failure; where more than half of the runs fail none is drawn.",
+        title_fontsize=7,
+    )
     columns = [c for c in results.columns if c.split("_")[0] in {"ratio", "bias"}]
     return figure, printed(results, columns)

@@ -32,13 +32,15 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     import matplotlib.pyplot as plt
 
     drawn = table[table["method"] == "srivc"]
-    figure, panels = plt.subplots(1, 3, figsize=(style.PAGE_WIDTH, 3.0), sharey=True)
+    figure, panels = plt.subplots(1, 3, figsize=(style.PAGE_WIDTH, 3.1), sharey=True)
     pairings = drawn[["hold", "shift", "lag_left"]].drop_duplicates().sort_values("lag_left")
     for axes, (parameter, label) in zip(panels, ERROR_LABELS.items(), strict=True):
+        axes.set(xlabel="sampling period T (ms)", title=label, ylim=(-LARGEST_DRAWN, LARGEST_DRAWN))
         for hold, shift, lag in pairings.itertuples(index=False):
             name, line, symbol = HOLDS[hold]
             runs = drawn[(drawn["hold"] == hold) & (drawn["shift"] == shift)].sort_values("period")
             runs = runs[runs["error_b0"].abs() <= ANOTHER_OPTIMUM]
+            left = f"{lag:+g}".replace("-", "−")
             axes.plot(
                 1e3 * runs["period"],
                 runs[f"error_{parameter}"],
@@ -46,9 +48,12 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
                 marker=symbol,
                 color=COLOURS[shift],
                 markerfacecolor="white",
-                label=f"{name}, {PARTNERS[shift]}: lag left {lag:+g} T" if lag else f"{name}, {PARTNERS[shift]}: right",
+                label=f"{name}, {PARTNERS[shift]}: lag left {left} T" if lag else f"{name}, {PARTNERS[shift]}: right",
             )
-        axes.set(xlabel="sampling period T (ms)", title=label, ylim=(-LARGEST_DRAWN, LARGEST_DRAWN))
+            style.mark_outside(axes, 1e3 * runs["period"], runs[f"error_{parameter}"], COLOURS[shift])
     panels[0].set_ylabel("error (%)")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, title="u[k] paired with")
+    handles, labels = panels[0].get_legend_handles_labels()
+    handles, labels = [*handles, style.outside_handle()], [*labels, "leaves the axis here"]
+    title = f"u[k] paired with (a fit whose $b_0$ is off by more than {ANOTHER_OPTIMUM:g} % is not drawn)"
+    figure.legend(handles, labels, loc="outside upper center", ncols=4, title=title, columnspacing=1.2)
     return figure, printed(drawn, [f"error_{p}" for p in ERROR_LABELS])

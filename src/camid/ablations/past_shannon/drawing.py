@@ -43,13 +43,14 @@ def draw(table: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     left.annotate("2π", (6.28, 0.97), xycoords=("data", "axes fraction"), xytext=(2, 0), textcoords="offset points")
     left.legend(fontsize=6.5, loc="lower right")
     right.plot(curve["frequency"], curve["value"], "-", color=style.BLUE)
-    for place, label, colour in (
-        (1.0, "true", style.BLACK),
-        (2.0 * np.pi / product - 1.0, "alias 2π/T − ω$_0$", style.VERMILION),
+    # Each label on the side of its line where no other line stands.
+    for place, label, colour, side in (
+        (1.0, "true", style.BLACK, 1),
+        (2.0 * np.pi / product - 1.0, "alias 2π/T − ω$_0$", style.VERMILION, -1),
     ):
         right.axvline(place, color=colour, linewidth=0.8, linestyle="--")
-        right.annotate(label, (place, 0.03), xycoords=("data", "axes fraction"), xytext=(3, 0), color=colour,
-                       textcoords="offset points", fontsize=7)  # fmt: skip
+        right.annotate(label, (place, 0.03), xycoords=("data", "axes fraction"), xytext=(3 * side, 0), color=colour,
+                       textcoords="offset points", fontsize=7, ha="left" if side > 0 else "right")  # fmt: skip
     right.axvline(np.pi / product, color=style.GREY, linewidth=0.8, linestyle="-.")
     right.annotate("π/T", (np.pi / product, 0.97), xycoords=("data", "axes fraction"), xytext=(2, 0),
                    textcoords="offset points", fontsize=7, va="top")  # fmt: skip

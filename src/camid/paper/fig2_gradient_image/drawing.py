@@ -54,7 +54,7 @@ def draw(image: Mapping[str, NDArray[Any]], threshold: float) -> tuple[Figure, p
         axes.plot(
             *centres["time_mean"], "o", color=style.BLUE, markersize=6, markerfacecolor="none", label="simplified model"
         )
-    right.legend(loc="lower right")
+        axes.legend(loc="lower right")
     table = pd.DataFrame(
         [
             {"quantity": f"{name}_{axis}", "value": float(value), "unit": "px"}

@@ -77,6 +77,7 @@ def draw(trajectory: pd.DataFrame, frequency: float) -> tuple[Figure, pd.DataFra
     right.axhline(0.0, color=style.GREY, linewidth=0.6)
     low, high = right.get_ylim()
     right.set(xlabel="time (ms)", ylabel="difference from the model (px)", ylim=(low, high + 0.45 * (high - low)))
-    right.set_title("measurement error")
+    right.set_xticks(time)  # one per frame
+    right.set_title("measurement error, frame by frame")
     right.legend(loc="upper right")
     return figure, table

@@ -13,11 +13,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOOKS = {
-    1: ("Model #1", style.BLUE, "-"),
-    2: ("Model #2", style.VERMILION, "--"),
-    3: ("Model #3", style.BLACK, ":"),
+    1: ("Model #1", style.BLUE, "-", 1.2),
+    2: ("Model #2", style.VERMILION, "--", 1.2),
+    3: ("Model #3", style.BLACK, ":", 2.2),
 }
 FLOOR_DECIBELS = -60.0
+PERIODS_OF_ZEROS = 4  # zeros of Model #1 that are drawn, the last one at 4/T
 
 
 def draw(responses: pd.DataFrame, period: float) -> tuple[Figure, pd.DataFrame]:
@@ -38,14 +39,14 @@ def draw(responses: pd.DataFrame, period: float) -> tuple[Figure, pd.DataFrame]:
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(style.COLUMN_WIDTH * 1.45, 4.2), sharex=True)
     with np.errstate(divide="ignore"):
         gains = {n: 20.0 * np.log10(responses[f"gain_{n}"].to_numpy()) for n in LOOKS}
-    for number, (label, colour, line) in LOOKS.items():
-        upper.semilogx(frequency, np.maximum(gains[number], 2.0 * FLOOR_DECIBELS), line, color=colour, label=label)
+    for number, (label, colour, line, width) in LOOKS.items():
+        drawn = np.maximum(gains[number], 2.0 * FLOOR_DECIBELS)
+        upper.semilogx(frequency, drawn, line, color=colour, linewidth=width, label=label)
     # Models #1 and #2 share their phase up to whole half turns at the zeros, so the phases lie on each other.
-    for number, (_, colour, line) in reversed(LOOKS.items()):
-        width = 2.6 if number == 3 else 1.2
+    for number, (_, colour, line, width) in reversed(LOOKS.items()):
         lower.semilogx(frequency, responses[f"phase_{number}"], line, color=colour, linewidth=width)
     for first, (step, colour, symbol) in {1.0: (1.0, style.BLUE, "o"), 0.5: (1.0, style.VERMILION, "^")}.items():
-        zeros = np.arange(first, turns[-1], step) / period
+        zeros = np.arange(first, min(turns[-1], PERIODS_OF_ZEROS + 0.25), step) / period
         upper.plot(
             zeros,
             np.full(zeros.shape, FLOOR_DECIBELS + 2.5),

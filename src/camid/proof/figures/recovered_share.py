@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -31,9 +31,9 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     import matplotlib.pyplot as plt
 
     known = scores[scores["share_same_kind"].notna() & scores["multiple"].notna()]
-    figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 3.1), sharey=True)
-    for axes, (name, title) in zip(panels, PANELS.items(), strict=True):
-        shares = known[f"share_{name}"]
+    figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 3.4), sharey=True)
+    for axes, (name, kind) in zip(panels, PANELS.items(), strict=True):
+        shares, title = known[f"share_{name}"], kind
         for named, symbol, colour, face, words in (
             (True, "o", style.BLUE, style.BLUE, "all effects named or in a class"),
             (False, "s", style.VERMILION, "white", "not all"),
@@ -55,17 +55,11 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         strong = shares[known["multiple"] >= STRONG].dropna()
         if len(strong):
             middle = float(np.median(strong))
-            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.2, label=f"median from {STRONG:g} on")
-            axes.annotate(
-                f"median {middle:.3f} of {len(strong)}",
-                (0.98, 0.42),
-                xycoords="axes fraction",
-                ha="right",
-                va="bottom",
-                fontsize=6.5,
-            )
-        axes.axhline(TARGET, color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-        axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.6, label=f"median from {STRONG:g} on")
+            title = f"{kind}\nmedian {middle:.3f} of {len(strong)} recordings from {STRONG:g} on"
+        look: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.9}
+        axes.axhline(TARGET, linestyle=(0, (4, 2)), label=f"target of the median: {TARGET:g}", **look)
+        axes.axvline(STRONG, linestyle=(0, (1, 2)), label=f"target holds from {STRONG:g} on", **look)
         axes.set(
             title=title,
             xscale="log",
@@ -76,7 +70,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         axes.set_xticks([0.3, 1, 3, 10, 30, 100], ["0.3", "1", "3", "10", "30", "100"])
         axes.minorticks_off()
     panels[0].set_ylabel("share of the avoidable error recovered")
-    figure.legend(*panels[1].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*panels[1].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     columns = ["index", "truth", "multiple", "in_class"]
     columns += [f"{quantity}_{name}" for name in PANELS for quantity in ("refitted", "improved", "floor", "share")]
     return figure, known[columns].reset_index(drop=True)

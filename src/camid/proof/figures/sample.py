@@ -19,7 +19,9 @@ OUTCOMES = {
     "right": ("o", style.BLUE, style.BLUE),
     "right, in a class": ("o", style.BLUE, "white"),
     "right, with a wrong name besides": ("D", style.ORANGE, style.ORANGE),
+    "a weaker one not named": ("^", style.BLUE, "white"),
     "not (all) named": ("s", style.ORANGE, "white"),
+    "not detected": ("v", style.BLACK, "white"),
     "wrong": ("X", style.VERMILION, style.VERMILION),
 }
 NO_STRENGTH, STRONGEST = 0.14, 105.0  # where recordings without an effect, and with huge ones, are drawn
@@ -28,19 +30,30 @@ ORDER = ("none", "invisible", "single", "several", "outside")
 
 
 def outcome(row: Mapping[Any, Any]) -> str:
-    """What became of a recording, in a few words."""
+    """What became of a recording, in a few words.
+
+    Physics outside the catalogue is right where it was detected and nothing wrong was said with confidence.
+    """
     if row["kind"] in {"none", "invisible"}:
         return "wrong" if row["false_alarm"] else "right"
+    if row["verdict"] == "adequate":
+        return "not detected"
     if row["kind"] == "outside":
         return "wrong" if row["confidently_wrong"] else "right"
-    # Of several effects those that are too weak to show need not be named.
+    # Of several effects those that are too weak to show need not be named, but what is not named is not right.
     enough = row["kind"] == "several" and row["strong"] > 0
-    top = row["top"] or (enough and row["strong_top"] == row["strong"])
-    if top or row["in_class"] or (enough and row["strong_in_class"] == row["strong"]):
-        if row["wrong_names"]:
-            return "right, with a wrong name besides"
-        return "right" if top else "right, in a class"
+    if row["in_class"] or (enough and row["strong_in_class"] == row["strong"]):
+        return _named(row)
     return "wrong" if row["wrong_names"] else "not (all) named"
+
+
+def _named(row: Mapping[Any, Any]) -> str:
+    """What became of a recording whose effects, or the strong ones of them, were named."""
+    if row["wrong_names"]:
+        return "right, with a wrong name besides"
+    if not row["in_class"]:
+        return "a weaker one not named"
+    return "right" if row["top"] else "right, in a class"
 
 
 def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
@@ -72,24 +85,29 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         drawn.append({"concealed": row["truth"] or "nothing missing", "outcome": found})
     axes.set_yticks(range(len(records)), [d["concealed"] for d in drawn], fontsize=6.5)
     axes.set_ylim(len(records) - 0.4, -0.6)
-    axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+    strong = axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
+    strong.set_label(f"{STRONG:g} × the detectable size: strong")
     edges = np.flatnonzero(np.diff(ordered["rank"].to_numpy())) + 0.5
     for edge in edges:
         axes.axhline(edge, color=style.GREY, linewidth=0.6)
     axes.set(
         xscale="log",
         xlim=(0.1, 110.0),
-        xlabel="strength of the strongest effect (multiples of the detectable size)",
-        title="concealed, strength",
+        xlabel="strength of the strongest effect\n(multiples of the detectable size; –: none)",
+        title="strength",
     )
-    axes.set_xticks([NO_STRENGTH, 0.3, 1, 3, 10, 30, 100], ["none", "0.3", "1", "3", "10", "30", "100"])
+    axes.set_xticks([NO_STRENGTH, 0.3, 1, 3, 10, 30, 100], ["–", "0.3", "1", "3", "10", "30", "100"])
     axes.minorticks_off()
-    axes.annotate("said", (1.02, 1.0), xycoords="axes fraction", xytext=(0, 4), textcoords="offset points")
+    # On the height of the title, which stands six points above the axes.
+    above: dict[str, Any] = {"xycoords": "axes fraction", "xytext": (0, 6), "textcoords": "offset points"}
+    axes.annotate("concealed", (-0.06, 1.0), ha="right", **above)
+    axes.annotate("said", (1.02, 1.0), ha="left", **above)
     handles = [
         plt.Line2D([], [], marker=s, color=c, markerfacecolor=f, linestyle="", label=words)
         for words, (s, c, f) in OUTCOMES.items()
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    handles.append(strong)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     columns = ["index", "kind", "multiple", "snr_db", "verdict", "names", "named_place"]
     numbers = ordered[columns].reset_index(drop=True).join(pd.DataFrame(drawn))
     # More digits would be those of the processor, as is the strength of what cannot show.

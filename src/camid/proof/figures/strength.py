@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -31,11 +31,15 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     scores : DataFrame
         One row per recording, from :func:`camid.proof.scoring.score`.
     """
+    return draw_rates(by_strength(scores))
+
+
+def draw_rates(rates: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
+    """Draw the rates of :func:`camid.proof.rates.by_strength`."""
     style.apply()
     import matplotlib.pyplot as plt
 
-    rates = by_strength(scores)
-    figure, axes = plt.subplots(figsize=(style.COLUMN_WIDTH, 3.4))
+    figure, axes = plt.subplots(figsize=(style.COLUMN_WIDTH, 4.1))
     for name, (words, symbol, line, colour, shift) in RATES.items():
         part = rates[rates["rate"] == name]
         share = 100.0 * part["share"]
@@ -54,8 +58,10 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     for row in rates[rates["rate"] == "detected"].to_dict("records"):
         axes.annotate(f"{row['recordings']}", (row["multiple"], 103.0), ha="center", fontsize=6.0, color=style.GREY)
     axes.annotate("recordings:", (STRENGTHS[0], 108.0), fontsize=6.0, color=style.GREY, annotation_clip=False)
-    axes.axvline(STRONG, color=style.GREY, linewidth=0.8, linestyle=(0, (1, 2)))
-    axes.hlines(TARGET, STRONG, 1.2 * STRENGTHS[-1], color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+    look: dict[str, Any] = {"color": style.GREY, "linewidth": 0.8}
+    words = f"target of “named or in a class”: {TARGET:g} %"
+    axes.hlines(TARGET, STRONG, 1.2 * STRENGTHS[-1], linestyle=(0, (4, 2)), label=words, **look)
+    axes.axvline(STRONG, linestyle=(0, (1, 2)), label=f"target holds from {STRONG:g} on", **look)
     axes.set(
         xscale="log",
         xlim=(STRENGTHS[0], 1.2 * STRENGTHS[-1]),
@@ -65,5 +71,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     )
     axes.set_xticks([0.3, 1, 3, 10, 30, 100], ["0.3", "1", "3", "10", "30", "100"])
     axes.minorticks_off()
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    handles, labels = axes.get_legend_handles_labels()
+    order = sorted(range(len(labels)), key=lambda i: labels[i].startswith("target"))  # rates first
+    figure.legend([handles[i] for i in order], [labels[i] for i in order], loc="outside lower center", ncols=1)
     return figure, rates
