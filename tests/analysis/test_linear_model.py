@@ -84,7 +84,9 @@ def test_several_columns_see_an_output_of_the_equations():
     view = camid.bode(driven)
     assert view.symbols == ("u", "angle")
     assert any("to the plant's output 'angle'" in sentence for sentence in view.said())
-    assert camid.step(driven, duration=5.0).symbols == ("u", "angle")
+    physical = driven["plant"]["physical"]
+    at_rest = {"physical": {**physical, "equations": {**physical["equations"], "start": {}}}}
+    assert camid.step(driven | {"plant": at_rest}, duration=5.0).symbols == ("u", "angle")
     with pytest.raises(InputError, match="a recording shows x, y, and not the plant's output 'angle'"):
         camid.bode(driven, recording=swinging_marker(push=0.4, seconds=6.0))
 

@@ -124,3 +124,20 @@ def test_an_integrator_comes_to_no_rest():
 def test_no_step_is_refused(options, said):
     with pytest.raises(InputError, match=said):
         camid.step(rig.simulation(), **options)
+
+
+def test_a_plant_that_moves_by_itself_has_no_step_from_rest():
+    content = {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {
+            "physical": {
+                "parameters": {"stiffness": 16.0},
+                "equations": {"states": {"x": "v", "v": "u - stiffness*x - v"}, "output": "x", "start": {"x": 80.0}},
+            }
+        },
+        "sensor": {"column": "y", "kind": "instant"},
+    }
+    with pytest.raises(InputError, match="a step is from rest, and the plant does not rest where its equations start"):
+        camid.step(content)

@@ -83,3 +83,16 @@ def test_a_latency_alone_is_estimated(form):
 def test_validation_rows_that_leave_nothing_to_fit_are_refused(command):
     with pytest.raises(InputError, match="the validation rows, -1 s to 100 s, leave no row to fit"):
         command(two_rates(), {**SIMULATION, "validation": {"start": -1.0, "end": 100.0}})
+
+
+def test_orders_are_not_compared_over_two_clocks():
+    """The table of regressions would have to take the mean input of a frame for the input."""
+    with pytest.raises(InputError, match="order takes frames and input for samples of one clock"):
+        camid.select_order(two_rates(), SIMULATION)
+
+
+def test_the_next_experiment_after_frames_with_times_of_their_own():
+    sensor = {**SIMULATION["sensor"], "latency": "estimate", "skew": "estimate"}
+    found = camid.identify(two_rates(), {**SIMULATION, "sensor": sensor, "initial_state": "estimate"}).simulation
+    designed = camid.design(found, recording=two_rates(), duration=3.0, time_limit=None)
+    assert len(designed.played.signal) == pytest.approx(3.0 * 47.3, abs=2)

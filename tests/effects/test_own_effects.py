@@ -175,3 +175,8 @@ def test_a_binary_file_is_refused(write):
     path = write(b"\x00\xff\xfe")
     with pytest.raises(InputError, match="this is no Python"), own_effects(path):
         pass
+
+
+def test_a_file_that_is_no_python_is_not_run(write):
+    with pytest.raises(InputError, match="this is no Python file"):
+        classes_of(write(RIGHT, "mine.csv"))

@@ -216,7 +216,7 @@ def test_wrong_values_are_named_with_line_and_key(tmp_path, old, new, said):
         (b"just words\n", "not a mapping"),
         (b"\xff\xfe\x00\x01", "not valid YAML"),
         (b"\x00\x01\x02", "not valid YAML"),
-        (b"[" * 400, "not valid YAML"),
+        (b"[" * 400, "more than 50 brackets are open"),
         (b"a: &a [*a]\n", "unknown key 'a'"),
         (b"a: !!int word\n", "not valid YAML"),
     ],

@@ -182,7 +182,18 @@ def _where_linearised(simulation: Simulation) -> str:
     start = np.array(equations.start or [0.0] * len(equations.states), dtype=float)
     pairs = zip(equations.state_names, start, strict=True)
     about = ", ".join(f"{name} = {plain(float(value))}" for name, value in pairs)
-    rates = plant_function(equations)(start, 0.0, physical.values)[: len(start)]
+    return f"linearised about {about}, without input" + (
+        "" if rests_at_start(simulation) else ", where it does not rest"
+    )
+
+
+def rests_at_start(simulation: Simulation) -> bool:
+    """Whether a plant stays where it starts while nothing drives it; all but equations do."""
+    physical = simulation.physical
+    if physical is None or physical.equations is None:
+        return True
+    start = np.array(physical.equations.start or [0.0] * len(physical.equations.states), dtype=float)
+    rates = plant_function(physical.equations)(start, 0.0, physical.values)[: len(start)]
     speed = float(np.max(np.abs(simulation.plant.poles()), initial=0.0))
-    rests = np.max(np.abs(rates), initial=0.0) <= AT_REST * speed * max(float(np.max(np.abs(start), initial=0.0)), 1.0)
-    return f"linearised about {about}, without input" + ("" if rests else ", where it does not rest")
+    size = max(float(np.max(np.abs(start), initial=0.0)), 1.0)
+    return bool(np.max(np.abs(rates), initial=0.0) <= AT_REST * speed * size)

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.analysis.linear_model import NO_BAND, ONLY_DEVIATIONS, SMALL, UNCORRELATED, LinearModel, is_linear
+from camid.analysis.linear_model import (
+    NO_BAND,
+    ONLY_DEVIATIONS,
+    SMALL,
+    UNCORRELATED,
+    LinearModel,
+    is_linear,
+    rests_at_start,
+)
 from camid.analysis.spread import has_covariance, states_accuracy, varied
 from camid.analysis.view import ShortTable, View, common_mapping
 from camid.chain.plant import TransferFunction
@@ -96,6 +104,12 @@ def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
                 where=model.simulation.source,
                 hint="camid compare shows how it moves by itself",
             )
+    if not rests_at_start(model.simulation):
+        raise InputError(
+            "a step is from rest, and the plant does not rest where its equations start",
+            where=model.simulation.source,
+            hint="under start, give a state at which no state changes without input",
+        )
     output = _by_engine(alone, time, amplitude)
     try:
         spreads = [(_by_engine(a, time, amplitude), _by_engine(b, time, amplitude)) for a, b in varied(alone, WHOLE)]

@@ -54,6 +54,12 @@ def select_order(
         raise InputError(
             "a free decay does not determine the zeros", where=believed.source, hint="record an input, too"
         )
+    if believed.reading.frame_time is not None:
+        raise InputError(
+            "order takes frames and input for samples of one clock, and the frames have times of their own",
+            where=believed.source,
+            hint="identify plants of several orders with --order, and hold them against each other with camid compare",
+        )
     if believed.effects:
         raise InputError(
             "order compares linear chains, and this simulation has effects",

@@ -97,6 +97,10 @@ def _classes_of(source: EffectSource, modules: list[ModuleType]) -> Sequence[typ
     if not isinstance(source, str | os.PathLike):
         raise InputError(f"{source!r} is no effect", hint="give files, or subclasses of camid.effects.Effect")
     path = Path(source)
+    if path.is_file() and path.suffix != ".py":
+        raise InputError(
+            "this is no Python file", where=str(path), hint="effects are classes in a file that ends in .py"
+        )
     module = _run(path)
     modules.append(module)
     defined = [

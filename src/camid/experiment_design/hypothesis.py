@@ -114,7 +114,10 @@ class Hypothesis:
             used=used,
             acquisition=acquisition,
             estimate_initial_state=played.position is not None,
+            input_log=None,  # what is played changes with the frames
         )
+        # What a simulation leaves open of the clocks is as it was found.
+        model = replace(model, constants={**self.problem.kind.constants(), **model.constants})
         return replace(self.problem, experiments=[experiment], times=[time]), model
 
     @property

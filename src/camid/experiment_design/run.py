@@ -85,6 +85,8 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     watch.say("looking at experiments")
     search = Search(task.hypotheses, task.limits, noise, score, simulated_rows, watch)
     best = search.best()
+    if not best and watch.no_time_for("experiments"):
+        raise InputError("the time is up, and no experiment was looked at yet", hint="allow more with --time-limit")
     if not best:
         raise InputError(
             "no experiment keeps the travel under every hypothesis",
