@@ -21,10 +21,10 @@ def main() -> None:
     answers = pd.concat([pd.read_parquet(file) for file in snakemake.input.answers], ignore_index=True)
     rows = judged(answers).sort_values(["missing", "number"], ascending=[False, True], ignore_index=True)
     parameters = snakemake.params
+    count = parameters.recordings
     stamp = (
-        f"{parameters.recordings} recordings under a law and as many with nothing missing, seed {parameters.seed}, made and\n"
-        f"diagnosed by `.venv/bin/snakemake -c2 unlisted --config unlisted_recordings={parameters.recordings}`\n"
-        f"at commit {revision()}."
+        f"{count} recordings under a law and as many with nothing missing, seed {parameters.seed}, diagnosed by\n"
+        f"`.venv/bin/snakemake -c2 unlisted --config unlisted_recordings={count}` at commit {revision()}."
     )
     target = Path(snakemake.output.markdown)
     write_whole(target, lambda path: path.write_text(to_markdown(rows, stamp), encoding="utf-8"))

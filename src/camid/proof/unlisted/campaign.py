@@ -109,20 +109,25 @@ def scored(seed: int, number: int, missing: bool) -> dict[str, Any]:
     rng = generator(seed, number, missing)
     law = law_of(number) if missing else None
     case = draw(rng, law)
-    row: dict[str, Any] = {"number": number, "missing": missing, "first": case.inputs[0], "second": case.inputs[1]}
-    row |= {"law": "", "variables": "", "form": "", "noise": case.rig.noise, "share": case.share, "left": case.left}
-    if law is not None:
-        row |= {"law": law.name, "variables": law.variables, "form": law.form}
-    row |= {
-        "verdict": "",
+    texts = ("verdict", "failure", "carrier", "carrier_variables", "formula", "formula_variables")
+    numbers = ("curve_error", "refitted", "improved", "recovered")
+    row: dict[str, Any] = {
+        "number": number,
+        "missing": missing,
+        "law": law.name if law else "",
+        "variables": law.variables if law else "",
+        "form": law.form if law else "",
+        "first": case.inputs[0],
+        "second": case.inputs[1],
+        "noise": case.rig.noise,
+        "share": case.share,
+        "left": case.left,
+        "beyond": _beyond(case),
         "effects": "[]",
         "learned": 0,
-        "carrier": "",
-        "carrier_variables": "",
-        "formula": "",
-        "formula_variables": "",
+        **dict.fromkeys(texts, ""),
+        **dict.fromkeys(numbers, np.nan),
     }
-    row |= dict.fromkeys(("curve_error", "refitted", "improved", "recovered"), np.nan)
     started = time.perf_counter()
     try:
         row |= _answers(case, case.simulation(rng))

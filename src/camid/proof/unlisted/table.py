@@ -37,7 +37,7 @@ TARGETS = {"median": 0.9, "quartile": 0.7, "variables": 0.85, "formulas": 0.8, "
 
 def form_is_right(formula: str, form: str) -> bool:
     """Whether a formula has the law's form, whatever its numbers."""
-    text = re.sub(r"\b[yvu](?=0?\b)", "x", without_numbers(formula).rpartition(" = ")[2])
+    text = re.sub(r"(?<![a-zA-Z])[yvu](?![a-zA-Z])", "x", without_numbers(formula).rpartition(" = ")[2])
     return any(re.search(pattern, text) for pattern in FORMS.get(form, []))
 
 
@@ -70,13 +70,14 @@ def to_markdown(rows: pd.DataFrame, stamp: str) -> str:
 
 
 _DEFINITIONS = """
-*Recovered* is 1 − (error of the improved simulation)/(error with re-estimated coefficients alone) on a second recording of the rig:
-another input of the same amplitude. Both errors are root mean squares against that recording **without its noise**, so that no noise
-floor is in them and a perfect model has a share of 1; a model worse than re-estimated coefficients has one below 0. A refused recording
-counts as 0. *Variables right*: what removes the largest share of the refitted error (or the formula that stands for it), named or
-learned, is a function of what the law is a function of, at its place. A formula's *error* is its distance from the law over the middle
-98 % of the recording, over the law's bend, less what coefficients can do. A formula offered for a law that the dictionary does not hold
-counts as wrong.
+*Recovered* is 1 − (error of the improved simulation)/(error with re-estimated coefficients alone) on a second recording
+of the rig: another input of the same amplitude (the largest position without the law, or velocity or input where the law
+is of that). Both errors are root mean squares against that recording **without its noise**, so that no noise floor is
+in them and a perfect model has a share of 1; a model worse than re-estimated coefficients has one below 0. Refused
+recordings and simulations that diverge count as 0. *Variables right*: what removes the largest share of the refitted
+error (or the formula that stands for it), named or learned, is a function of what the law is a function of, at its
+place. A formula's *error* is its distance from the law over the middle 98 % of the recording, over the law's bend, less
+what coefficients can do. A formula offered for a law that the dictionary does not hold counts as wrong.
 """
 _LAW_COLUMNS = [
     "law",
@@ -111,7 +112,7 @@ def _whole(rows: pd.DataFrame) -> list[list[str]]:
         ["recordings with nothing missing", str(len(without)), "", "200"],
         _share("learned laws there", int((without["learned"] > 0).sum()), len(without), "at most 1 in 200"),
         _share("any effect named there", int(named.sum()), len(without), ""),
-        ["refused recordings", str(int((rows["failure"] != "").sum())), "", ""],
+        ["refused, or diverged", str(int((rows["failure"] != "").sum())), "", ""],
     ]
 
 
@@ -134,12 +135,18 @@ def _laws(under: pd.DataFrame) -> list[list[str]]:
         wrong = part.loc[~part["variables_right"], "carrier"].replace("", "nothing").value_counts()
         error = right["curve_error"].median()
         lines.append(
-            [str(name), str(part["variables"].iloc[0]), str(len(part))]
-            + [f"{shares.min():.2f}, {shares.median():.2f}, {shares.max():.2f}"]
-            + [str(int(part["variables_right"].sum())), str(int((part["learned"] > 0).sum()))]
-            + [str(len(offered)), str(len(right)) if part["form"].iloc[0] else "not in the dictionary"]
-            + ["" if np.isnan(error) else f"{100 * error:.2g} %"]
-            + [", ".join(f"{effect} ({count})" for effect, count in sorted(wrong.items()))]
+            [
+                str(name),
+                str(part["variables"].iloc[0]),
+                str(len(part)),
+                f"{shares.min():.2f}, {shares.median():.2f}, {shares.max():.2f}",
+                str(int(part["variables_right"].sum())),
+                str(int((part["learned"] > 0).sum())),
+                str(len(offered)),
+                str(len(right)) if part["form"].iloc[0] else "not in the dictionary",
+                "" if np.isnan(error) else f"{100 * error:.2g} %",
+                ", ".join(f"{effect} ({count})" for effect, count in sorted(wrong.items())),
+            ]
         )
     return lines
 
