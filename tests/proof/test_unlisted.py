@@ -78,6 +78,7 @@ def test_every_law_is_drawn_within_its_limits_and_leaves_its_rig_at_rest():
     [
         ("f(y) = a·(y − y0)/c·exp(−((y − y0)/c)²), a = 22.20 ± 0.15 u, y0 = −0.081 ± 0.11 y, c = 59.12 y", "detent"),
         ("f = d(y)·v, d(y) = a·max(y − c, 0), a = 0.0069 ± 0.0001 u s/y^2, c = −0.1 ± 0.2 y", "damping on one side"),
+        ("u' = u + a·dead_zone(u, c), a = −0.1896 ± 0.0021, c = 0.1455 ± 0.0017 u", "valve curve with two slopes"),
         ("f(v) = a·v³, a = (8.909 ± 0.030)·10⁻⁷ u s^3/y^3", "cubic drag"),
         ("w = y + a·exp(−y/c), a = −1.653 ± 0.052 y, c = 18.91 ± 0.20 y", "exponential sensor"),
         ("f(v) = a·|v|, a = 0.0004184 ± 0.0000027 u s/y", "damping in one direction"),

@@ -231,6 +231,7 @@ def evaluated(formula: str, points: Array, constants: Mapping[str, float]) -> Ar
     text = re.sub(r"√\|([^|]+)\|", r"sqrt(abs(\1))", text)
     text = re.sub(r"\|([^|]+)\|", r"abs(\1)", text)
     known = {name: getattr(np, name) for name in ("abs", "clip", "cos", "exp", "sign", "sin", "sqrt", "tanh", "pi")}
+    known["dead_zone"] = lambda over, half: over - np.clip(over, -half, half)
     known |= {"max": np.maximum, "min": np.minimum, **dict.fromkeys("yvu", points), **constants}
     try:
         values = eval(text, {"__builtins__": {}}, known)

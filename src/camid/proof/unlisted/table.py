@@ -14,7 +14,7 @@ from camid.proof.unlisted.campaign import without_numbers
 # Forms of the documented dictionary, as the report writes them over x: what is exact for a law of that form.
 FORMS = {
     "inverse square": [r"1/\(x0 − x\)²", r"1/\(x − x0\)²"],
-    "dead zone": [r"clip\(x, −c, c\)"],
+    "dead zone": [r"a·dead_zone\(x, c\)$"],
     "square": [r"a·x²$"],
     "cube": [r"a·x³$", r"sign\(x\)·\|x\|\^p"],
     "fifth power": [r"a·x⁵$", r"sign\(x\)·\|x\|\^p"],
@@ -44,9 +44,10 @@ def form_is_right(formula: str, form: str) -> bool:
 def judged(answers: pd.DataFrame) -> pd.DataFrame:
     """The answers of :func:`camid.proof.unlisted.campaign.campaign` with ``variables_right`` and ``formula_right``.
 
-    Both are false where nothing was found, and for rigs with nothing missing.
+    Both are false where nothing was found, and for rigs with nothing missing, where nothing can be recovered, either.
     """
     rows = answers.copy()
+    rows["recovered"] = rows["recovered"].where(rows["missing"])
     rows["variables_right"] = rows["missing"] & (rows["carrier_variables"] == rows["variables"])
     rows["formula_right"] = [
         row["missing"] and row["formula_variables"] == row["variables"] and form_is_right(row["formula"], row["form"])
@@ -71,9 +72,9 @@ def to_markdown(rows: pd.DataFrame, stamp: str) -> str:
 
 _DEFINITIONS = """
 *Recovered* is 1 − (error of the improved simulation)/(error with re-estimated coefficients alone) on a second recording
-of the rig: another input of the same amplitude (the largest position without the law, or velocity or input where the law
-is of that). Both errors are root mean squares against that recording **without its noise**, so that no noise floor is
-in them and a perfect model has a share of 1; a model worse than re-estimated coefficients has one below 0. Refused
+of the rig: another input of the same amplitude (the largest position without the law, or velocity or input where the
+law is of that). Both errors are root mean squares against that recording **without its noise**, so that no noise floor
+is in them and a perfect model has a share of 1; a model worse than re-estimated coefficients has one below 0. Refused
 recordings and simulations that diverge count as 0. *Variables right*: what removes the largest share of the refitted
 error (or the formula that stands for it), named or learned, is a function of what the law is a function of, at its
 place. A formula's *error* is its distance from the law over the middle 98 % of the recording, over the law's bend, less
