@@ -80,6 +80,7 @@ def test_every_law_is_drawn_within_its_limits_and_leaves_its_rig_at_rest():
         ("f = d(y)·v, d(y) = a·max(y − c, 0), a = 0.0069 ± 0.0001 u s/y^2, c = −0.1 ± 0.2 y", "damping on one side"),
         ("u' = u + a·dead_zone(u, c), a = −0.1896 ± 0.0021, c = 0.1455 ± 0.0017 u", "valve curve with two slopes"),
         ("f(v) = a·v³, a = (8.909 ± 0.030)·10⁻⁷ u s^3/y^3", "cubic drag"),
+        ("f(v) = a·|v/180|^p, a = 0.08383 ± 0.00013 u, p = 0.9873 ± 0.0042", "damping in one direction"),
         ("w = y + a·exp(−y/c), a = −1.653 ± 0.052 y, c = 18.91 ± 0.20 y", "exponential sensor"),
         ("f(v) = a·|v|, a = 0.0004184 ± 0.0000027 u s/y", "damping in one direction"),
         ("f(y) = a·sin(2π·y/L) + b·cos(2π·y/L) + c·sin(4π·y/L) + d·cos(4π·y/L), a = 1 u", "cam with two harmonics"),
@@ -88,7 +89,7 @@ def test_every_law_is_drawn_within_its_limits_and_leaves_its_rig_at_rest():
 def test_a_formula_has_the_form_of_its_law_and_of_no_other(written, law):
     assert form_is_right(written, named(law).form)
     assert not form_is_right(written, "rational bump")
-    constants = dict.fromkeys(("a", "b", "d", "c", "L", "y0"), 2.0)
+    constants = dict.fromkeys(("a", "b", "d", "c", "L", "p", "y0"), 2.0)
     assert np.isfinite(evaluated(written, np.linspace(0.1, 1.0, 5), constants)).all()
 
 

@@ -61,7 +61,7 @@ def draw(rows: pd.DataFrame) -> Figure:
         whole.plot([target, target], [0.0, level], color=style.GREY, linestyle=(0, (4, 2)), linewidth=0.9)
         whole.plot(target, level, "v", color=style.BLACK, markersize=4)
         whole.annotate(
-            f"asked for: {level:g} %\nat most, below {target:g}",
+            f"asked for: at most\n{level:g} % below {target:g}",
             (target, level),
             xytext=(-6, 6),
             textcoords="offset points",
@@ -71,6 +71,7 @@ def draw(rows: pd.DataFrame) -> Figure:
     whole.set(xlabel="share of the error recovered", ylabel="recordings with at most that share (%)", ylim=(0.0, 100.0))
     for panel in (axes, whole):
         panel.set_xlim(LOWEST, HIGHEST)
-        panel.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["≤ 0" if panel is axes else "0", "0.25", "0.5", "0.75", "1"])
+        panel.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "0.25", "0.5", "0.75", "1"])
+    axes.set_xticks([LOWEST, *axes.get_xticks()], [f"≤ −{-LOWEST:g}", "0", "0.25", "0.5", "0.75", "1"])
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

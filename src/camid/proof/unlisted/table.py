@@ -38,6 +38,8 @@ TARGETS = {"median": 0.9, "quartile": 0.7, "variables": 0.85, "formulas": 0.8, "
 def form_is_right(formula: str, form: str) -> bool:
     """Whether a formula has the law's form, whatever its numbers."""
     text = re.sub(r"(?<![a-zA-Z])[yvu](?![a-zA-Z])", "x", without_numbers(formula).rpartition(" = ")[2])
+    # A power is written over the size of the motion.
+    text = re.sub(r"\|x/[\d.]+\|", "|x|", text)
     return any(re.search(pattern, text) for pattern in FORMS.get(form, []))
 
 
