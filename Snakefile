@@ -25,6 +25,7 @@ include: "workflow/rules/physical_rigs.smk"
 include: "workflow/rules/two_clocks.smk"
 include: "workflow/rules/designed_experiment.smk"
 include: "workflow/rules/filmed_rigs.smk"
+include: "workflow/rules/unlisted.smk"
 include: "workflow/rules/recordings.smk"
 include: "workflow/rules/check.smk"
 

@@ -1,0 +1,23 @@
+"""Diagnose one shard of the rigs under laws outside the catalogue, and of those with nothing missing."""
+
+from typing import TYPE_CHECKING
+
+from camid.proof.unlisted.campaign import campaign
+from camid.workflow.dataset_files import write_dataset
+from camid.workflow.job import logged
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import snakemake
+
+
+def main() -> None:
+    """Diagnose one shard of the rigs."""
+    wildcards, parameters = snakemake.wildcards, snakemake.params
+    share = int(wildcards.shard), int(wildcards.shards)
+    table = campaign(parameters.seed, parameters.recordings, *share)
+    write_dataset(table, snakemake.output[0], {"seed": int(parameters.seed)})
+
+
+if __name__ == "__main__":
+    with logged(snakemake.log[0]):
+        main()
