@@ -20,7 +20,7 @@ from tests.support.command_lines import IDENTIFY, SIMULATE, refusal, replaced
         (replaced(SIMULATE, "recording.csv", "."), ".: this is a folder"),
         ([*SIMULATE, "--effects", "none.py"], "none.py: no such file"),
         ([*IDENTIFY, "--effects", "."], ".: this is a folder"),
-        ([*SIMULATE, "--effects", "S.yaml"], "S.yaml, line 2: this is no Python"),
+        ([*SIMULATE, "--effects", "S.yaml"], "S.yaml: this is no Python file"),
         ([*SIMULATE[:-1], "S.py", "--effects", "S.py"], "S.py: no such file"),
         (replaced(SIMULATE, "S.yaml", "."), ".: this is a folder"),
         (replaced(SIMULATE, "recording.csv", "n" * 300), "File name too long"),
