@@ -44,7 +44,8 @@ def diagnose(
     Parameters
     ----------
     recording : path, DataFrame, or list of them
-        Of one rig. All are fitted, and a fifth of each validates, unless the simulation says which rows do.
+        Of one rig. All are fitted, and a fifth of each validates; of several runs in one file the last one validates.
+        The simulation may say otherwise.
     simulation : path, mapping or Simulation
         What is believed of the rig: structure, nominal coefficients, declarations, effects that are known already.
     progress : callable, optional
@@ -91,7 +92,9 @@ def _diagnosed(
     nominal = model_of(problem, effects)
     try:
         mechanics_of(problem.chain(nominal, 0), experiments[0].signal)  # refuses before anything takes long
-        problem, validation, chosen = with_validation(problem, nominal, held_out)
+        one_file = not isinstance(recording, list | tuple) or len(recording) == 1
+        last_judges = one_file and len(set(problem.runs)) > 1
+        problem, validation, chosen = with_validation(problem, nominal, held_out, last_judges=last_judges)
         diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
         watch.say("designing the next experiment")
         diagnosis = with_designed_experiments(diagnosis)

@@ -76,7 +76,7 @@ RIVALS = SearchEffort(5, gap_share=0.3)
 def first_effort(problem: Problem) -> SearchEffort:
     """The effort in a search for a first effect."""
     effort = FIRST_EFFECT_OVER_TIME if problem.kind.phases_add_up else FIRST_EFFECT
-    return effort if len(set(problem.runs)) == 1 else replace(effort, gap_share=GAP_SHARE_SEVERAL)
+    return effort if len(problem.fitted_runs) < 2 else replace(effort, gap_share=GAP_SHARE_SEVERAL)
 
 
 def hypotheses(

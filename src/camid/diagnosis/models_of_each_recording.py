@@ -34,10 +34,10 @@ def models_of_each_recording(problem: Problem, base: Fitted, watch: Watch) -> li
     watch : Watch
     """
     runs = problem.runs
-    if len(set(runs)) < 2:
+    if len(problem.fitted_runs) < 2:
         return []
     found = []
-    for run in sorted(set(runs))[:RECORDINGS]:
+    for run in problem.fitted_runs[:RECORDINGS]:
         used = [e.used if r == run else np.zeros_like(e.used) for e, r in zip(problem.experiments, runs, strict=True)]
         if np.count_nonzero(used[run]) < FEWEST_ROWS or watch.no_time_for("what each recording says alone"):
             continue

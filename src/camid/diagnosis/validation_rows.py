@@ -30,19 +30,36 @@ FEWEST_ROWS = 100
 
 
 def with_validation(
-    problem: Problem, nominal: Model, held_out: list[NDArray[np.bool_]]
+    problem: Problem, nominal: Model, held_out: list[NDArray[np.bool_]], *, last_judges: bool = False
 ) -> tuple[Problem, list[NDArray[np.bool_]], bool]:
-    """The problem without the rows that validate, these rows, and whether they were chosen here."""
+    """The problem without the rows that validate, these rows, and whether they were chosen here.
+
+    Of several recordings a part of each validates; with ``last_judges`` the whole of the last one, as it does in files
+    that hold a record to estimate from and one to validate with.
+    """
     if any(rows.any() for rows in held_out):
         return problem, held_out, False
-    refitted = problem.kind.refit(problem, replace(nominal, effects=())).model
-    simulated = problem.simulate(refitted)
-    judging = {
-        r: _quiet_part(problem.experiments[r], problem.experiments[r].output - simulated[r]) for r in problem.runs
-    }
+    if last_judges:
+        judging = _last_run(problem)
+    else:
+        refitted = problem.kind.refit(problem, replace(nominal, effects=())).model
+        simulated = problem.simulate(refitted)
+        judging = {
+            r: _quiet_part(problem.experiments[r], problem.experiments[r].output - simulated[r]) for r in problem.runs
+        }
     validation = [e.used & judging[run] for e, run in zip(problem.experiments, problem.runs, strict=True)]
     used = [e.used & ~rows for e, rows in zip(problem.experiments, validation, strict=True)]
     return problem.with_used(used), validation, True
+
+
+def _last_run(problem: Problem) -> dict[int, NDArray[np.bool_]]:
+    """Rows of each run, all of the last one, but for the first fifth where its initial state has to come from there."""
+    judging = {r: np.zeros(len(problem.experiments[r].used), bool) for r in problem.runs}
+    last = problem.runs[-1]
+    judging[last][:] = True
+    if problem.experiments[last].estimate_initial_state:
+        judging[last][: len(judging[last]) // 5] = False
+    return judging
 
 
 def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:

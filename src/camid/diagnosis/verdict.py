@@ -112,13 +112,13 @@ def findings(
 def different_inputs(problem: Problem) -> int:
     """How many of the recordings are experiments of their own: a repetition of an input says nothing new of a law."""
     kinds: list[Array] = []
-    for experiment in problem.experiments:
-        signal, known = experiment.signal, False
+    for run in problem.fitted_runs:
+        signal, known = problem.experiments[run].signal, False
         for other in kinds:
             rows = min(len(signal), len(other))
             size = float(np.linalg.norm(signal[:rows]) + np.linalg.norm(other[:rows]))
             known |= float(np.linalg.norm(signal[:rows] - other[:rows])) <= SAME_INPUT * size
-        if not known and experiment.used.any():
+        if not known:
             kinds.append(signal)
     return max(len(kinds), 1)
 

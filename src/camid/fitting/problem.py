@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 WORKERS = 2
 
 LARGEST_ORDER = 12
+# Share of the rows of a run of which a part is fitted for the sake of its initial state alone.
+LEAST_FITTED = 0.25
 ROWS_PER_COEFFICIENT = 20
 # Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak
 # effect would else be mistaken for colour, which the test of whiteness would not confirm.
@@ -113,6 +115,11 @@ class Problem:
     def runs(self) -> list[int]:
         """For each experiment the first one of the same run: columns of one recording are several."""
         return [i if e.same_run_as is None else e.same_run_as for i, e in enumerate(self.experiments)]
+
+    @property
+    def fitted_runs(self) -> list[int]:
+        """The runs that are fitted, and do not judge but for what their initial state is taken from."""
+        return [r for r in sorted(set(self.runs)) if np.mean(self.experiments[r].used) > LEAST_FITTED]
 
     @cached_property
     def output(self) -> Array:
