@@ -95,9 +95,8 @@ def test_another_experiment_that_leaves_nothing_speaks_against_physics_outside_t
 
 def test_a_repetition_is_no_other_experiment():
     def problem(*signals):
-        return SimpleNamespace(
-            experiments=[SimpleNamespace(signal=np.asarray(s, float), used=np.ones(len(s), bool)) for s in signals]
-        )
+        experiments = [SimpleNamespace(signal=np.asarray(s, float)) for s in signals]
+        return SimpleNamespace(experiments=experiments, fitted_runs=range(len(signals)))
 
     one = np.sin(np.arange(200.0))
     assert different_inputs(problem(one)) == 1
