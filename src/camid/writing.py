@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from cmath import isfinite
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +46,40 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         need("writing a Parquet file", "formats", "pyarrow", hint="or write CSV")
     if target.exists() and not target.is_file():
         raise InputError("this is a device or a pipe", where=str(path), hint="name a file to write")
+
+
+def check_folder(folder: Path, names: Sequence[str], inputs: Sequence[Path] = ()) -> None:
+    """Refuse, before the work is done, a folder that results cannot go to.
+
+    Parameters
+    ----------
+    folder : Path
+    names : sequence of str
+        Of the files that may be written into it.
+    inputs : sequence of Path
+        What the results are made from, and what they may not overwrite.
+
+    Raises
+    ------
+    InputError
+        If it is a file or cannot be written to, its parent does not exist, or one of the results would overwrite an
+        input or is called like a folder.
+    """
+    parent = folder.resolve().parent
+    if folder.exists() and not folder.is_dir():
+        raise InputError("this is a file", where=str(folder), hint="name a folder for the results")
+    if not parent.is_dir():
+        raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
+    if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
+        raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
+    for target in (folder / name for name in names):
+        for path in inputs:
+            if target.exists() and path.exists() and target.samefile(path):
+                raise InputError(
+                    f"{target.name} would overwrite what it is made from", where=str(path), hint="name another folder"
+                )
+        if folder.exists():
+            check_writable(target)
 
 
 def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> None:

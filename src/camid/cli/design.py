@@ -65,12 +65,12 @@ def design(
     SOURCE is the output folder of camid diagnose, or simulations that are held against each other. The experiment tells
     the hypotheses that remain apart, or, where one remains, determines its coefficients.
     """
-    from camid.experiment_design.results_folder import check_folder, write_design
-    from camid.writing import without_infinities
+    from camid.experiment_design.results_folder import FILES, write_design
+    from camid.writing import check_folder, without_infinities
 
     if picture:
         need("design.png", "plots", hint="or say --no-picture")
-    check_folder(output, [*source, *recording, *effects])
+    check_folder(output, FILES, [*source, *recording, *effects])
     with progress_display(as_json) as progress:
         from camid.commands.design import design as run
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from io import StringIO
 from math import isnan
 from pathlib import Path
@@ -19,11 +19,13 @@ from camid.diagnosis.learned_effect_file import NAME, effect_file
 from camid.diagnosis.report.beside import PageDrawnBeside
 from camid.errors import InputError, need
 from camid.simulation.file import simulation_text
-from camid.writing import check_writable, without_infinities, write_whole
+from camid.writing import check_folder, without_infinities, write_whole
 
 Array = NDArray[np.float64]
 
 FILES = ("diagnosis.json", "improved.yaml", "residuals.csv", "report.html")
+# All that may be written.
+RESULTS = (*FILES, NAME)
 RESIDUALS = (
     "recorded",
     "nominal",
@@ -71,7 +73,7 @@ def write_diagnosis(
         If the folder cannot be written to; it says which files were written before.
     """
     folder = Path(folder)
-    check_folder(folder)
+    check_folder(folder, RESULTS)
     if report:
         need("report.html", "plots", hint="or leave it out with report=False")
         drawn_beside = drawn_beside or PageDrawnBeside()
@@ -154,36 +156,3 @@ def _as_csv(columns: Mapping[str, NDArray[Any]]) -> str:
 def _cells(values: NDArray[Any]) -> list[Any]:
     cells = values.tolist()
     return [None if isnan(cell) else cell for cell in cells] if np.isnan(values).any() else cells
-
-
-def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
-    """Refuse, before the work is done, a folder that the results cannot go to.
-
-    Parameters
-    ----------
-    folder : Path
-    inputs : sequence of Path
-        What the results are made from, and what they may not overwrite.
-
-    Raises
-    ------
-    InputError
-        If it is a file or cannot be written to, its parent does not exist, or one of the results would overwrite an
-        input or is called like a folder.
-    """
-    parent = folder.resolve().parent
-    if folder.exists() and not folder.is_dir():
-        raise InputError("this is a file", where=str(folder), hint="name a folder for the results")
-    if not parent.is_dir():
-        raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
-    if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
-        raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
-    for name in (*FILES, NAME):
-        target = folder / name
-        for path in inputs:
-            if target.exists() and path.exists() and target.samefile(path):
-                raise InputError(
-                    f"{name} would overwrite what it is made from", where=str(path), hint="name another folder"
-                )
-        if folder.exists():
-            check_writable(target)

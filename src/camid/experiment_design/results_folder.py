@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
-from collections.abc import Sequence
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from camid.experiment_design.columns import Columns
 from camid.experiment_design.drawing import draw_design
 from camid.experiment_design.limits import DIGITS
 from camid.experiment_design.result import Design
-from camid.writing import check_writable, without_infinities, write_whole
+from camid.writing import check_folder, without_infinities, write_whole
 
 INPUT, DESIGN, PICTURE = "input.csv", "design.json", "design.png"
 FILES = (INPUT, DESIGN, PICTURE)
@@ -40,7 +41,7 @@ def write_design(design: Design, folder: str | os.PathLike[str], *, picture: boo
         If the folder cannot be written to.
     """
     folder = Path(folder)
-    check_folder(folder)
+    check_folder(folder, FILES)
     texts = {
         INPUT: input_text(design),
         DESIGN: json.dumps(without_infinities(design.to_mapping()), indent=2, ensure_ascii=False) + "\n",
@@ -68,36 +69,10 @@ def input_text(design: Design) -> str:
     time = columns.seconds.cells(np.asarray(played.period * np.arange(len(played.signal)), dtype=np.float64))
     signal = columns.inputs.cells(played.signal)
     reading = design.hypotheses[0].simulation.reading
-    names = [columns.signal] if reading.period is not None else [columns.time, columns.signal]
-    rows = [",".join(_quoted(name) for name in names)]
+    alone = reading.period is not None
+    text = StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([columns.signal] if alone else [columns.time, columns.signal])
     for t, u in zip(time.tolist(), signal.tolist(), strict=True):
-        rows.append(f"{u:.{DIGITS}g}" if len(names) == 1 else f"{t:.9g},{u:.{DIGITS}g}")
-    return "\n".join(rows) + "\n"
-
-
-def _quoted(name: str) -> str:
-    return '"' + name.replace('"', '""') + '"' if any(c in name for c in ',"\n') else name
-
-
-def check_folder(folder: Path, inputs: Sequence[Path] = ()) -> None:
-    """Refuse, before the work is done, a folder that the design cannot go to.
-
-    Raises
-    ------
-    InputError
-        If it is a file or cannot be written to, its parent does not exist, or it would overwrite an input.
-    """
-    parent = folder.resolve().parent
-    if folder.exists() and not folder.is_dir():
-        raise InputError("this is a file", where=str(folder), hint="name a folder for the design")
-    if not parent.is_dir():
-        raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
-    if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
-        raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
-    for target in (folder / name for name in FILES):
-        if any(target.exists() and path.exists() and target.samefile(path) for path in inputs):
-            raise InputError(
-                f"{target.name} would overwrite what it is made from", where=str(target), hint="name another folder"
-            )
-        if folder.exists():
-            check_writable(target)
+        writer.writerow([f"{u:.{DIGITS}g}"] if alone else [f"{t:.9g}", f"{u:.{DIGITS}g}"])
+    return text.getvalue()
