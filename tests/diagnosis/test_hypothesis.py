@@ -18,16 +18,19 @@ def hypothesis(effect, cost):
 COULOMB = known_effects()["coulomb-friction"](force=1.0)
 STRIBECK = known_effects()["stribeck-friction"](coulomb=1.0, breakaway=2.0, velocity=3.0)
 HYSTERESIS = known_effects()["hysteresis"](strength=1.0, shape=2.0)
+LOAD = known_effects()["load-dependent-friction"](force=1.0, coefficient=0.1)
 DRAG = known_effects()["quadratic-drag"](coefficient=1.0)
 WITHOUT = SimpleNamespace(cost=110.0)
 
 
 def test_another_law_of_the_same_special_case_is_compared_with_that():
-    ranked = [hypothesis(e, c) for e, c in ((HYSTERESIS, 10.0), (STRIBECK, 50.0), (COULOMB, 60.0), (DRAG, 70.0))]
-    lead, stribeck, coulomb, drag = members_of(ranked, WITHOUT)
+    laws = ((HYSTERESIS, 10.0), (STRIBECK, 50.0), (LOAD, 55.0), (COULOMB, 60.0), (DRAG, 70.0))
+    lead, stribeck, load, coulomb, drag = members_of([hypothesis(e, c) for e, c in laws], WITHOUT)
     assert (lead.special, lead.general, lead.sibling) == (False, False, False)
     assert stribeck.sibling
-    assert stribeck.left == pytest.approx(-0.1)
+    assert stribeck.left == 0.0
+    assert load.sibling
+    assert load.left == pytest.approx(0.05)
     assert coulomb.special
     assert not coulomb.sibling
     assert coulomb.left == pytest.approx(0.5)

@@ -17,10 +17,12 @@ from camid.diagnosis.hypothesis_search import (
     ALL_STEPS,
     BESIDE_OTHERS,
     RIVALS,
+    best_of_each,
     first_effort,
     hypotheses,
     is_far_off,
     other_choices,
+    relatives_in_place,
     special_case,
 )
 from camid.diagnosis.models_of_each_recording import models_of_each_recording
@@ -105,14 +107,19 @@ class Searches:
 def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) -> float:
     """Bound on the probability that an effect improves the likelihood as much where it is not."""
     added = len(after.penalised_names) - len(before.penalised_names)
-    return chance(problem, identifier, before.criterion_beyond(after) + added * float(np.log(len(after.residual))))
+    ratio = before.criterion_beyond(after) + added * float(np.log(len(after.residual)))
+    return chance(problem, identifier, ratio, added)
 
 
-def chance(problem: Problem, identifier: str, ratio: float) -> float:
-    """Bound on the probability of twice a logarithm of a likelihood ratio anywhere in a search without the effect."""
+def chance(problem: Problem, identifier: str, ratio: float, added: int = 0) -> float:
+    """Bound on the probability of twice a logarithm of a likelihood ratio anywhere in a search without the effect.
+
+    It has the freedom of the effect's parameters, or that of all numbers that were ``added``, the states of a mode
+    among them.
+    """
     from scipy.special import chdtrc
 
-    freedom = max(len(known_effects()[identifier].numeric()), 1)
+    freedom = max(len(known_effects()[identifier].numeric()), added, 1)
     return min(float(chdtrc(freedom, max(ratio, 0.0))) * searched(problem, identifier), 1.0)
 
 
@@ -246,11 +253,12 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
                 searches.keep(others, [*found, _last(problem, own, index)])
             special = special_case(problem, current, index, {h.identifier for h in found})
             found = found if special is None else [*found, special]
+            found += relatives_in_place(problem, current, index)
             best = in_order([own, *found, *other_choices(problem, current, index)])[0]
             if own.beyond(best) > SWAP_MARGIN:
                 current, changed = best.fitted, True
                 break
-            ranked = in_order([own, *(h for h in found if h.identifier != identifier)])
+            ranked = best_of_each([own, *(h for h in found if h.identifier != identifier)])
             rivals.append(ranked)
             without.append(others)
         if not changed:

@@ -79,14 +79,17 @@ def members_of(
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
     special = _special_case(lead)
     simplest = next((h.fitted.cost for h in ranked if h.identifier == special), None)
+    # Other laws of the same special case: the one among them that leaves least is the likeliest of them.
+    siblings = [h.fitted.cost for h in ranked[1:] if special is not None and _special_case(h) == special]
+    least = None if simplest is None else min([simplest, *siblings])
 
     def member(hypothesis: Hypothesis) -> Member:
         of = _special_case(hypothesis)
-        sibling = hypothesis is not lead and simplest is not None and of == special
+        sibling = hypothesis is not lead and least is not None and of == special
         return Member(
             hypothesis.identifier,
             float(hypothesis.beyond(lead)),
-            (hypothesis.fitted.cost - (simplest if sibling and simplest else lead.fitted.cost)) / mismatch,
+            (hypothesis.fitted.cost - (least if sibling and least is not None else lead.fitted.cost)) / mismatch,
             hypothesis.identifier == special,
             of == lead.identifier,
             sibling,

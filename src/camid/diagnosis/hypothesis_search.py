@@ -64,7 +64,8 @@ class SearchEffort:
     gap_share: float = 0.0
 
 
-FIRST_EFFECT = SearchEffort(12, shapes=2)
+# A first fit of a few steps may stop far from where a thorough one ends.
+FIRST_EFFECT = SearchEffort(12, shapes=2, gap_share=0.3)
 # Several recordings say so much more than a first fit reaches that its criterion hardly ranks.
 GAP_SHARE_SEVERAL = 0.5
 # Where phases add up the screening is a poor guide; beside a first effect the motion is followed, and it is one again.
@@ -129,7 +130,8 @@ def hypotheses(
         if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
             first += [h for h in pool.map(fitted_from, raced(problem, nominal)) if h is not None]
         first += _simpler(problem, base, first)
-        ranked = _best_of_each(first)
+        first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
+        ranked = best_of_each(first)
         near = _near_the_best(ranked, base, effort, incumbent)
         again = pool.map(lambda h: fitted_again(h, ranked[0]), near)
         thorough = [
@@ -159,7 +161,7 @@ def _starts_elsewhere(problem: Problem, nominal: Model, screened: Sequence[Scree
     return found
 
 
-def _best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+def best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
     """The best hypothesis of each effect, the best first."""
     best: dict[str, Hypothesis] = {}
     for hypothesis in fitted:
@@ -207,6 +209,21 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     return list(found.values())
 
 
+def _relatives(base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
+    """Models in which effects that do nearly the same take the place of those that explain something."""
+    models = []
+    for hypothesis in best_of_each(fitted):
+        if hypothesis.beyond(Hypothesis("", base)) < 0.0:
+            model = hypothesis.fitted.model
+            present = {e.identifier for e in model.effects}
+            models += [
+                replace(model, effects=(*model.effects[:-1], relative))
+                for relative in model.effects[-1].relatives()
+                if relative.identifier not in present
+            ]
+    return models
+
+
 def other_choices(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
     """One of a model's effects with each other choice that it has, fitted from where the model is."""
     model = fitted.model
@@ -240,6 +257,18 @@ def special_case(problem: Problem, general: Fitted, index: int, known: set[str])
         return None
     others = (*model.effects[:index], *model.effects[index + 1 :])
     return _fitted(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
+
+
+def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
+    """What does nearly the same as one of a model's effects in its place, fitted from there."""
+    model = fitted.model
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    found = [
+        _fitted(problem, relative.identifier, replace(model, effects=(*others, relative)), ALL_STEPS)
+        for relative in model.effects[index].relatives()
+        if relative.identifier not in {e.identifier for e in others}
+    ]
+    return [h for h in found if h is not None]
 
 
 def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:

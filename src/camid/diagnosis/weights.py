@@ -74,7 +74,8 @@ class Member:
         Whether it is a special case of the likeliest, or has that for its special case.
     sibling : bool
         Whether it and the likeliest are different laws of the same special case. A law of the rig may then have what
-        makes either of them general, and ``left`` is what this one leaves beyond what their special case does.
+        makes either of them general, and ``left`` is what this one leaves beyond the best of these other laws, their
+        special case included.
     """
 
     identifier: str

@@ -253,6 +253,13 @@ class Effect:
         """A simpler effect of about the same size that is a special case of this one; None if there is none."""
         return None
 
+    def relatives(self) -> tuple[Effect, ...]:
+        """Other effects that do nearly the same, in the shape in which they do.
+
+        A search that has fitted this one starts them from there, too: their own first guesses may lead elsewhere.
+        """
+        return ()
+
     def absorbing(self, special: Effect) -> Self:
         """The same effect with that of its special case added to it."""
         size = special.values[str(special.strength)]

@@ -150,6 +150,8 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     if state is None and chain.equations is not None:
         state = chain.equations.start
     if state is not None:
+        # The states of the dynamics beside and after the plant follow those of the plant; the last one is the integral.
+        state = state[: len(initial) - 1 - order[0]]
         initial[order[0] : order[0] + len(state)] = state
     start_time = float(time[0]) - delay * period
     breaks = np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -99,8 +100,11 @@ class Fitted:
 
     @property
     def penalised_names(self) -> list[str]:
-        """Names of the parameters that the criterion counts: all that are free, but for initial states."""
-        return [name for name in self.packing.names if not name.startswith("initial")]
+        """Names of the parameters that the criterion counts: all that are free, but for initial states of the plant.
+
+        Those of a mode count: no model without it has them.
+        """
+        return [name for name in self.packing.names if not name.startswith("initial") or " of " in name]
 
     @cached_property
     def covariance(self) -> Array:
@@ -147,7 +151,7 @@ def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool =
 
 
 def sensitivities(
-    problem: Problem, packing: Packing, vector: Array, simulated: Array, columns: range | None = None
+    problem: Problem, packing: Packing, vector: Array, simulated: Array, columns: Sequence[int] | None = None
 ) -> Array:
     """Derivatives by (some of) the packed vector, shape (M, p), by one-sided differences into the allowed range."""
     columns = range(len(vector)) if columns is None else columns
@@ -207,14 +211,13 @@ class _Derivative:
         if self.base is None:
             return sensitivities(self.problem, self.packing, vector, simulated)
         names = self.packing.names
-        new = f"{len(self.packing.template.effects) - 1} "
-        fresh = [i for i, name in enumerate(names) if name.startswith(new)]
+        new = len(self.packing.template.effects) - 1
+        fresh = [i for i, name in enumerate(names) if name.startswith(f"{new} ") or name.endswith(f" of {new}")]
         table = np.empty((len(simulated), len(names)))
         table[:, [i for i in range(len(names)) if i not in fresh]] = self.base.sensitivities
         table *= self.packing.units
         if fresh:
-            columns = range(fresh[0], fresh[-1] + 1)
-            table[:, fresh] = sensitivities(self.problem, self.packing, vector, simulated, columns)
+            table[:, fresh] = sensitivities(self.problem, self.packing, vector, simulated, fresh)
         return table
 
 

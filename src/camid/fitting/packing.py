@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.companion_form import time_scale
 from camid.effects.parameter import Parameter
+from camid.engine.mechanics import companion_block
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
@@ -57,19 +59,26 @@ class Packing:
             lower.append(constant.lower)
             upper.append(constant.upper)
             names.append(constant.name)
+        model = _with_mode_states(problem, model)
+        modes = model.modes() if _has_mode_states(problem, model) else []
         for i, state in enumerate(model.initial):
             if state is not None:
-                size = float(np.linalg.norm(state)) or 1.0
-                units += [size] * len(state)
+                order = len(state) - len(modes)
+                size = float(np.linalg.norm(state[:order])) or 1.0
+                units += [size] * order
+                names += [f"initial {i}"] * order
+                if order < len(state):
+                    units += _mode_sizes(problem, model)
+                    names += [f"initial {i} of {effect}" for effect in modes]
                 lower += [-np.inf] * len(state)
                 upper += [np.inf] * len(state)
-                names += [f"initial {i}"] * len(state)
         measures = np.array(units)
         low, high = np.array(lower) / measures, np.array(upper) / measures
         return cls(model, free, measures, low, high, names, problem, constants, fixed)
 
     def pack(self, model: Model) -> Array:
         """Vector of a model."""
+        model = _with_mode_states(self.problem, model)
         parts = [model.coefficients[self.free], *(e.vector for e in model.effects[self.fixed :])]
         parts.append(np.array([model.constants[c.name] for c in self.constants]))
         parts += [s for s in model.initial if s is not None]
@@ -99,6 +108,30 @@ class Packing:
                 initial.append(values[position : position + len(state)])
                 position += len(state)
         return Model(coefficients, tuple(effects), tuple(initial), constants)
+
+
+def _has_mode_states(problem: Problem, model: Model) -> bool:
+    """Whether the plant is linear: what flexes beside or after it then has a state at the start, as the plant has."""
+    return problem.kind.nonlinear(model) is None
+
+
+def _with_mode_states(problem: Problem, model: Model) -> Model:
+    """The model with initial states of its modes."""
+    return model.with_mode_states(problem.structure.order) if _has_mode_states(problem, model) else model
+
+
+def _mode_sizes(problem: Problem, model: Model) -> list[float]:
+    """What the initial states of modes are measured by: those of an oscillation as large as the output."""
+    plant = problem.structure.plant(model.coefficients)
+    unit = time_scale(plant.monic.denominator)
+    spread = float(np.std(problem.output)) or 1.0
+    parts = [e.beside_plant() for e in model.effects] + [e.after_plant() for e in model.effects]
+    sizes: list[float] = []
+    for part in parts:
+        if part is not None:
+            row = companion_block(part, unit)[1]
+            sizes += [spread / (float(np.linalg.norm(row)) or 1.0)] * part.order
+    return sizes
 
 
 def _stable(problem: Problem) -> Array:

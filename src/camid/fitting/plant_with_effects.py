@@ -23,7 +23,8 @@ class Model:
         [b_0 … b_m, a_1 … a_n] of the monic plant in SI units.
     effects : tuple of Effect
     initial : tuple of (ndarray or None)
-        Companion state of the plant at the start of each recording; None at rest.
+        Companion state of the plant at the start of each recording, and behind it those of modes that effects have
+        beside and after it (:meth:`modes`); None at rest.
     constants : dict of str to float
         Constants of the plant beside its coefficients; its kind knows what they mean
         (:class:`camid.fitting.plants.kind.PlantKind`).
@@ -37,6 +38,21 @@ class Model:
     def without(self, index: int) -> Model:
         """The same model without one of its effects."""
         return replace(self, effects=self.effects[:index] + self.effects[index + 1 :])
+
+    def modes(self) -> list[int]:
+        """For every state that effects have beside the plant, and then for those after it, the effect's index."""
+        beside = [(i, e.beside_plant()) for i, e in enumerate(self.effects)]
+        after = [(i, e.after_plant()) for i, e in enumerate(self.effects)]
+        return [i for i, part in (*beside, *after) if part is not None for _ in range(part.order)]
+
+    def with_mode_states(self, order: int) -> Model:
+        """The same model with initial states of a plant of an order and of its modes, those at rest that it lacks."""
+        length = order + len(self.modes())
+        if all(state is None or len(state) == length for state in self.initial):
+            return self
+        rest = np.zeros(length)
+        states = [None if s is None else np.concatenate([s[:length], rest[len(s) :]]) for s in self.initial]
+        return replace(self, initial=tuple(states))
 
     def plus(self, effect: Effect) -> Model:
         """The same model with one effect more."""
