@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.formula.candidates import Candidate
 from camid.diagnosis.formula.choice import Choice, chosen, exponent_of
-from camid.diagnosis.formula.groups import groups_of, values_of
+from camid.diagnosis.formula.groups import Group, groups_of, values_of
+from camid.diagnosis.formula.in_place import in_place
 from camid.diagnosis.formula.text import formula_of, unit_text
 from camid.diagnosis.formula.words import described, loop_area, missing_from
-from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
+from camid.diagnosis.verdict import learned_parts
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.fitting.problem import Problem
@@ -29,49 +32,82 @@ NEAR_ZERO = 2e-3
 def with_formulas(
     problem: Problem,
     decision: Decision,
-    parts: Sequence[LearnedPart],
     judging: Sequence[NDArray[np.bool_]],
     known: int,
     watch: Watch,
-) -> list[LearnedPart]:
-    """The learned laws with their formulas, where short ones say as much, and in words.
+) -> tuple[Decision, list[LearnedPart]]:
+    """The learned laws in words, and with a formula in the place of a curve where a short one says as much.
 
     Parameters
     ----------
     problem : Problem
     decision : Decision
-    parts : sequence of LearnedPart
-        One for each of its laws.
     judging : sequence of ndarray of bool
         Rows of each recording that are not fitted.
     known : int
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
+
+    Returns
+    -------
+    Decision
+        With the likeliest formula in the place of all that it stands for, and so on with what is left.
+    list of LearnedPart
+        One for each of its laws.
     """
-    result = list(parts)
-    if not parts or watch.no_time_for("a formula for a law without a name"):
-        return result
+    if not decision.laws or watch.no_time_for("a formula for a law without a name"):
+        return decision, learned_parts(decision)
     watch.say("looking for a formula")
-    first = len(decision.fitted.model.effects)
-    carried: set[int] = set()
-    for group in groups_of(problem, decision, known):
-        if group.index in carried:
-            continue
-        try:
-            choice = chosen(problem, decision, group, judging)
-        except (ValueError, ArithmeticError, np.linalg.LinAlgError):
-            continue
-        said = _with_formula(problem, decision, choice, result[group.index - first])
-        result[group.index - first] = said
-        for index in group.laws[:-1]:
-            part = result[index - first]
-            result[index - first] = replace(part, description="described with the other law over the same variable")
-        if said.formula is not None and choice.best is not None:
-            carried |= {i for i in choice.best.replaced if i >= first}
-            for index in carried:
-                needless = f"not needed beside the formula for the {said.name[0].lower()}{said.name[1:]}"
-                result[index - first] = replace(result[index - first], formula=None, rivals=[], description=needless)
-    return result
+    said: dict[str, LearnedPart] = {}
+    choices = _choices(problem, decision, judging, known, said)
+    while offered := [choice for choice in choices if choice.candidates]:
+        reference = offered[0].candidates[0]
+        best = min(offered, key=lambda choice: choice.candidates[0].fit.criterion_beyond(reference.fit))
+        variables, candidate = best.group.variables, best.candidates[0]
+        part = _part_of(decision, best.group)
+        curve = Curve(part.knots, part.values, part.standard_deviations)
+        words = _with_formula(problem, decision, best, part)
+        decision = in_place(problem, decision, best.group, candidate, known)
+        said[variables] = replace(words, curve=curve)
+        choices = _choices(problem, decision, judging, known, said)
+    for choice in choices:
+        said[choice.group.variables] = _with_formula(problem, decision, choice, _part_of(decision, choice.group))
+    return decision, _in_words(decision, said)
+
+
+def _choices(
+    problem: Problem,
+    decision: Decision,
+    judging: Sequence[NDArray[np.bool_]],
+    known: int,
+    said: Mapping[str, LearnedPart],
+) -> list[Choice]:
+    """The formulas for laws over variables for which there is none yet."""
+    found = []
+    for group in groups_of(problem, decision, known, tuple(said)):
+        with suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
+            found.append(chosen(problem, decision, group, judging))
+    return found
+
+
+def _part_of(decision: Decision, group: Group) -> LearnedPart:
+    """The last law of a group as it was learned."""
+    return learned_parts(decision)[group.index - len(decision.fitted.model.effects)]
+
+
+def _in_words(decision: Decision, said: Mapping[str, LearnedPart]) -> list[LearnedPart]:
+    """The laws of a decision with what was found of them, the last one over each variable."""
+    result: list[LearnedPart] = []
+    for part in reversed(learned_parts(decision)):
+        words = said.get(part.variables)
+        if words is None:
+            result.append(part)
+        elif any(part.variables == other.variables for other in result):
+            result.append(replace(part, description="described with the other law over the same variable"))
+        else:
+            found = {name: getattr(words, name) for name in ("formula", "rivals", "description", "curve")}
+            result.append(replace(part, **found))
+    return result[::-1]
 
 
 def with_words(effects: Sequence[Effect], parts: Sequence[LearnedPart]) -> list[Effect]:
@@ -96,8 +132,8 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
     words += _loop(problem, decision, part)
     if formulas and choice.best is not None:
         words += _origin(choice.best, part) + _constant(choice.best, formulas[0])
-    if formula is not None and formula.replaces:
-        words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
+    if formulas:
+        words.append(_held(formulas))
     if len(formulas) > 1:
         alike = "; or ".join(each.expression for each in formulas)
         words.append(f"this recording cannot tell apart {alike}")
@@ -110,6 +146,16 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
     return replace(part, formula=formula, rivals=formulas if len(formulas) > 1 else [], description="; ".join(words))
 
 
+def _held(formulas: Sequence[Formula]) -> str:
+    """What the improved simulation holds of the formulas that say as much as the curve."""
+    formula, *others = formulas
+    name = "the likeliest formula" if others else "the formula"
+    if not formula.replaces:
+        return f"the improved simulation holds {name} in the place of the curve"
+    replaced = " and ".join(formula.replaces)
+    return f"the improved simulation holds {name} alone: it stands for {replaced}, too, which only resembled it"
+
+
 def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Candidate) -> Formula:
     """A candidate in the units of the recording, and its values where the learned law can be compared with them."""
     group, law = choice.group, choice.law
@@ -117,7 +163,8 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
     gone = {*group.laws, *candidate.replaced}
     kept = [i for i in range(len(final.model.effects)) if i not in gone]
     values = candidate.form.values(law.grid)
-    held = law.absorbed.part_of(values)
+    absorbed = candidate.absorbed
+    held = absorbed.part_of(candidate.form.values(absorbed.grid))
     for i in group.named:
         values = values - values_of(problem, final, i, group.variables, law.grid)
         if i in kept:
@@ -127,7 +174,7 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
     carried = np.zeros(len(law.grid))
     for i in (*group.laws[:-1], *candidate.replaced):
         carried += values_of(problem, final, i, group.variables, law.grid)
-    names = [name for name, there in (("constant", law.absorbed.constant), ("slope", law.absorbed.line)) if there]
+    names = [name for name, there in (("constant", absorbed.constant), ("slope", absorbed.line)) if there]
     formula = formula_of(candidate.form, candidate.fit.covariance, group.variables)
     return replace(
         formula,

@@ -36,7 +36,9 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
         if part.drawn:
             caption += " Formulas are drawn without the straight line that the plant's coefficients hold."
             if part.drawn[0].replaces:
-                caption += " Both hold what named effects of the same variable carry of the law."
+                caption += " Both hold what named effects of the same variable carried of the law."
+            if part.curve is not None:
+                caption += " The improved simulation holds the formula, and not the curve."
         if part.description:
             caption += f" In words: {part.description}."
         yield Panel(title, caption, inline_svg(_curve(part, diagnosis), title))
@@ -46,13 +48,14 @@ def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
     from camid import plotting as style
 
     names = diagnosis.improved.symbols
-    knots, values = np.array(part.knots), np.array(part.values)
+    learned = part.learned
+    knots, values = np.array(learned.knots), np.array(learned.values)
     over, across = AXES[part.variables]
     heights = values - knots if part.identifier == "learned-curve" else values
     if part.drawn and part.drawn[0].replaces:
         # The whole law, with what named effects hold of it.
         heights = heights + np.interp(knots, part.drawn[0].points, part.drawn[0].carried)
-    band = SIGNIFICANCE * np.array(part.standard_deviations)
+    band = SIGNIFICANCE * np.array(learned.standard_deviations)
     axes = new_panel(top=28.0)
     axes.fill_between(knots, heights - band, heights + band, color=style.BLUE, alpha=0.25, linewidth=0, label="± 2 σ")
     axes.plot(knots, heights, "-o", color=style.BLUE, linewidth=2.0, markersize=3.5, label="learned")

@@ -1,0 +1,167 @@
+"""A formula in the place of a learned curve, and of the effects that only resembled a part of the law.
+
+A formula that is offered is at least as likely as all that it stands for (:mod:`camid.diagnosis.formula.choice`), and
+errs no more on rows that were not fitted. Names that only resembled the law err on another recording, where the law
+itself does not: the improved simulation holds the formula alone, as values between which straight lines are as good.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.formula.candidates import Candidate
+from camid.diagnosis.formula.groups import Group
+from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.learned_laws import relearned
+from camid.diagnosis.simplest_effects import leaving_out
+from camid.effects.learned import LearnedCurve, LearnedEffect
+from camid.effects.plant_force import motion_sign
+from camid.fitting.fit import Fitted, evaluate, fit
+from camid.fitting.learned_law import LearnedLaw
+from camid.fitting.linearised_law import bend_of, on_points
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+
+Array = NDArray[np.float64]
+
+# Share of a law's height by which straight lines between its values may miss it.
+MISSED = 3e-4
+# Step of the differences by a formula's numbers, as a share of them.
+DIFFERENCE = 1e-5
+# Standard deviation of the prior of a formula's numbers, in what the noise determines one of them alone to.
+VAGUE = 1e3
+
+
+def in_place(problem: Problem, decision: Decision, group: Group, candidate: Candidate, known: int) -> Decision:
+    """The decision with a formula for its curve and all that the formula stands for.
+
+    Parameters
+    ----------
+    problem : Problem
+    decision : Decision
+    group : Group
+        Whose law the formula is.
+    candidate : Candidate
+        The formula.
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+
+    Returns
+    -------
+    Decision
+        The formula is the first of its laws; those that it does not stand for are learned again beside it.
+    """
+    count = len(decision.fitted.model.effects)
+    kept = [i for i in range(known, count) if i not in candidate.replaced]
+    named = decision
+    if len(kept) < count - known:
+        named = _without(problem, decision, known, kept)
+    before = candidate.fit.fitted.model
+    effects = before.effects[: known + len(kept)]
+    law = _law(problem, candidate, before)
+    model = replace(before, effects=(*effects, law))
+    others = [i for i in range(count, count + len(decision.laws)) if i not in (*group.laws, *candidate.replaced)]
+    fitted = fit(problem, model, steps=ALL_STEPS) if others else evaluate(problem, model)
+    fitted = replace(fitted, nuisance=_nuisance(candidate))
+    first = LearnedLaw(fitted, _deviations(candidate, law), *_log_evidence(named.fitted, candidate))
+    laws = relearned(problem, fitted, [decision.laws[i - count] for i in others], named)
+    return replace(named, laws=(first, *laws))
+
+
+def _without(problem: Problem, decision: Decision, known: int, kept: list[int]) -> Decision:
+    """The decision with some of its effects alone, without laws."""
+    if not kept:
+        return Decision(decision.base, decision.base)
+    model = decision.fitted.model
+    effects = (*model.effects[:known], *(model.effects[i] for i in kept))
+    fitted = fit(problem, replace(model, effects=effects), steps=ALL_STEPS)
+    return replace(
+        decision,
+        fitted=fitted,
+        rivals=[decision.rivals[i - known] for i in kept],
+        without=leaving_out(problem, decision.base, fitted, known),
+        laws=(),
+        certain=decision.certain & {effect.identifier for effect in effects},
+    )
+
+
+def _law(problem: Problem, candidate: Candidate, model: Model) -> LearnedEffect:
+    """The formula as a law on as few points as carry it, with the constant that was fitted beside it."""
+    law = model.effects[-1]
+    assert isinstance(law, LearnedEffect)
+    bends = bend_of(law, law.knots)
+    few = enough_points(law.knots, bends, MISSED * float(np.ptp(bends)))
+    knots, bends = law.knots[few], bends[few]
+    if candidate.constant is not None:
+        constant = next(e for e in model.effects if e.identifier == candidate.constant.identifier)
+        value = float(constant.vector[0])
+        if isinstance(law, LearnedCurve):
+            # What is bent is the signal with its constant.
+            knots, bends = knots - value, bends + value
+        else:
+            bends = bends - motion_sign(problem.structure.plant(model.coefficients)) * value
+    return on_points(law, knots, bends)
+
+
+def enough_points(at: Array, heights: Array, tolerance: float) -> Array:
+    """Indices of points between which straight lines miss no other one by more than a tolerance.
+
+    The curve is divided where it is missed most, again and again (Ramer 1972; Douglas & Peucker 1973).
+
+    Parameters
+    ----------
+    at, heights : ndarray, shape (N,)
+    tolerance : float
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+    """
+    kept, spans = {0, len(at) - 1}, [(0, len(at) - 1)]
+    while spans:
+        low, high = spans.pop()
+        inner = np.arange(low + 1, high)
+        if not len(inner):
+            continue
+        missed = np.abs(heights[inner] - np.interp(at[inner], at[[low, high]], heights[[low, high]]))
+        worst = int(inner[np.argmax(missed)])
+        if missed.max() > tolerance:
+            kept.add(worst)
+            spans += [(low, worst), (worst, high)]
+    return np.array(sorted(kept))
+
+
+def _deviations(candidate: Candidate, law: LearnedEffect) -> Array:
+    """Standard deviations of the formula at the points of a law, from those of its numbers that are determined."""
+    absorbed, form, points = candidate.absorbed, candidate.form, law.knots
+
+    def values(vector: Array) -> Array:
+        moved = form.with_vector(vector)
+        return moved.values(points) - absorbed.functions(points) @ absorbed.part_of(moved.values(absorbed.grid))
+
+    vector = form.vector
+    steps = DIFFERENCE * np.maximum(np.abs(vector), 1e-3 * float(np.max(np.abs(vector))))
+    here = values(vector)
+    table = np.column_stack(
+        [(values(vector + s * way) - here) / s for s, way in zip(steps, np.eye(len(steps)), strict=True)]
+    )
+    covariance = np.where(np.isfinite(candidate.fit.covariance), candidate.fit.covariance, 0.0)
+    return np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", table, covariance, table), 0.0))
+
+
+def _nuisance(candidate: Candidate) -> Array:
+    """Derivatives by the formula's numbers, measured so that the prior of each says next to nothing."""
+    table = candidate.fit.derivatives
+    return np.asarray(VAGUE * table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
+
+
+def _log_evidence(before: Fitted, candidate: Candidate) -> tuple[float, float]:
+    """Logarithms of the evidence with a formula and without, by Bayes's criterion, but for what both share."""
+    fitted = candidate.fit.fitted
+    freedom = len(before.residual) - len(before.packing.names)
+    with_it, without = (-0.5 * freedom * float(np.log(max(each.cost, 1e-300))) for each in (fitted, before))
+    return with_it - 0.5 * candidate.form.form.count * float(np.log(len(fitted.residual))), without
