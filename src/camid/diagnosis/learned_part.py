@@ -169,4 +169,5 @@ class LearnedPart:
             "weight": 0.0,
             "alternatives": [{"id": UNLISTED, "weight": 1.0}],
             "separating_experiment": None,
+            "simulated": True,
         }

@@ -37,6 +37,8 @@ SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 
+# What is said of a name that only resembles the law that stands in its place.
+NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
 # Where a law without a name carries what the named ones leave, or all.
 LEARNED_REST = "something is named, a law without a name was learned for what that leaves"
 LEARNED_ALL = "what is left out has no name; a law was learned for it"
@@ -190,6 +192,20 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
     return table
 
 
+def finding_lines(finding: Finding, own_titles: Mapping[str, str]) -> list[str]:
+    """What a name cannot be told from, whether the improved simulation holds it, and what would decide."""
+    lines = []
+    if finding.alternatives:
+        relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
+        others = alternatives_text(finding, own_titles)
+        lines.append(f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}")
+    if not finding.simulated:
+        lines.append(f"  {NOT_SIMULATED}")
+    if finding.separating_experiment:
+        lines.append(f"  what would: {finding.separating_experiment}")
+    return lines
+
+
 def learned_lines(part: LearnedPart) -> list[str]:
     """Formula and description of a law without a name."""
     lines = []
@@ -223,13 +239,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     if explained := diagnosis.improved.symbols_explained:
         console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     for finding in diagnosis.findings:
-        if finding.alternatives:
-            relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
-            others = alternatives_text(finding, diagnosis.own_titles)
-            line = f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}"
+        for line in finding_lines(finding, diagnosis.own_titles):
             console.print(line, soft_wrap=True)
-        if finding.separating_experiment:
-            console.print(f"  what would: {finding.separating_experiment}", soft_wrap=True)
     for part in diagnosis.learned:
         for line in learned_lines(part):
             console.print(printable(line), soft_wrap=True)
