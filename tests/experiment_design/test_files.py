@@ -62,7 +62,7 @@ def test_two_simulations_as_hypotheses_and_json(bench, capsys):
     assert main(command) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((bench / "next/design.json").read_text(encoding="utf-8"))
-    assert {h["id"] for h in printed["hypotheses"]} == {"friction", "drag"}
+    assert {h["id"] for h in printed["hypotheses"]} == {"friction.yaml", "drag.yaml"}
     assert printed["evidence"]["delta_bic"] > 50.0
     assert not (bench / "next/design.png").exists()
 

@@ -41,6 +41,7 @@ rule unlisted:
             f"results/unlisted/{UNLISTED['seed']}/{first}_to_{last}.parquet"
             for first, last in UNLISTED_SPANS
         ],
+        tolerances="config/tolerances.yaml",
         working_copy=BIRTH_MARK,
     output:
         png=report(
