@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.formula.candidates import Candidate
-from camid.diagnosis.formula.choice import Choice, chosen, exponent_of
+from camid.diagnosis.formula.choice import LARGEST_ERROR, Choice, chosen, exponent_of
 from camid.diagnosis.formula.groups import Group, groups_of, values_of
 from camid.diagnosis.formula.in_place import in_place
 from camid.diagnosis.formula.text import formula_of, unit_text
@@ -65,10 +66,13 @@ def with_formulas(
         best = min(offered, key=lambda choice: choice.candidates[0].fit.criterion_beyond(reference.fit))
         variables, candidate = best.group.variables, best.candidates[0]
         part = _part_of(decision, best.group)
-        curve = Curve(part.knots, part.values, part.standard_deviations)
         words = _with_formula(problem, decision, best, part)
-        decision = in_place(problem, decision, best.group, candidate, known)
-        said[variables] = replace(words, curve=curve)
+        found = in_place(problem, decision, best.group, candidate, known, _formulas(said))
+        if _errs_no_more(problem, found, decision, judging):
+            decision = found
+            curve = Curve(part.knots, part.values, part.standard_deviations)
+            words = replace(words, curve=curve, description=f"{words.description}; {_held(words)}")
+        said[variables] = words
         choices = _choices(problem, decision, judging, known, said)
     for choice in choices:
         said[choice.group.variables] = _with_formula(problem, decision, choice, _part_of(decision, choice.group))
@@ -132,8 +136,8 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
     words += _loop(problem, decision, part)
     if formulas and choice.best is not None:
         words += _origin(choice.best, part) + _constant(choice.best, formulas[0])
-    if formulas:
-        words.append(_held(formulas))
+    if formula is not None and formula.replaces:
+        words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
     if len(formulas) > 1:
         alike = "; or ".join(each.expression for each in formulas)
         words.append(f"this recording cannot tell apart {alike}")
@@ -146,14 +150,23 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
     return replace(part, formula=formula, rivals=formulas if len(formulas) > 1 else [], description="; ".join(words))
 
 
-def _held(formulas: Sequence[Formula]) -> str:
-    """What the improved simulation holds of the formulas that say as much as the curve."""
-    formula, *others = formulas
-    name = "the likeliest formula" if others else "the formula"
-    if not formula.replaces:
-        return f"the improved simulation holds {name} in the place of the curve"
-    replaced = " and ".join(formula.replaces)
-    return f"the improved simulation holds {name} alone: it stands for {replaced}, too, which only resembled it"
+def _held(part: LearnedPart) -> str:
+    """What the improved simulation holds of the formulas that say as much as a curve."""
+    name = "the formula" if part.formula is not None else "the likeliest of them"
+    return (
+        f"the improved simulation holds {name} in the place of {' and '.join(['the curve', *part.drawn[0].replaces])}"
+    )
+
+
+def _errs_no_more(problem: Problem, found: Decision, before: Decision, judging: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether a decision errs about as little as another on rows that were not fitted."""
+    errors = [simulated_error(problem, each.improved.model, judging) for each in (found, before)]
+    return errors[0] <= LARGEST_ERROR * errors[1]
+
+
+def _formulas(said: Mapping[str, LearnedPart]) -> tuple[str, ...]:
+    """What the laws that are formulas already depend on."""
+    return tuple(variables for variables, part in said.items() if part.curve is not None)
 
 
 def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Candidate) -> Formula:

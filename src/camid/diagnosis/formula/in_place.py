@@ -7,6 +7,7 @@ itself does not: the improved simulation holds the formula alone, as values betw
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,7 +37,9 @@ DIFFERENCE = 1e-5
 VAGUE = 1e3
 
 
-def in_place(problem: Problem, decision: Decision, group: Group, candidate: Candidate, known: int) -> Decision:
+def in_place(
+    problem: Problem, decision: Decision, group: Group, candidate: Candidate, known: int, done: Sequence[str] = ()
+) -> Decision:
     """The decision with a formula for its curve and all that the formula stands for.
 
     Parameters
@@ -49,11 +52,14 @@ def in_place(problem: Problem, decision: Decision, group: Group, candidate: Cand
         The formula.
     known : int
         How many of the model's effects the nominal simulation holds already.
+    done : sequence of str
+        What the laws that are formulas already depend on.
 
     Returns
     -------
     Decision
-        The formula is the first of its laws; those that it does not stand for are learned again beside it.
+        The formula is the first of its laws behind earlier ones; curves that it does not stand for are learned again
+        beside it.
     """
     count = len(decision.fitted.model.effects)
     kept = [i for i in range(known, count) if i not in candidate.replaced]
@@ -61,15 +67,23 @@ def in_place(problem: Problem, decision: Decision, group: Group, candidate: Cand
     if len(kept) < count - known:
         named = _without(problem, decision, known, kept)
     before = candidate.fit.fitted.model
-    effects = before.effects[: known + len(kept)]
     law = _law(problem, candidate, before)
-    model = replace(before, effects=(*effects, law))
-    others = [i for i in range(count, count + len(decision.laws)) if i not in (*group.laws, *candidate.replaced)]
-    fitted = fit(problem, model, steps=ALL_STEPS) if others else evaluate(problem, model)
-    fitted = replace(fitted, nuisance=_nuisance(candidate))
-    first = LearnedLaw(fitted, _deviations(candidate, law), *_log_evidence(named.fitted, candidate))
-    laws = relearned(problem, fitted, [decision.laws[i - count] for i in others], named)
-    return replace(named, laws=(first, *laws))
+    gone = (*group.laws, *candidate.replaced)
+    staying = [each for i, each in enumerate(decision.laws, count) if i not in gone]
+    formulas = [each for each in staying if each.law.values["variables"] in done]
+    curves = [each for each in staying if each.law.values["variables"] not in done]
+    effects = (*before.effects[: known + len(kept)], *(each.law for each in formulas), law)
+    model = replace(before, effects=effects)
+    fitted = fit(problem, model, steps=ALL_STEPS) if curves else evaluate(problem, model)
+    fitted = replace(fitted, nuisance=np.hstack([*_earlier(formulas), _nuisance(candidate)]))
+    new = LearnedLaw(fitted, _deviations(candidate, law), *_log_evidence(named.fitted, candidate))
+    return replace(named, laws=(*formulas, new, *relearned(problem, fitted, curves, named)))
+
+
+def _earlier(formulas: Sequence[LearnedLaw]) -> list[Array]:
+    """Derivatives by earlier formulas, which the last of them holds."""
+    last = formulas[-1].fitted.nuisance if formulas else None
+    return [] if last is None else [last]
 
 
 def _without(problem: Problem, decision: Decision, known: int, kept: list[int]) -> Decision:
