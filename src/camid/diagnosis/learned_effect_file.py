@@ -232,7 +232,7 @@ def _law_of(part: LearnedPart, words: Sequence[str]) -> _Law:
     if entry["formula"]:
         numbers = {name: float(number["value"]) for name, number in entry.get("formula_parameters", {}).items()}
         units = {name: str(number["unit"]) for name, number in entry.get("formula_parameters", {}).items()}
-        program = program_of(str(entry["formula"]), numbers, np.array(part.knots))
+        program = program_of(str(entry["formula"]), numbers, np.array(part.learned.knots))
         # A formula in the place of the curve may stand for named effects, too.
         if program is not None and (part.curve is not None or entry["formula_replaces"] or _carries(program, part)):
             return _formula_law(program, part, words, units)

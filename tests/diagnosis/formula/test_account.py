@@ -16,7 +16,7 @@ from camid.diagnosis.watch import Watch
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.learned_law import blank_laws, learn
 from camid.identification.from_recordings import experiments_of
-from camid.simulation.file import load_simulation
+from camid.simulation.file import load_simulation, write_simulation
 from tests.diagnosis.test_learned_laws import believed, rig
 
 
@@ -62,7 +62,7 @@ def test_the_formula_is_what_the_improved_simulation_holds(tmp_path):
     assert np.max(np.abs(bend - part.values)) < 2e-3 * np.ptp(law)
     assert "in the place of" in diagnosis.explanation
     path = tmp_path / "improved.yaml"
-    path.write_text(diagnosis.improved.to_yaml())
+    write_simulation(diagnosis.improved, path)
     simulated = camid.simulate(recording.drop(columns="clean"), path)["simulated"]
     again = camid.identify(recording.drop(columns="clean"), path, method="output-error")
     assert np.std(simulated - recording["clean"]) < 0.01 * np.std(recording["clean"])

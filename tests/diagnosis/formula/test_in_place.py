@@ -6,7 +6,7 @@ import pytest
 from camid.diagnosis.formula.in_place import enough_points
 
 
-@pytest.mark.parametrize("law", [np.sin, np.abs, lambda x: np.exp(x), lambda x: np.clip(x, -0.5, 0.7)])
+@pytest.mark.parametrize("law", [np.sin, np.abs, np.tanh, lambda x: np.clip(x, -0.5, 0.7)])
 def test_straight_lines_between_the_points_miss_no_other_one(law):
     at = np.linspace(-3.0, 3.0, 601)
     heights = law(at)

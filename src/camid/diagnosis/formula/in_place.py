@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 
 # Share of a law's height by which straight lines between its values may miss it.
 MISSED = 3e-4
+# The same beyond what the recording visited, how far a formula goes there, as a share of that, on how many points, and
+# how many times as large as in the recording it may become.
+MISSED_BEYOND, BEYOND, POINTS_BEYOND, LARGEST = 3e-3, 0.5, 61, 8.0
 # Step of the differences by a formula's numbers, as a share of them.
 DIFFERENCE = 1e-5
 # Standard deviation of the prior of a formula's numbers, in what the noise determines one of them alone to.
@@ -107,9 +110,7 @@ def _law(problem: Problem, candidate: Candidate, model: Model) -> LearnedEffect:
     """The formula as a law on as few points as carry it, with the constant that was fitted beside it."""
     law = model.effects[-1]
     assert isinstance(law, LearnedEffect)
-    bends = bend_of(law, law.knots)
-    few = enough_points(law.knots, bends, MISSED * float(np.ptp(bends)))
-    knots, bends = law.knots[few], bends[few]
+    knots, bends = _carried(candidate, law)
     if candidate.constant is not None:
         constant = next(e for e in model.effects if e.identifier == candidate.constant.identifier)
         value = float(constant.vector[0])
@@ -119,6 +120,40 @@ def _law(problem: Problem, candidate: Candidate, model: Model) -> LearnedEffect:
         else:
             bends = bends - motion_sign(problem.structure.plant(model.coefficients)) * value
     return on_points(law, knots, bends)
+
+
+def _carried(candidate: Candidate, law: LearnedEffect) -> tuple[Array, Array]:
+    """Points that carry a formula, and by how much it bends there: where the recording was, and half as far beyond.
+
+    The names that it stands for do not end there, either. It stays what it is where it would become far larger.
+    """
+    height = float(np.ptp(bend_of(law, law.knots)))
+    beyond = BEYOND * float(np.ptp(law.knots)) * np.linspace(0.0, 1.0, POINTS_BEYOND)
+    parts = []
+    for points, missed in (
+        ((law.knots[0] - beyond)[::-1], MISSED_BEYOND),
+        (law.knots, MISSED),
+        (law.knots[-1] + beyond, MISSED_BEYOND),
+    ):
+        bends = _bends(candidate, points, candidate.form.vector)
+        few = enough_points(points, np.nan_to_num(bends), missed * height)
+        parts.append((points[few], bends[few]))
+    knots, bends = (np.concatenate([parts[0][i][:-1], parts[1][i], parts[2][i][1:]]) for i in (0, 1))
+    small = np.abs(bends) <= LARGEST * float(np.max(np.abs(parts[1][1])))
+    first, last = len(parts[0][0]) - 1, len(knots) - len(parts[2][0])
+    while first > 0 and small[first - 1]:
+        first -= 1
+    while last < len(knots) - 1 and small[last + 1]:
+        last += 1
+    return knots[first : last + 1], bends[first : last + 1]
+
+
+def _bends(candidate: Candidate, points: Array, vector: Array) -> Array:
+    """A formula with some numbers, without what the coefficients hold of it."""
+    absorbed, form = candidate.absorbed, candidate.form.with_vector(vector)
+    held = absorbed.part_of(form.values(absorbed.grid))
+    with np.errstate(all="ignore"):
+        return np.asarray(form.values(points) - absorbed.functions(points) @ held)
 
 
 def enough_points(at: Array, heights: Array, tolerance: float) -> Array:
@@ -151,18 +186,11 @@ def enough_points(at: Array, heights: Array, tolerance: float) -> Array:
 
 def _deviations(candidate: Candidate, law: LearnedEffect) -> Array:
     """Standard deviations of the formula at the points of a law, from those of its numbers that are determined."""
-    absorbed, form, points = candidate.absorbed, candidate.form, law.knots
-
-    def values(vector: Array) -> Array:
-        moved = form.with_vector(vector)
-        return moved.values(points) - absorbed.functions(points) @ absorbed.part_of(moved.values(absorbed.grid))
-
-    vector = form.vector
+    vector = candidate.form.vector
     steps = DIFFERENCE * np.maximum(np.abs(vector), 1e-3 * float(np.max(np.abs(vector))))
-    here = values(vector)
-    table = np.column_stack(
-        [(values(vector + s * way) - here) / s for s, way in zip(steps, np.eye(len(steps)), strict=True)]
-    )
+    here = _bends(candidate, law.knots, vector)
+    moved = (_bends(candidate, law.knots, vector + s * way) for s, way in zip(steps, np.eye(len(steps)), strict=True))
+    table = np.column_stack([(each - here) / s for each, s in zip(moved, steps, strict=True)])
     covariance = np.where(np.isfinite(candidate.fit.covariance), candidate.fit.covariance, 0.0)
     return np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", table, covariance, table), 0.0))
 

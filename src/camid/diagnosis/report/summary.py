@@ -185,8 +185,9 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
             value = estimate_text(parameter, *names)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for part in diagnosis.learned:
-        range_shown = span((part.knots[0], part.knots[-1]), unit_of(part.knot_unit, *names))
-        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.values)), unit=unit_of(part.unit, *names))}"
+        range_shown = span((part.learned.knots[0], part.learned.knots[-1]), unit_of(part.knot_unit, *names))
+        largest = plain(max(map(abs, part.learned.values)), unit=unit_of(part.unit, *names))
+        values = f"{len(part.knots)} values, up to {largest}"
         over = part.variables.rpartition(" over ")[2]
         table.add_row(part.name, "–", part.place, f"{over} {range_shown}", values, "–")
     return table
