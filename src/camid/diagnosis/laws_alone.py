@@ -1,8 +1,8 @@
-"""Laws without a name in the place of all names, where names leave structure or are unlikely themselves.
+"""Laws without a name in the place of all names, where what names and learned laws leave is structure.
 
 A name that only resembles a law bends everything that is found beside it: what is searched for next, the curve that is
-learned, and the coefficients. Where that ends in structure, or with names that weigh less than a half, the search is
-repeated without names, and the better account of the two is kept.
+learned, and the coefficients. Where that ends in structure, the search is repeated without names, and the better of the
+two accounts is kept.
 """
 
 from __future__ import annotations
