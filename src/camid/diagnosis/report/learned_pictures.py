@@ -32,13 +32,12 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     """A panel for each law, from the knots and values that diagnosis.json holds."""
     for part in diagnosis.learned:
         title = part.name
-        caption = "The band is two standard deviations. Beyond its ends the recording says nothing: the plant is alone."
+        beyond = "the plant is alone" if part.curve is None else "the formula goes on"
+        caption = f"The band is two standard deviations. Beyond its ends the recording says nothing: {beyond}."
         if part.drawn:
             caption += " Formulas are drawn without the straight line that the plant's coefficients hold."
             if part.drawn[0].replaces:
                 caption += " Both hold what named effects of the same variable carried of the law."
-            if part.curve is not None:
-                caption += " The improved simulation holds the formula, and not the curve."
         if part.description:
             caption += f" In words: {part.description}."
         yield Panel(title, caption, inline_svg(_curve(part, diagnosis), title))
