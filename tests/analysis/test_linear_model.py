@@ -82,7 +82,7 @@ def test_equations_are_linearised_about_their_start():
 def test_several_columns_see_an_output_of_the_equations():
     driven = TWO_COLUMNS | {"input": {"column": "u", "hold": "zoh"}, "initial_state": "zero"}
     view = camid.bode(driven)
-    assert view.symbols == ("u", "angle")
+    assert (view.units.text("u"), view.units.text("y")) == ("u", "angle")
     assert any("to the plant's output 'angle'" in sentence for sentence in view.said())
     physical = driven["plant"]["physical"]
     at_rest = {"physical": {**physical, "equations": {**physical["equations"], "start": {}}}}

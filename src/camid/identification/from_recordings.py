@@ -232,6 +232,8 @@ def experiments_of(
         )
     if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
         raise ZeroInput(believed.input_column, recordings[0].source)
+    if differing := _different_units(believed, recordings):
+        recordings[0] = replace(recordings[0], warnings=(*recordings[0].warnings, *differing))
     return recordings, with_unknown_constants(experiments, believed), held_out
 
 
@@ -242,7 +244,8 @@ def experiments_or_free_decay(
 ) -> tuple[Simulation, list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
     """What :func:`experiments_of` returns, after the simulation; an input of zeros alone makes it a free decay."""
     try:
-        return believed, *experiments_of(recording, believed, progress)
+        recordings, experiments, held_out = experiments_of(recording, believed, progress)
+        return with_units_of_headers(believed, recordings), recordings, experiments, held_out
     except ZeroInput as zero:
         if believed.controller is not None:
             raise
@@ -250,7 +253,35 @@ def experiments_or_free_decay(
         recordings, experiments, held_out = experiments_of(recording, decay, progress)
         said = f"{zero.where}: {zero.problem}: read as a free decay (input: null, initial_state: estimate)"
         first = replace(recordings[0], warnings=(*recordings[0].warnings, said))
-        return decay, [first, *recordings[1:]], experiments, held_out
+        return with_units_of_headers(decay, recordings), [first, *recordings[1:]], experiments, held_out
+
+
+def with_units_of_headers(simulation: Simulation, recordings: Sequence[Recording]) -> Simulation:
+    """The simulation with the units that headers say, where it declares none and they agree.
+
+    What is written of it reads the same files as before, and says what people read its numbers in.
+    """
+    reading = simulation.reading
+    outputs = simulation.output_columns or (simulation.output_column,)
+    for name, columns in (("input", (simulation.input_column,)), ("output", outputs)):
+        said = {one.units.get(str(column)) for one in recordings for column in columns}
+        if getattr(reading, name).unit is None and len(said) == 1 and None not in said:
+            reading = replace(reading, **{name: replace(getattr(reading, name), unit=said.pop())})
+    return replace(simulation, reading=reading)
+
+
+def _different_units(simulation: Simulation, recordings: Sequence[Recording]) -> list[str]:
+    """A sentence for each column whose headers say different units in different files."""
+    sentences = []
+    for column in dict.fromkeys(c for one in recordings for c in one.units):
+        files = {one.units.get(column): one.source for one in reversed(recordings) if column in one.columns}
+        if len(files) > 1:
+            listed = ", ".join(f"{unit or 'no unit'} in {source}" for unit, source in reversed(files.items()))
+            sentences.append(
+                f"the headers of column '{column}' differ: {listed}; each file is read as its own says, none as SI: "
+                f"declare the unit in {simulation.source} if that is not so"
+            )
+    return sentences
 
 
 def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

@@ -194,6 +194,11 @@ class ExperimentRows:
             raise InputError(f"the period is {grid.period:g} s", where=self.name, hint=hint)
         return grid
 
+    def units(self, columns: Sequence[str]) -> dict[str, str]:
+        """What the cells of columns are in, where the simulation or the header says so."""
+        found = {c: with_unit_of_header(self.table, c, self.conversions.get(c, Conversion()))[0].unit for c in columns}
+        return {column: unit for column, unit in found.items() if unit is not None}
+
     def _values(self, column: str, rows: RowNumbers) -> tuple[Array, list[str]]:
         optional = self.reading.missing == "leave-out" and column not in self.holds
         cells = numbers(self.table, column, rows, self.name, empty_allowed=optional)
