@@ -86,7 +86,7 @@ def test_several_columns_see_an_output_of_the_equations():
     assert any("to the plant's output 'angle'" in sentence for sentence in view.said())
     physical = driven["plant"]["physical"]
     at_rest = {"physical": {**physical, "equations": {**physical["equations"], "start": {}}}}
-    assert camid.step(driven | {"plant": at_rest}, duration=5.0).symbols == ("u", "angle")
+    assert camid.step(driven | {"plant": at_rest}, duration=5.0).units.output.column == "angle"
     with pytest.raises(InputError, match="a recording shows x, y, and not the plant's output 'angle'"):
         camid.bode(driven, recording=swinging_marker(push=0.4, seconds=6.0))
 

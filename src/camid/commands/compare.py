@@ -165,10 +165,13 @@ def _same_rows(
         other, times, values = reference
         same = len(time) == len(times) and np.allclose(time, times, rtol=1e-9, atol=1e-12)
         if not (same and np.allclose(recorded, values, rtol=1e-9, atol=0.0, equal_nan=True)):
+            frames = {simulations[each].reading.frame_time for each in (other, name)}
             raise InputError(
                 f"{other} and {name} read different values as the {quantity.kind}",
                 where=source,
-                hint="compare models that name the same columns, units, start and end",
+                hint="compare models with the same sensor.time: one of them counts in frames, the other in rows"
+                if len(frames) > 1
+                else "compare models that name the same columns, units, start and end",
             )
         simulated[name] = table[result].to_numpy(dtype=float)
     assert reference is not None

@@ -117,7 +117,14 @@ def _from_zero(conversion: Conversion, simulation: Simulation) -> Conversion:
 
 def acquisition_of(recording: Recording, simulation: Simulation) -> Acquisition:
     """Acquisition that a simulation declares for a recording; InputError where it cannot be."""
-    acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
+    try:
+        acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
+    except InputError as error:
+        taken = recording.units.get(simulation.time_column)
+        if taken is None or simulation.reading.time.unit is not None:
+            raise
+        hint = f"{error.hint}; the times are read in {taken}, as their header says: declare another unit under time"
+        raise InputError(error.problem, where=error.where, hint=hint) from None
     duration = float(recording.time[-1] - recording.time[0])
     if acquisition.latency > duration:
         raise InputError(

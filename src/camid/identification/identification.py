@@ -168,7 +168,7 @@ class Identification:
 
     def warnings(self) -> list[str]:
         """What limits how far the numbers can be trusted, one sentence each."""
-        sentences, units = [*self.recording_warnings, *self.notes], self.simulation.units
+        sentences = [*self.recording_warnings, *self.notes]
         if not self.converged:
             sentences.append("the iteration did not converge; do not use the numbers (another order? more excitation?)")
         elif not self.nrmse < 1.0:
@@ -214,6 +214,11 @@ class Identification:
             )
         if len(self.estimate.rivals) > len(named):
             sentences.append(f"{len(self.estimate.rivals) - len(named)} less likely plants are listed by --json")
+        return [*sentences, *self._means_of_residuals()]
+
+    def _means_of_residuals(self) -> list[str]:
+        """A sentence for each recording with another offset than the simulation declares."""
+        sentences, units = [], self.simulation.units
         for residual in self.estimate.residuals if self.converged else ():
             mean, power = float(np.mean(residual)), float(np.mean(residual**2))
             centred = residual - mean

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
-from camid.recording.numbers import RowNumbers, numbers, times, with_unit_of_header
+from camid.recording.numbers import RowNumbers, numbers, numbers_or_nan, times, with_unit_of_header
 from camid.recording.options import Reading
 from camid.recording.recording import Recording
 from camid.recording.table import Table
@@ -146,6 +146,7 @@ class ExperimentRows:
         conversion, said = with_unit_of_header(self.table, frame_column, reading.time, dimension="[time]")
         cells = numbers(self.table, frame_column, rows, self.name, empty_allowed=True)
         frames = frames_in_log(conversion(cells), time, self.name, frame_column)
+        notes = [*notes, *self._undated(rows[~np.isfinite(cells)], columns)]
 
         def frame(row: int) -> str:
             return f"{self.name}, {self.table.where(int(rows[frames.rows[row]]))}, column '{frame_column}'"
@@ -184,6 +185,16 @@ class ExperimentRows:
             warnings=warnings,
             logs=logs,
         )
+
+    def _undated(self, rows: RowNumbers, columns: Sequence[str]) -> list[str]:
+        """A sentence on rows without the time of a frame that nevertheless have an output."""
+        own = {*self.holds, self.time_column, self.reading.frame_time}
+        seen = [numbers_or_nan(self.table, column, rows) for column in columns if column not in own]
+        lost = int(np.any(np.isfinite(seen), axis=0).sum()) if seen and len(rows) else 0
+        if not lost:
+            return []
+        frames = "1 frame has" if lost == 1 else f"{lost} frames have"
+        return [f"{frames} an output and no time in column '{self.reading.frame_time}', and are left out"]
 
     def _grid(self, time: Array, where: Callable[[int], str]) -> Grid:
         """The regular grid of the times, whose period is one that a recording may have."""

@@ -56,6 +56,11 @@ def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_all
     )
 
 
+def numbers_or_nan(table: Table, column: str, rows: RowNumbers) -> Array:
+    """Numbers of some rows of a column, shape (len(rows),); NaN where a cell holds none."""
+    return as_floats(some(table.column(column), rows))
+
+
 def times(table: Table, column: str, rows: RowNumbers, name: str, conversion: Conversion) -> tuple[Array, list[str]]:
     """Seconds of some rows of the time column, shape (len(rows),), and what was taken from the file to tell them.
 
