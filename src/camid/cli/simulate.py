@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print a summary as JSON.")
 def simulate(recording: Path, simulation: Path, output: Path, effects: tuple[Path, ...], as_json: bool) -> None:
     """Run a simulation on the input of a RECORDING: one row per recorded row."""
+    from camid.commands.simulate import rows_compared, units_of_table
     from camid.commands.simulate import simulate as run
-    from camid.commands.simulate import units_of_table
     from camid.simulation.file import load_simulation
     from camid.writing import without_infinities, write_table
 
@@ -47,8 +47,9 @@ def simulate(recording: Path, simulation: Path, output: Path, effects: tuple[Pat
         compared = [("", "", believed.output_column, "simulated", "y")]
     if "simulated_input" in table and believed.input_column in table:
         compared.append(("_input", " of the control", str(believed.input_column), "simulated_input", "u"))
+    rows = rows_compared(believed, table)
     for key, _, recorded, simulated, unit in compared:
-        summary[f"rmse{key}"], summary[f"nrmse{key}"] = _difference(table[recorded], table[simulated])
+        summary[f"rmse{key}"], summary[f"nrmse{key}"] = _difference(table[recorded][rows], table[simulated][rows])
         summary[f"unit{key}"] = units.signals[unit].si or unit
     if as_json:
         click.echo(json.dumps(without_infinities(summary), indent=2))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from camid.analysis.comparison import CONTROL, OUTPUT, ComparedSignal, Comparison, rows_between
 from camid.analysis.models import ModelSource, named_models
-from camid.commands.simulate import simulated_table, units_of_table
+from camid.commands.simulate import rows_compared, simulated_table, units_of_table
 from camid.errors import InputError
 from camid.identification.from_recordings import RecordingSource
 from camid.simulation.declared_units import SignalUnit
@@ -97,6 +97,8 @@ def _signals(
         for quantity in _quantities(simulations, tables, source):
             time, recorded, simulated = _same_rows(parts, simulations, quantity, source)
             compared, held_out = time >= time[0] + leave_out, rows_between(time, spans)
+            for name in simulated:
+                compared &= rows_compared(simulations[name], parts[name])
             found.append(
                 ComparedSignal(
                     quantity.kind,

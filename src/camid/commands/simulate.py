@@ -16,6 +16,7 @@ from camid.fitting.simulated_output import simulated_output, simulated_readings
 from camid.identification.from_recordings import (
     RecordingSource,
     SimulationSource,
+    acquisition_of,
     load_recordings,
     warnings_of,
     with_units_of_headers,
@@ -106,7 +107,7 @@ def simulated_table(
                 where=believed.source,
                 hint="rename the column",
             )
-    parts = []
+    parts, compared_from = [], {}
     for one in recordings:
         control: Array | None = None
         rows = _rows_between(one, held_out) if held_out else None
@@ -138,12 +139,33 @@ def simulated_table(
             if name in one.recorded_columns:
                 table[name] = one.recorded_columns[name]
         parts.append(pd.DataFrame(table))
+        compared_from[one.experiment or ""] = _compared_from(believed, one)
     result = parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
     if said := warnings_of(recordings):
         result.attrs["warnings"] = list(said)
     reading = with_units_of_headers(believed, recordings).reading
+    result.attrs["compared_from"] = compared_from
     result.attrs["units"] = {"input": reading.input.unit, "output": reading.output.unit}
     return result
+
+
+def _compared_from(believed: Simulation, recording: Recording) -> float:
+    """Seconds from which on a recording says something of a simulation.
+
+    Where the initial state is estimated, what the input did before the record is unknown, and so are frames exposed
+    then.
+    """
+    hidden = 0
+    if believed.estimates_initial_state and believed.input_column is not None:
+        hidden = acquisition_of(recording, believed).window()[0]
+    return float(recording.time[0] + (hidden - 0.5) * recording.period)
+
+
+def rows_compared(simulation: Simulation, table: pd.DataFrame) -> NDArray[np.bool_]:
+    """Rows of a table of :func:`simulated_table`, shape (N,), that say something of the simulation."""
+    time = table[simulation.time_column].to_numpy(dtype=float)
+    labels = table["experiment"] if "experiment" in table else [""] * len(table)
+    return np.array(time >= np.array([table.attrs["compared_from"][label or ""] for label in labels]))
 
 
 def units_of_table(simulation: Simulation, table: pd.DataFrame) -> DeclaredUnits:
