@@ -33,12 +33,18 @@ def test_no_summary_is_cut(capsys, monkeypatch, width):
         assert f"{name} {command.short_help}" in printed
 
 
+def shown(shell):
+    """The line that the page shows for a shell."""
+    (line,) = [block.text.strip() for block in blocks(PAGE, "sh") if f"{shell}_source" in block.text]
+    return line
+
+
 def test_completion_is_what_the_page_says(tmp_path):
     """The line for bash is run as the page shows it, and completes a command, an option and a file."""
     bash = shutil.which("bash")
     if bash is None:
         pytest.skip("there is no bash")
-    (line,) = [block.text.strip() for block in blocks(PAGE, "bash")]
+    line = shown("bash")
     program = tmp_path / "camid"
     program.write_text(f"#!/bin/sh\nexec '{sys.executable}' -m camid \"$@\"\n")
     program.chmod(0o755)
@@ -59,8 +65,7 @@ def test_completion_is_what_the_page_says(tmp_path):
 
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
 def test_completion_of_other_shells(shell):
-    (line,) = [block.text.strip() for block in blocks(PAGE, shell)]
-    (variable,) = re.findall(r"_CAMID_COMPLETE=(\w+)", line)
+    (variable,) = re.findall(r"_CAMID_COMPLETE=(\w+)", shown(shell))
     environment = {**os.environ, "_CAMID_COMPLETE": variable}
     found = subprocess.run([sys.executable, "-m", "camid"], env=environment, capture_output=True, text=True, check=True)
     assert "_CAMID_COMPLETE" in found.stdout
