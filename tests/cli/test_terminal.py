@@ -35,7 +35,7 @@ def test_no_summary_is_cut(capsys, monkeypatch, width):
 
 def shown(shell):
     """The line that the page shows for a shell."""
-    (line,) = [block.text.strip() for block in blocks(PAGE, "sh") if f"{shell}_source" in block.text]
+    (line,) = [block.text.strip() for block in blocks(PAGE, "text") if f"{shell}_source" in block.text]
     return line
 
 
