@@ -242,7 +242,7 @@ def test_repeated_columns_of_a_table():
         ("NA", "NaN"),
         ("inf", "'inf'"),
         ("-Infinity", "inf"),
-        ("1e999", "'inf'"),
+        ("1e999", "'1e999'"),
         ("broken", "'broken'"),
         ("True", "'True'"),
         ('"0,5"', "'0,5'"),
