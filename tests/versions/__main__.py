@@ -33,9 +33,8 @@ ENVIRONMENTS = [("oldest", PYTHONS[0]), *(("newest", python) for python in PYTHO
 RESOLUTIONS = {"oldest": "lowest-direct", "newest": "highest"}
 EXTRAS = ("--extra", "workflow", "--extra", "development")
 SHOWN = ("numpy", "scipy", "pandas", "numba", "pydantic")
-# What meets other people's packages: files and their formats, compiled code, optimisers, pictures, the command line.
-TELLING = ("recording", "simulation", "chain", "tracking", "engine", "effects", "identification", "fitting", "commands")
-TELLING += ("cli", "images", "drawing", "analysis", "draft")
+# What meets other people's packages: files and their formats, compiled code, videos, the command line.
+TELLING = ("recording", "simulation", "chain", "tracking", "engine", "cli")
 
 
 @dataclass
