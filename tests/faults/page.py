@@ -28,7 +28,7 @@ def table(content):
             lines.append(f"| {' | '.join(map(cell, cells))} |\n")
     trials = sum(row["trials"] for campaign in content.values() for row in campaign["rows"])
     seconds = sum(campaign["seconds"] for campaign in content.values())
-    seeds = sorted({campaign["seed"] for campaign in content.values()} - {None})
+    seeds = sorted({seed for campaign in content.values() for seed in campaign["seeds"]})
     commands = ", ".join(f"`{COMMANDS.get(name, f'python -m tests.faults {name}')}`" for name in content)
     lines.append(f"\n{trials:,} trials in {seconds / 60:.0f} minutes, seed {', '.join(map(str, seeds))}; ")
     lines.append(f"parts of it: {commands}.\n")

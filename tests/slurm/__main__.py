@@ -40,7 +40,7 @@ def main():
     wrong = sum(len(row.wrong) for row in rows)
     seconds = time.time() - started
     print(f"{sum(row.trials for row in rows)} trials on Slurm in {seconds / 60.0:.1f} min: {wrong} wrong")
-    keep("slurm", None, seconds, rows)
+    keep("slurm", [], seconds, rows)
     return 1 if wrong else 0
 
 
