@@ -25,6 +25,9 @@ from camid.simulation.model import Simulation
 Array = NDArray[np.float64]
 # Periods that an unknown latency may have.
 LATENCY_ALLOWED = 3
+# Rows that are fitted at once: more take more than minutes, and more memory than most machines have. An identification
+# keeps about 1 kB for each row, a diagnosis up to 3 kB.
+MOST_ROWS = 3_000_000
 RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
@@ -210,6 +213,7 @@ def experiments_of(
     if progress:
         progress("reading the recording")
     runs = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
+    _refuse_too_long(runs)
     recordings: list[Recording] = []
     experiments: list[Experiment] = []
     held_out = []
@@ -294,6 +298,21 @@ def _different_units(simulation: Simulation, recordings: Sequence[Recording]) ->
 def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """What was done to the rows of recordings, one sentence each."""
     return tuple(sentence for one in recordings for sentence in one.warnings)
+
+
+def _refuse_too_long(runs: Sequence[Recording]) -> None:
+    """Refuse more rows than a fit takes in minutes, with the cut that helps."""
+    rows = sum(len(run) for run in runs)
+    if rows <= MOST_ROWS:
+        return
+    longest = max(runs, key=len)
+    hint = "name fewer recordings"
+    if len(longest) > MOST_ROWS:
+        start, end = longest.time[0], longest.time[MOST_ROWS - 1]
+        hint = f"cut it in the simulation, for instance recording: {{start: {start:.10g}, end: {end:.10g}}}"
+    raise InputError(
+        f"{rows:,} rows are too many to fit at once (at most {MOST_ROWS:,})", where=longest.source, hint=hint
+    )
 
 
 def _refuse_constant(recording: Recording, simulation: Simulation, *, several: bool) -> None:
