@@ -19,10 +19,16 @@ from camid.diagnosis.learned_laws import structure_left, with_laws_alone
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.watch import Watch
 from camid.fitting.problem import Problem
+from camid.simulation.declared_units import IN_U_AND_Y, DeclaredUnits
 
 
 def with_laws(
-    problem: Problem, decision: Decision, judging: Sequence[NDArray[np.bool_]], known: int, watch: Watch
+    problem: Problem,
+    decision: Decision,
+    judging: Sequence[NDArray[np.bool_]],
+    known: int,
+    watch: Watch,
+    units: DeclaredUnits = IN_U_AND_Y,
 ) -> tuple[Decision, list[LearnedPart]]:
     """The decision with formulas for its laws, or laws alone where names are no better than these.
 
@@ -36,8 +42,10 @@ def with_laws(
     known : int
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
+    units : DeclaredUnits
+        Of the words.
     """
-    found = with_formulas(problem, decision, judging, known, watch)
+    found = with_formulas(problem, decision, judging, known, watch, units)
     if not found[0].rivals or structure_left(problem, found[0]) == 0.0:
         return found
     if watch.no_time_for("laws without a name in the place of all names"):
@@ -45,7 +53,7 @@ def with_laws(
     alone = with_laws_alone(problem, decision.base, judging, watch)
     if not alone.laws:
         return found
-    other = with_formulas(problem, alone, judging, known, watch)
+    other = with_formulas(problem, alone, judging, known, watch, units)
     return other if _is_better(problem, other[0], found[0], judging) else found
 
 

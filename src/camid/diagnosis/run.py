@@ -20,7 +20,7 @@ from camid.diagnosis.evidence import (
     signals_of,
     tests_of,
 )
-from camid.diagnosis.explanation import explanation
+from camid.diagnosis.explanation import explained
 from camid.diagnosis.formula.account import with_words
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
@@ -292,7 +292,7 @@ def _diagnosis(
 ) -> Diagnosis:
     """What is said of a decision."""
     believed, problem, judging = setting.believed, setting.problem, setting.judging
-    held, learned = with_laws(problem, decision, judging, setting.known, watch)
+    held, learned = with_laws(problem, decision, judging, setting.known, watch, setting.believed.units)
     base, final = decision.base, held.improved
     left, fits = _left(setting, replace(decision, laws=()), residue)
     beside_laws = left
@@ -316,18 +316,16 @@ def _diagnosis(
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, setting.validation)
-    known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, judging)
-    coefficients = coefficients_of(problem, setting.nominal, base, final)
     conditions = conditions_of(problem, final)
-    return Diagnosis(
+    diagnosis = Diagnosis(
         verdict,
-        explanation(verdict, found, fits, location, coefficients, known_remainder, learned, bool(residue.reasons)),
+        "",
         location,
         found,
         fits,
         undetectable(problem, final, setting.screened, names),
-        coefficients,
+        coefficients_of(problem, believed, setting.nominal, base, final),
         tests_of(problem, base, final, before, residue.places),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
@@ -336,11 +334,12 @@ def _diagnosis(
         rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
-        known_remainder=known_remainder,
+        known_remainder=problem.remainder if setting.settled else None,
         further_signals=further,
         hypotheses=remaining(believed, problem, decision, found, conditions),
         conditions=conditions,
     )
+    return replace(diagnosis, explanation=explained(diagnosis))
 
 
 def _left(setting: Setting, decision: Decision, residue: Residue) -> tuple[float, NormalisedErrors]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
+from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_effect_file import NAME, effect_file
 from camid.diagnosis.report import summary
 from camid.effects import known_effects
@@ -127,11 +128,10 @@ def _box_of(finding: Finding) -> str:
     return finding.place if known is None else known.box
 
 
-def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, str]]:
-    names = diagnosis.improved.symbols
+def _parameter_rows(finding: Finding) -> list[dict[str, str]]:
     rows = []
     for name, parameter in finding.parameters.items():
-        unit = number_text.unit_of(parameter.unit, *names)
+        unit = parameter.unit
         if isinstance(parameter.value, str):
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
         elif isinstance(parameter.value, list | tuple):
@@ -152,6 +152,7 @@ def _coefficient_row(coefficient: Coefficient) -> dict[str, str]:
     spread = float(np.hypot(c.refitted_deviation, c.improved_deviation))
     return {
         "name": c.name,
+        "unit": c.unit,
         "nominal": number_text.plain(c.nominal, 6),
         "refitted": number_text.with_deviation(c.refitted, c.refitted_deviation),
         "improved": number_text.with_deviation(c.improved, c.improved_deviation),
@@ -186,7 +187,7 @@ def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                 "finding": finding,
                 # The path is made of numbers alone, so it needs no escaping.
                 "equation": None if drawn is None else Markup(drawn),
-                "parameters": _parameter_rows(finding, diagnosis),
+                "parameters": _parameter_rows(finding),
                 "evidence": summary.evidence_lines(finding.evidence, diagnosis.own_titles),
                 "members": members,
             }
@@ -200,7 +201,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     import camid
     from camid.diagnosis.report.pictures import draw
 
-    names = diagnosis.improved.symbols
+    units = diagnosis.improved.units
     own = diagnosis.own_titles
     seen, unseen = summary.sorted_undetectable(diagnosis.undetectable, own)
     pictures = draw(diagnosis)
@@ -213,14 +214,12 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "findings": _findings(diagnosis),
         # Matplotlib has escaped the labels.
         "pictures": {key: [(p, Markup(p.svg)) for p in panels] for key, panels in pictures.items()},
-        "state": state and summary.state_text(state, *names),
+        "state": state and summary.state_text(state, units),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
-        "seen": [(u, number_text.unit_of(u.unit, *names)) for u in seen],
+        "seen": [(u, u.unit or "") for u in seen],
         "unseen": unseen,
-        "input_name": number_text.printable(names[0]) if names[0] else None,
-        "output_name": number_text.printable(names[1]),
-        "symbols_explained": diagnosis.improved.symbols_explained,
+        "units": units,
         "compared_name": number_text.printable(diagnosis.compared),
         "recordings": [number_text.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
@@ -234,7 +233,6 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "percentage": number_text.percentage,
         "probability": number_text.probability,
         "title_of": partial(summary.title_of, own=own),
-        "effect_file": effect_file(diagnosis),
         "effect_file_name": NAME,
     }
 
@@ -251,7 +249,8 @@ def load() -> None:
 
 def render(diagnosis: Diagnosis) -> str:
     """The page as text."""
-    return _template().render(_context(diagnosis))
+    # The file of a learned law is in SI units, as everything that programs read.
+    return _template().render(_context(in_declared_units(diagnosis)), effect_file=effect_file(diagnosis))
 
 
 @cache

@@ -190,7 +190,8 @@ def draw(diagnosis: Diagnosis) -> dict[str, list[Panel]]:
 
 
 def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
-    output = _short(diagnosis.compared_symbol)
+    compared = diagnosis.compared_signal
+    output, unit = _short(compared.label), _short(compared.symbol)
     named = bool(diagnosis.findings or diagnosis.learned)
     drawn = _errors(diagnosis.fit, named)
     yield Panel(
@@ -201,7 +202,7 @@ def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     yield Panel(
         "Spectrum of the residual",
         "A flat line is noise; a hump or a line is structure.",
-        inline_svg(_spectrum(diagnosis, output, named), "Residual spectrum before and after"),
+        inline_svg(_spectrum(diagnosis, unit, named), "Residual spectrum before and after"),
     )
     drawn, unseen = _overlay(diagnosis.signals, output, named)
     where = "rows that were not fitted" if unseen else "the first recording (all of it was fitted)"
@@ -215,7 +216,7 @@ def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
         "Residual over time",
         "Recorded minus simulated output. Grey: rows that were not fitted."
         + (" Between the vertical lines: where the mismatch sits." if diagnosis.location.time else ""),
-        inline_svg(_over_time(diagnosis, output, named), "Residual over time before and after"),
+        inline_svg(_over_time(diagnosis, unit, named), "Residual over time before and after"),
         wide=True,
     )
 
@@ -226,8 +227,9 @@ def _short(name: str, longest: int = 22) -> str:
 
 
 def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
-    signals, names, state = diagnosis.signals, diagnosis.improved.symbols, diagnosis.location.state
-    output, source = _short(names[1]), _short(names[0] or "u")
+    signals, units, state = diagnosis.signals, diagnosis.improved.units, diagnosis.location.state
+    output, source, speed = (_short(units.text(unit)) for unit in ("y", "u", "y/s"))
+    seen, command = _short(units.output.label), _short(units.input.label)
     region = {} if state is None else {state[0]: (state[1], state[2])}
     seen_as = {"output": "position"}
     adequate = diagnosis.verdict == "adequate"
@@ -235,13 +237,13 @@ def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     force, verb = f"{missing}, {source}", "would be" if adequate else "is"
     residual = signals.recorded - signals.refitted
     panels: list[tuple[str, str, Array, Array, str, Any, str]] = [
-        ("input", f"input {source}", signals.signal, signals.equivalent_input, force, "actuator",
+        ("input", f"input {command}", signals.signal, signals.equivalent_input, force, "actuator",
          f"A curve here {verb} a fault of the actuator: it depends on the command alone."),
-        ("velocity", f"velocity, {output}/s", signals.velocity, signals.equivalent_input, force, "plant",
+        ("velocity", f"velocity, {speed}", signals.velocity, signals.equivalent_input, force, "plant",
          f"A curve here {verb} friction, drag or damping that the simulation does not have."),
-        ("position", f"simulated {output}", signals.position, signals.equivalent_input, force, "plant",
+        ("position", f"simulated {seen}", signals.position, signals.equivalent_input, force, "plant",
          f"A curve here {verb} a stiffness, a stop or a weight that the simulation does not have."),
-        ("output", f"simulated {output}", signals.refitted, residual, f"residual, {output}", "sensor",
+        ("output", f"simulated {seen}", signals.refitted, residual, f"residual, {output}", "sensor",
          f"A curve here {verb} a fault of the sensor: it distorts what is seen, not what moves."),
     ]  # fmt: skip
     if diagnosis.residual_of == "control":  # recorded and simulated values are those of the control
