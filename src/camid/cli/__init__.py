@@ -30,6 +30,10 @@ from camid.cli import (
 from camid.errors import InputError
 
 INTERRUPTED = 130
+CUT_SHORT = (
+    "a file ends too soon, most likely one of Python's own that a full disk cut short; "
+    "remove the folders __pycache__ of Python's packages and try again"
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -86,6 +90,11 @@ def main(arguments: list[str] | None = None) -> int:
     except MemoryError:
         click.echo("camid: error: there is not enough memory; cut the recording, or leave out columns", err=True)
         return 2
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt) as error:
+        if isinstance(
+            error.__cause__ or error.__context__, EOFError
+        ):  # click takes it for the end of a terminal's input
+            click.echo(f"camid: error: {CUT_SHORT}", err=True)
+            return 2
         click.echo("camid: interrupted; no file is half-written", err=True)
         return INTERRUPTED
