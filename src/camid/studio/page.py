@@ -62,6 +62,7 @@ class Page:
     chosen: dict[str, Any] = field(default_factory=dict)
     _parts: dict[tuple[str, str], Any] = field(default_factory=dict)
     _shown: dict[tuple[str, str], Any] = field(default_factory=dict)
+    _resting: list[tuple[Any, set[str]]] = field(default_factory=list)
 
     def build(self) -> None:
         """Draw everything, and keep it in step with the project."""
@@ -85,6 +86,9 @@ class Page:
         for step in STEPS:
             self._refresh_step(step)
         step_simulation.update(self)
+        for element, steps in self._resting:
+            if not element.is_deleted:
+                element.set_enabled(self.work.busy in steps)
 
     def _refresh_step(self, step: str) -> None:
         project, running = self.work.project, self.work.busy == step
@@ -139,14 +143,21 @@ class Page:
 
     def button(self, text: str, task: Callable[..., Awaitable[None]], *arguments: Any, main: bool = True) -> Any:
         """A button that begins a task, and rests while another one runs."""
-        button = ui.button(text, on_click=lambda: self.begin(task, *arguments)).props("no-caps unelevated")
-        if not main:
-            button.props("outline")
-        return button.bind_enabled_from(self.work, "busy", lambda busy: not busy)
+        button = ui.button(text, on_click=lambda: self.begin(task, *arguments), color=None).props("no-caps unelevated")
+        button.classes(f"studio-button {'main' if main else ''}")
+        self.rests(button)
+        return button
+
+    def rests(self, element: Any, *unless: str) -> None:
+        """Let an element rest while a step is busy, unless it is one of those."""
+        self._resting = [(e, steps) for e, steps in self._resting if not e.is_deleted]
+        self._resting.append((element, {"", *unless}))
+        element.set_enabled(self.work.busy in {"", *unless})
 
     def picture(self, name: str, words: str) -> Any:
         """A picture in the folder, with words for those who do not see it."""
-        image = ui.element("img").classes("studio-picture")
+        with ui.element("div").classes("studio-picture"):
+            image = ui.element("img")
         image.props["src"], image.props["alt"] = self.address(name), words
         return image
 

@@ -124,18 +124,16 @@ class Project:
         """``done``, ``open``, ``waiting`` for the step before, or ``not needed``."""
         if step == "marker" and self.clip is None and self.recordings:
             return "not needed"
+        simulated = bool(self.simulation) and "simulation" not in self.errors
         done, possible = {
             "recording": (bool(self.clip or self.recordings), True),
             "marker": (self.tracked is not None, self.clip is not None),
-            "simulation": (bool(self.simulation) and "simulation" not in self.errors, self.columns is not None),
-            "identify": (self.identification is not None, self._simulated()),
-            "diagnose": (self.diagnosis is not None, self._simulated()),
+            "simulation": (simulated, self.columns is not None),
+            "identify": (self.identification is not None, simulated),
+            "diagnose": (self.diagnosis is not None, simulated),
             "files": (bool(self.files()), False),
         }[step]
         return "done" if done else "open" if possible else "waiting"
-
-    def _simulated(self) -> bool:
-        return self.state("simulation") == "done"
 
     def files(self) -> list[str]:
         """What can be downloaded, as paths within the folder: what camid wrote, and nothing that was uploaded."""

@@ -82,6 +82,8 @@ def serve(
         # Uploads are spooled, and the framework keeps a folder, where nobody else reads them.
         tempfile.tempdir = str(scratch)
         os.environ["NICEGUI_STORAGE_PATH"] = str(scratch)
+        # FastAPI can report to a host that such variables name.
+        os.environ |= {"FASTAPI_OTEL_AUTO_CONFIGURE": "false", "OTEL_SDK_DISABLED": "true"}
         os.umask(0o077)
         try:
             _run(listener, Work(Project(private)), largest_upload, browser, say)

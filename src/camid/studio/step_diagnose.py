@@ -32,8 +32,8 @@ def draw(page: Page) -> None:
         return
     from camid.diagnosis.report.summary import VERDICT_WORDS
 
-    symbol, word, meaning = VERDICT_WORDS[found["verdict"]]
-    ui.label(f"{symbol} {word.upper()}: {meaning}").classes("studio-verdict").mark("verdict")
+    symbol, word, _ = VERDICT_WORDS[found["verdict"]]
+    ui.label(f"{symbol} {word.upper()}").classes("studio-verdict").mark("verdict")
     ui.label(found["explanation"]).classes("studio-fact")
     address = page.address(REPORT)
     ui.link("Open the report in its own tab", address, new_tab=True).classes("studio-link")

@@ -175,7 +175,7 @@ def _form(page: Page, content: Any) -> None:
                         .props('outlined dense hint="writes all guesses anew"')
                         .mark("template")
                     )
-                    again.bind_enabled_from(work, "busy", lambda busy: not busy)
+                    page.rests(again)
 
 
 def _field(page: Page, field: declaration.Field) -> None:
@@ -198,7 +198,7 @@ def _field(page: Page, field: declaration.Field) -> None:
         element.on("change", lambda: change(element.value))
     element.props("outlined dense").mark(".".join(field.path))
     element.props["hint"] = field.hint
-    element.bind_enabled_from(work, "busy", lambda busy: busy in {"", "simulation"})
+    page.rests(element)
     form[field.path] = (field, element)
 
 
