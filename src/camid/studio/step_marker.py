@@ -49,9 +49,10 @@ def _image(page: Page) -> None:
         says.set_text(_sentence(frame, marker, event.value))
 
     async def clicked(event: events.MouseEventArguments) -> None:
-        if page.work.busy:
-            return
         meaning = page.chosen["click"]
+        if page.work.busy and meaning in {"region", "colour"}:  # after which the marker is looked for
+            ui.notify("Something is running: wait for its end, or cancel it.", type="warning")
+            return
         x = min(max(event.image_x, 0.0), frame["width"] - 0.01)
         y = min(max(event.image_y, 0.0), frame["height"] - 0.01)
         colour = _colour_at(page, x, y) if meaning == "colour" else ""
