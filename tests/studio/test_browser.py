@@ -228,11 +228,12 @@ def test_names_of_columns_and_lines_of_errors_are_text(tab, tmp_path):
     tab.step("identify", ".studio-table").wait_for()
     tab.page.get_by_text("As text (YAML)").click()
     area = tab.page.locator("#simulation textarea").first
-    area.fill(f"schema: 1\nplant: '{HOSTILE}'\n")
+    area.fill(f"schema: 1\n'{HOSTILE}': 1\n")
     tab.press("Use this text")
     error = tab.step("simulation", "[role=alert]")
     error.wait_for()
-    assert error.inner_text().startswith("simulation.yaml, line ")
+    assert error.inner_text().startswith("simulation.yaml")
+    assert HOSTILE in error.inner_text()
     assert tab.page.locator("img[src=x]").count() == 0
     (tmp_path / "bad.csv").write_text(f"{HOSTILE}\n", encoding="utf-8")
     tab.drop(tmp_path / "bad.csv")

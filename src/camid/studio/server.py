@@ -97,6 +97,7 @@ def _listener(port: int) -> socket.socket:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((HOST, port))
+        listener.listen()  # who comes before the server is ready waits
     except OSError as error:
         listener.close()
         raise InputError(f"port {port}: {error.strerror}", hint="name another --port, or 0 for any") from None

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
+from camid.studio.project import DIAGNOSIS
+
 if TYPE_CHECKING:
     from camid.studio.page import Page
 
@@ -14,11 +16,13 @@ ARCHIVE = "camid.zip"
 
 def draw(page: Page) -> None:
     """A link for each file, and one for all."""
-    for name in page.work.project.files():
+    names = page.work.project.files()
+    for name in names:
         ui.link(name, page.address(name, download=True)).classes("studio-link").props["download"] = name.rpartition(
             "/"
         )[2]
     ui.link("All of them (ZIP)", page.address(ARCHIVE, download=True)).classes("studio-link").props["download"] = (
         ARCHIVE
     )
-    ui.label("improved.yaml is a simulation again: drop it into step 1 to go on with it.").classes("studio-note")
+    if f"{DIAGNOSIS}/improved.yaml" in names:
+        ui.label("improved.yaml is a simulation again: drop it into step 1 to go on with it.").classes("studio-note")

@@ -60,7 +60,9 @@ def update(page: Page) -> None:
         if kept is not None and kept.value != field.value:
             page.chosen["form"][field.path] = (field, element)
             element.set_value(field.value)
-    page.chosen["yaml"].set_value(project.simulation)
+    if page.chosen["text"] != project.simulation:  # what is typed and not used yet stays
+        page.chosen["text"] = project.simulation
+        page.chosen["yaml"].set_value(project.simulation)
     chain = declaration.chain_of(content)
     shown = [declaration.column_of(content, part) for part in ("time", "input", "sensor")]
     before = page.chosen["drawn"]
@@ -139,6 +141,7 @@ def _curves(page: Page, *columns: str | None) -> None:
                     "type": "value",
                     "gridIndex": k,
                     "scale": True,
+                    "splitNumber": 3,
                     "name": name,
                     "nameTextStyle": {"color": "#888"},
                     **axis,
@@ -207,6 +210,6 @@ def _text(page: Page) -> None:
     work, project = page.work, page.work.project
     wrong = "simulation" in project.errors
     with ui.expansion("As text (YAML), with the reasons of all guesses", value=wrong).classes("studio-more"):
-        area = ui.textarea(value=project.simulation).props('outlined input-class="studio-yaml" autogrow').mark("yaml")
-        page.chosen["yaml"] = area
+        area = ui.textarea(value=project.simulation).props('outlined rows=24 input-class="studio-yaml"')
+        page.chosen["yaml"], page.chosen["text"] = area, project.simulation
         page.button("Use this text", lambda: work.take_simulation(area.value), main=False)

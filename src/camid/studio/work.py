@@ -37,6 +37,7 @@ class Work:
     job: Job | None = None
     busy: str = ""
     watchers: list[Callable[[], None]] = field(default_factory=list)
+    _closed: bool = False
 
     def changed(self) -> None:
         """Tell all pages."""
@@ -45,6 +46,8 @@ class Work:
 
     async def _command(self, step: str, title: str, *arguments: str) -> Job | None:
         """Run ``python -m``; None, with the one line as the step's error, if it did not go well."""
+        if self._closed:
+            return None
         self.job, self.busy = Job(title, arguments, self.project.folder), step
         self.project.errors.pop(step, None)
         self.changed()
@@ -65,7 +68,8 @@ class Work:
             self.job.cancel()
 
     async def close(self) -> None:
-        """End what runs, and wait for its end."""
+        """End what runs, wait for its end, and begin nothing more."""
+        self._closed = True
         self.cancel()
         while self.job is not None:
             await asyncio.sleep(0.05)
