@@ -107,9 +107,16 @@ def _listener(port: int) -> socket.socket:
 def _run(listener: socket.socket, work: Work, largest_upload: int, browser: bool, say: Callable[[str], None]) -> None:
     import uvicorn
 
+    class Server(uvicorn.Server):
+        """Ends what runs while there is a loop to end it in: afterwards uvicorn raises the signal again."""
+
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            await work.close()
+            await super().shutdown(sockets)
+
     guard = Guard(_application(work), listener.getsockname()[1], largest_upload)
     _page(work, guard)
-    server = uvicorn.Server(
+    server = Server(
         uvicorn.Config(guard, log_level="error", access_log=False, timeout_graceful_shutdown=1, server_header=False)
     )
     address = f"http://{HOST}:{guard.port}/?token={guard.token}"
@@ -121,14 +128,7 @@ def _run(listener: socket.socket, work: Work, largest_upload: int, browser: bool
         signal.signal(sign, lambda *_: setattr(server, "should_exit", True))
     # uvicorn raises again what ended it, after its own shutdown; here it has been answered then.
     with suppress(KeyboardInterrupt):
-        asyncio.run(_served(server, listener, work))
-
-
-async def _served(server: Any, listener: socket.socket, work: Work) -> None:
-    try:
-        await server.serve(sockets=[listener])
-    finally:
-        await work.close()
+        asyncio.run(server.serve(sockets=[listener]))
 
 
 def _application(work: Work) -> Any:
