@@ -100,6 +100,18 @@ def test_a_file_that_is_no_recording_is_refused_by_name(project):
     assert project.state("recording") == "open"
 
 
+def test_a_second_file_that_is_refused_leaves_the_first_in_use(project):
+    (project.folder / "noise.csv").write_bytes(b"nothing\n")
+    for name in ("slide.csv", "noise.csv"):
+        project.take_recording(name)
+    work = Work(project)
+    asyncio.run(work.draft())
+    assert project.errors["recording"].startswith("noise.csv: ")
+    assert (project.recordings, project.state("simulation")) == (["slide.csv"], "done")
+    asyncio.run(work.start_over())
+    assert (project.recordings, project.errors, project.state("recording")) == ([], {}, "open")
+
+
 def test_closing_ends_what_runs(project):
     project.take_recording("slide.csv")
     work = Work(project)

@@ -54,7 +54,7 @@ class Project:
     tracked : dict or None
         Summary of ``camid track``.
     columns : dict or None
-        What :func:`camid.studio.look.columns` found in the first recording.
+        What :func:`camid.studio.look.columns` found in the recording that came last.
     simulation : str
         Its text; empty before there is one.
     identification, diagnosis : dict or None

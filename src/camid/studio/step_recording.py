@@ -38,6 +38,7 @@ def draw(page: Page) -> None:
     names = [project.clip] if project.clip else project.recordings
     if names:
         ui.label(f"In use: {', '.join(names)}").classes("studio-fact")
+        page.button("Start over", page.work.start_over, main=False)
     if project.columns is not None:
         ui.label(f"Columns: {', '.join(project.columns['names'])}").classes("studio-note")
 

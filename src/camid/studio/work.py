@@ -106,11 +106,10 @@ class Work:
         """Look at the columns of the recording, and write a first simulation of it."""
         project = self.project
         if project.columns is None:
-            asked = json.dumps({"recording": project.recordings[0]})
+            asked = json.dumps({"recording": project.recordings[-1]})
             job = await self._command("recording", "reading the recording", "camid.studio.look", "columns", asked)
             if job is None:
-                project.recordings = [] if project.clip is None else project.recordings
-                self.changed()
+                await self._without_the_last()
                 return
             project.columns = json.loads(job.output)
         named = [] if plant is None else ["--plant", plant]
@@ -119,6 +118,22 @@ class Work:
         )
         if job is not None:
             await self.take_simulation(job.output)
+        self.changed()
+
+    async def _without_the_last(self) -> None:
+        """Go on without the recording that was refused; the line that says why stays."""
+        project, line = self.project, self.project.errors.get("recording", "")
+        if project.clip is None:
+            project.recordings = project.recordings[:-1]
+            if project.recordings:
+                await self.draft()
+            project.errors["recording"] = line
+        self.changed()
+
+    async def start_over(self) -> None:
+        """Use no file any more."""
+        self.project.forget("recording")
+        self.project.clip, self.project.recordings = None, []
         self.changed()
 
     async def take_simulation(self, text: str) -> None:
