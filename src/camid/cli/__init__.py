@@ -25,6 +25,7 @@ from camid.cli import (
     residuals,
     simulate,
     step,
+    studio,
     track,
 )
 from camid.errors import InputError
@@ -55,6 +56,7 @@ for command in (
     residuals.residuals,
     simulate.simulate,
     step.step,
+    studio.studio,
     track.track,
 ):
     cli.add_command(command)
