@@ -14,13 +14,13 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-SEED = 20261124
+SEED = 20261125
 # The drive: a voltage that is held between two entries of the log.
 PERIOD, ENTRIES = 0.01, 2200  # s; 22 s
 LEVELS = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)  # V
 # The arm, in mm and V: y'' = GAIN (u - friction) - DAMPING y' - STIFFNESS y
 GAIN, DAMPING, STIFFNESS = 600.0, 2.0, 110.0
-FRICTION = 0.40  # V that the friction takes from the motor, whatever the speed
+FRICTION = 0.25  # V that the friction takes from the motor, whatever the speed
 STEP = 50e-6  # s, of the integrator
 # The camera: a frame is delivered when its exposure ends.
 RATE, FRAMES, EXPOSURE = 50, 1000, 0.01  # 20 s
@@ -74,7 +74,7 @@ def main() -> None:
     generator = np.random.default_rng(SEED)
     volts: list[float] = []
     while len(volts) < ENTRIES:
-        volts += [float(generator.choice(LEVELS))] * int(generator.integers(8, 40))
+        volts += [float(generator.choice(LEVELS))] * int(generator.integers(8, 26))
     volts = volts[:ENTRIES]
     with open("arm_drive.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
