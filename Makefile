@@ -65,7 +65,8 @@ test: development ## run the tests, in minutes
 test-slow: development ## run the tests with large samples, many seeds and the whole catalogue
 	$(PYTEST) -m slow
 
-test-workflow: development ## run the whole workflow in fresh copies, and what it promises
+test-workflow: development ## run the whole workflow in fresh copies, what it promises, and the notebook
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --requirement requirements-notebook.lock
 	$(BIN)/python -m pytest -m workflow
 
 test-faults: development ## kills, full disks, damaged data, wrong clocks, hostile files: half an hour, counts printed
@@ -124,6 +125,7 @@ lock: ## renew the hashed locks (needs uv)
 	$(COMPILE) --extra benchmark pyproject.toml --output-file requirements-benchmark.lock
 	$(COMPILE) --extra slurm --constraint requirements.lock pyproject.toml --output-file requirements-slurm.lock
 	$(COMPILE) --extra faults --constraint requirements-development.lock pyproject.toml --output-file requirements-faults.lock
+	$(COMPILE) --extra notebook --constraint requirements-development.lock pyproject.toml --output-file requirements-notebook.lock
 
 clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake

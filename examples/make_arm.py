@@ -1,9 +1,9 @@
-"""Make ``arm_clip.mp4`` and ``arm_drive.csv``: a red marker on a spring arm that a motor swings, filmed, with dry friction.
+"""Make ``arm_clip.mp4`` and ``arm_drive.csv``: a red marker on a spring arm that a motor swings, filmed.
 
-The marker sits at the end of a leaf spring that a voice coil pushes from side to side. The drive logs the voltage by a clock
-of its own, which has run before the camera starts and runs a little faster. Where the arm is guided there is dry friction,
-which ``arm_simulation.yaml`` does not know. The motion is integrated here, the pictures are means over the exposure, and
-nothing of camid is used. Run it in this folder: ``python make_arm.py``; it needs NumPy and PyAV
+The marker sits at the end of a leaf spring that a voice coil pushes from side to side. The drive logs the voltage by a
+clock of its own, which has run before the camera starts and runs a little faster. Where the arm is guided there is dry
+friction, which ``arm_simulation.yaml`` does not know. The motion is integrated here, the pictures are means over the
+exposure, and nothing of camid is used. Run it in this folder: ``python make_arm.py``; it needs NumPy and PyAV
 (``pip install 'camid[video]'``). Another version of the encoder may write other bytes.
 """
 

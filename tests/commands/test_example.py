@@ -1,0 +1,115 @@
+"""``camid example``: what it writes, what it refuses, and that the story told in it is true."""
+
+import json
+import re
+import tomllib
+
+import pytest
+
+from camid.cli import main
+from camid.commands.example import COMMANDS, FILES
+from tests.support import ROOT
+
+FRICTION = 0.25  # V, in make_arm.py
+
+
+def test_the_files_are_written_and_the_commands_printed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["example"]) == 0
+    printed = capsys.readouterr().out
+    written = {p.name: p.read_bytes() for p in (tmp_path / "camid-example").iterdir()}
+    assert written == {name: (ROOT / "examples" / name).read_bytes() for name in FILES}
+    lines = [line.strip() for line in printed.splitlines()]
+    assert lines[2:-1] == ["cd camid-example", *COMMANDS]
+    assert main(["example"]) == 0  # the same files are no obstacle
+
+
+def test_the_files_are_small():
+    assert (ROOT / "examples" / "arm_clip.mp4").stat().st_size < 300_000
+    assert sum((ROOT / "examples" / name).stat().st_size for name in FILES) < 400_000
+
+
+@pytest.mark.parametrize("name", ["slide.csv", "README.md"])
+def test_foreign_files_are_not_overwritten(name, tmp_path, capsys):
+    (tmp_path / name).write_text("mine\n", encoding="utf-8")
+    assert main(["example", str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert error == (
+        f"camid: error: {tmp_path / name}: this file exists and is not that of the example; name another folder\n"
+    )
+    assert [p.name for p in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_text(encoding="utf-8") == "mine\n"
+
+
+@pytest.mark.parametrize(("name", "reason"), [("file", "this is a file"), ("no/such", "no such folder")])
+def test_folders_that_cannot_be_are_refused(name, reason, tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert main(["example", str(tmp_path / name)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert reason in error
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_list_names_every_file_and_writes_none(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["example", "--list"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(FILES)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_wheel_takes_what_is_written():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        included = tomllib.load(file)["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+    assert included == {f"examples/{name}": f"camid/example_files/{name}" for name in FILES}
+
+
+def test_the_readme_of_the_folder_names_the_files_and_the_commands():
+    text = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in text for name in FILES if name != "README.md")
+    (story, _) = re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL)
+    assert story.splitlines() == list(COMMANDS)
+
+
+def test_the_maker_of_the_clip_uses_nothing_of_camid_and_still_writes_the_log(tmp_path, monkeypatch):
+    source = (ROOT / "examples" / "make_arm.py").read_text(encoding="utf-8")
+    assert not re.search(r"^\s*(import|from) camid", source, flags=re.MULTILINE)
+    assert f"FRICTION = {FRICTION:.2f}  # V" in source
+
+
+def notebook():
+    return json.loads((ROOT / "examples" / "arm_notebook.ipynb").read_text(encoding="utf-8"))
+
+
+def test_the_notebook_holds_no_outputs():
+    cells = [cell for cell in notebook()["cells"] if cell["cell_type"] == "code"]
+    assert cells
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in cells)
+
+
+def test_the_cells_of_the_notebook_find_the_friction(tmp_path, monkeypatch, capsys):
+    """Its code as a script, each last value shown as a notebook would; the kernel's turn is in ``make test-workflow``."""
+    main(["example", str(tmp_path)])
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    names: dict = {}
+    for cell in notebook()["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        *lines, last = "".join(cell["source"]).splitlines()
+        exec("\n".join(lines), names)
+        try:
+            shown = eval(last, names)
+        except SyntaxError:
+            exec(last, names)
+            continue
+        if hasattr(shown, "_repr_html_"):
+            assert shown._repr_html_().startswith("<")
+    force = names["force"]
+    assert names["friction"].identifier == "coulomb-friction"
+    assert abs(force.value - FRICTION) < 3.0 * force.standard_deviation < 0.01
+    fits = names["comparison"].fits.set_index("model")["fit"]
+    assert fits.loc["identified"] < 94.0
+    assert fits.max() > 99.5
+    assert main(["identify", "--help"]) == 0
+    assert (tmp_path / "arm_improved.yaml").read_text(encoding="utf-8").count("coulomb-friction") == 1
