@@ -2,8 +2,11 @@
 
 import json
 import re
+import subprocess
+import sys
 import tomllib
 
+import numpy as np
 import pytest
 
 from camid.cli import main
@@ -71,10 +74,24 @@ def test_the_readme_of_the_folder_names_the_files_and_the_commands():
     assert story.splitlines() == list(COMMANDS)
 
 
-def test_the_maker_of_the_clip_uses_nothing_of_camid_and_knows_the_friction():
-    source = (ROOT / "examples" / "make_arm.py").read_text(encoding="utf-8")
+def frames(path):
+    import av
+
+    with av.open(str(path)) as container:
+        return np.stack([frame.to_ndarray(format="gray") for frame in container.decode(video=0)]).astype(float)
+
+
+def test_the_maker_writes_log_and_clip_and_uses_nothing_of_camid(tmp_path):
+    """The clip may be coded by other bytes where the encoder is another; its pictures are the same."""
+    examples = ROOT / "examples"
+    source = (examples / "make_arm.py").read_text(encoding="utf-8")
     assert not re.search(r"^\s*(import|from) camid", source, flags=re.MULTILINE)
     assert f"FRICTION = {FRICTION:.2f}  # V" in source
+    subprocess.run([sys.executable, examples / "make_arm.py"], cwd=tmp_path, check=True)
+    assert (tmp_path / "arm_drive.csv").read_bytes() == (examples / "arm_drive.csv").read_bytes()
+    made, kept = (frames(folder / "arm_clip.mp4") for folder in (tmp_path, examples))
+    assert made.shape == kept.shape
+    assert np.abs(made - kept).mean() < 0.5  # grey levels
 
 
 def notebook():
@@ -107,7 +124,7 @@ def test_the_cells_of_the_notebook_find_the_friction(tmp_path, monkeypatch):
     force = names["force"]
     assert names["friction"].identifier == "coulomb-friction"
     assert abs(force.value - FRICTION) < 3.0 * force.standard_deviation < 0.01
-    fits = names["comparison"].fits.set_index("model")["held_out"]
+    fits = names["comparison"].fits.set_index("model")["fit_held_out"]
     assert fits.loc["identified"] < 92.0
     assert fits.loc["improved"] > 99.5
     assert (tmp_path / "arm_improved.yaml").read_text(encoding="utf-8").count("coulomb-friction") == 1
