@@ -38,7 +38,8 @@ def test_foreign_files_are_not_overwritten(name, tmp_path, capsys):
     assert main(["example", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error == (
-        f"camid: error: {tmp_path / name}: this file exists and is not that of the example; name another folder\n"
+        f"camid: error: {tmp_path / name}: camid did not write this file and would overwrite it; "
+        "move or remove it, or name another folder\n"
     )
     assert [p.name for p in tmp_path.iterdir()] == [name]
     assert (tmp_path / name).read_text(encoding="utf-8") == "mine\n"

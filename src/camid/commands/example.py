@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from camid.errors import InputError
 from camid.writing import check_folder, write_whole
 
 PathLike = str | os.PathLike[str]
@@ -61,17 +60,12 @@ def write_example(folder: PathLike) -> list[Path]:
         If a file of the same name holds something else, or the folder cannot be written to; nothing is written then.
     """
     target, source = Path(folder), example_folder()
-    check_folder(target, list(FILES))
     contents = {target / name: (source / name).read_bytes() for name in FILES}
-    for path, content in contents.items():
-        if path.exists() and path.read_bytes() != content:
-            raise InputError(
-                "this file exists and is not that of the example", where=str(path), hint="name another folder"
-            )
+    new = {path: content for path, content in contents.items() if not path.is_file() or path.read_bytes() != content}
+    check_folder(target, dict.fromkeys(path.name for path in new))
     target.mkdir(exist_ok=True)
-    for path, content in contents.items():
-        if not path.exists():
-            _write(path, content)
+    for path, content in new.items():
+        _write(path, content)
     return list(contents)
 
 
