@@ -66,8 +66,9 @@ test-slow: development ## run the tests with large samples, many seeds and the w
 	$(PYTEST) -m slow
 
 # The page of the studio is driven in a Chromium, which the system has to have.
-test-workflow: development studio ## run the whole workflow in fresh copies, and what it promises
+test-workflow: development studio ## run the whole workflow in fresh copies, what it promises, the notebook and the studio
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-browser.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-notebook.lock
 	$(BIN)/python -m pytest -m workflow
 
 test-faults: development ## kills, full disks, damaged data, wrong clocks, hostile files: half an hour, counts printed
@@ -131,6 +132,7 @@ lock: ## renew the hashed locks (needs uv)
 	$(COMPILE) --extra studio --constraint requirements-development.lock pyproject.toml --output-file requirements-studio.lock
 	$(COMPILE) --extra browser --constraint requirements-development.lock pyproject.toml --output-file requirements-browser.lock
 	$(COMPILE) --extra faults --constraint requirements-development.lock pyproject.toml --output-file requirements-faults.lock
+	$(COMPILE) --extra notebook --constraint requirements-development.lock pyproject.toml --output-file requirements-notebook.lock
 
 clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake

@@ -106,6 +106,16 @@ def test_the_sdist_holds_the_package_and_its_examples_alone(built):
     }
 
 
+def test_the_wheel_writes_the_example(installed, tmp_path):
+    done = run(installed, tmp_path, "example", "first")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "first" / "README.md").is_file()
+    for path in (tmp_path / "first").iterdir():
+        assert path.read_bytes() == (ROOT / "examples" / path.name).read_bytes()
+    again = run(installed, tmp_path, "identify", "first/slide.csv", "--simulation", "first/slide.yaml")
+    assert again.returncode == 0, again.stderr
+
+
 def test_the_wheel_identifies_diagnoses_and_tracks_outside_of_the_tree(installed, folder):
     where = subprocess.run(
         [installed, "-P", "-c", "import camid; print(camid.__file__)"],
