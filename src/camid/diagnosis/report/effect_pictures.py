@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,15 +17,17 @@ from numpy.typing import NDArray
 from camid.diagnosis.diagnosis import Diagnosis, Finding
 from camid.diagnosis.report.noise_pictures import TITLES, noise_pictures
 from camid.diagnosis.report.panel import (
-    DOTS,
+    LARGEST_LINE,
     Panel,
     draw_dots,
     inline_svg,
+    is_narrow,
     legend_above,
     new_panel,
     quartiles_of_bins,
     range_of_nearly_all,
     thinned,
+    wide_panel,
 )
 from camid.effects import known_effects
 
@@ -39,6 +42,8 @@ MOST_EFFECTS = 4
 LAW_BINS = 60
 # Windows of a recording in which frames are compared with the simulation.
 WINDOWS, FEWEST_IN_WINDOW = 24, 12
+# Spread of a time shift over its mean below which it is the same throughout.
+LARGEST_CHANGE = 0.1
 # What effects of a place are drawn against where they say nothing else.
 OF_PLACE = {"actuator": "input", "disturbance": "time", "sensor": "position"}
 # What a learned law is drawn against; products with a velocity or an input are no curve over one signal.
@@ -122,12 +127,11 @@ def _pictures(
     at_sensor = place == "sensor"
     quantity = f"error of reading, {names.output}" if at_sensor else f"missing force, {names.source}"
     heading = f"{title}: {'error of the reading' if at_sensor else 'missing force'} against {_called(against)}"
-    if against == "time" and not at_sensor:
-        drawn = _over_time(x, shown, (label, quantity))
-    else:
-        drawn = _with_law(x, shown, (label, quantity))
     caption = f"The law that was found, over what the recording shows. {UNBENT}{'' if at_sensor else SMOOTHED}"
-    yield Panel(heading, caption, inline_svg(drawn, heading))
+    if against == "time":
+        yield Panel(heading, caption, **wide_panel(partial(_over_time, first.time, shown, (label, quantity)), heading))
+        return
+    yield Panel(heading, caption, inline_svg(_with_law(x, shown, (label, quantity)), heading))
 
 
 def _called(against: str) -> str:
@@ -158,13 +162,14 @@ def _with_law(x: Array, shown: EffectSignals, labels: tuple[str, str]) -> Axes:
     return axes
 
 
-def _over_time(time: Array, shown: EffectSignals, labels: tuple[str, str]) -> Axes:
-    """The missing force of every row over time, and the law."""
+def _over_time(time: Array, shown: EffectSignals, labels: tuple[str, str], size: tuple[float, float]) -> Axes:
+    """What every row shows over time, and the law."""
     from camid import plotting as style
 
-    axes = new_panel(top=28.0)
-    axes.plot(*thinned(time, shown.data), color=DOTS, linewidth=0.9, label="recording")
-    axes.plot(*thinned(time, shown.law), "--", color=style.VERMILION, linewidth=1.6, label="law")
+    largest = LARGEST_LINE // 2 if is_narrow(size) else LARGEST_LINE
+    axes = new_panel(size, top=28.0)
+    axes.plot(*thinned(time, shown.data, largest), color=style.BLUE, linewidth=1.0, label="recording")
+    axes.plot(*thinned(time, shown.seen, largest), "--", color=style.VERMILION, linewidth=1.4, label="law")
     axes.axhline(0.0, color=style.BLACK, linewidth=0.8)
     axes.set(xlim=(time[0], time[-1]), ylim=range_of_nearly_all(shown.data, shown.law))
     axes.set(xlabel=labels[0], ylabel=labels[1])
@@ -218,6 +223,8 @@ def _time_shifts(
         "clock is right."
     )
     yield Panel(heading, caption, inline_svg(axes, heading))
+    if float(np.std(law)) > LARGEST_CHANGE * abs(float(np.mean(law))):
+        return  # what changes is no line over the rate
     heading = f"{title}: error of the reading against the rate of the output"
     drawn = _with_law(
         shown.rate,

@@ -151,7 +151,7 @@
       const at = place(event), plot = plots.find((p) => p.holds(at));
       if (plot && event.button === 0 && event.pointerType !== "touch") {
         start = { at, plot };
-        svg.setPointerCapture(event.pointerId);
+        if (event.isTrusted) svg.setPointerCapture(event.pointerId);
         event.preventDefault();
         svg.focus({ preventScroll: true });
       }
