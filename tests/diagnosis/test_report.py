@@ -13,9 +13,9 @@ from camid.diagnosis.diagnosis import Location, NormalisedErrors, ParameterEstim
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
+from camid.diagnosis.results_folder import FILES
 from camid.effects import known_effects
 from camid.number_text import SPACE
-from camid.diagnosis.results_folder import FILES
 from camid.recording.options import Reading
 from camid.recording.units import Conversion
 from tests.support import written_diagnoses
@@ -28,6 +28,7 @@ HOSTILE = {
     "warnings": ["</li><script>document.title = 'run'</script>"],
     "explanation": "<script>document.title = 'run'</script>",
 }
+
 
 class Page(HTMLParser):
     """Elements, attributes, identifiers of sections and text of a page."""

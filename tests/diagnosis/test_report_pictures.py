@@ -206,7 +206,9 @@ def test_what_has_no_name_asks_for_another_experiment(place):
     advised = next_experiments(diagnosis)
     assert advised
     assert len(advised) == len(set(advised))
-    named = [next_experiments(written_diagnoses.diagnosis(v, location=Location(place))) for v in ("adequate", "explained")]
+    named = [
+        next_experiments(written_diagnoses.diagnosis(v, location=Location(place))) for v in ("adequate", "explained")
+    ]
     assert named == [[], []]
 
 

@@ -105,9 +105,9 @@ def frequencies_for(
     models: list[LinearModel], limits: tuple[float, float] | None, empirical: EmpiricalResponse | None
 ) -> Array:
     """Angular frequencies in rad/s: those that python-control chooses, or between limits, finer about resonances."""
-    import control
-
     if limits is None:
+        import control
+
         found = control.frequency_response([m.plant.to_control() for m in models])[0].omega
         limits = float(found[0]), float(found[-1])
         if empirical is not None and len(empirical.angular_frequency):
