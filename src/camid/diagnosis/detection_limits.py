@@ -14,6 +14,7 @@ from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import WORKERS, Problem
+from camid.number_text import number, plain
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645
@@ -112,13 +113,13 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
     if not numeric:
         times = visible / wanted
         if times < 1.0:
-            return Undetectable(kind.identifier, f"{share}; it would have been {times:.2g} times as visible as needed")
-        return Undetectable(kind.identifier, f"{times:.2g} times as visible as needed", shows=True)
+            return Undetectable(kind.identifier, f"{share}; it would have been {number(times, 2)} times as visible as needed")
+        return Undetectable(kind.identifier, f"{number(times, 2)} times as visible as needed", shows=True)
     if visible < 0.5 * wanted:
         return Undetectable(kind.identifier, f"{share}; no size of it would have been seen in this recording")
     parameter = next((p for p in numeric if p.name == kind.strength), numeric[0])
     others = [p for p in numeric if p.name != parameter.name]
-    shape = ", ".join(f"{p.name.replace('_', ' ')} {effect.values[p.name]:.3g} {p.unit}".strip() for p in others)
+    shape = ", ".join(f"{p.name.replace('_', ' ')} {plain(effect.values[p.name], 3)} {p.unit}".strip() for p in others)
     reason = f"{share} below this size{' (at ' + shape + ')' if shape else ''}"
     rest = {name: value for name, value in effect.stated().items() if name != parameter.name}
     value = float(effect.values[parameter.name])

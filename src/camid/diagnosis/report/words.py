@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from camid.diagnosis.explanation import within_sentence
 from camid.diagnosis.report.summary import title_of
 from camid.effects.base import declarable_effects
 
@@ -18,7 +19,6 @@ def with_titles(text: str, own: Mapping[str, str] | None = None) -> str:
         if found not in known:
             return found
         title = title_of(found, own)
-        starts = match.start() == 0
-        return title if starts or title[:2].isupper() else title[:1].lower() + title[1:]
+        return title if match.start() == 0 else within_sentence(title)
 
     return re.sub(r"(?<![\w./-])[a-z]+(?:-[a-z]+)+(?![\w/-])", titled, text)
