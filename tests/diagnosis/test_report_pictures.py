@@ -4,8 +4,10 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
+import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.diagnosis.diagnosis import Finding, Location, ParameterEstimate
@@ -216,3 +218,46 @@ def test_sentences_name_effects_by_their_titles():
     assert with_titles("dead-zone or cubic-stiffness") == "Dead zone of the actuator or cubic stiffness"
     assert with_titles("a free-running clip.csv of /some/dead-zone") == "a free-running clip.csv of /some/dead-zone"
     assert with_titles("as my-own-force does", {"my-own-force": "Force of a magnet"}) == "as force of a magnet does"
+
+
+@pytest.fixture(scope="module")
+def rubbing():
+    """A diagnosis of a slide with Coulomb friction, which a refit without it takes for damping."""
+    plant = {"transfer_function": {"numerator": [100.0], "denominator": [1.0, 2.0, 100.0]}}
+    simulation = {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": plant,
+        "sensor": {"column": "y", "kind": "camera", "exposure": 0.02},
+        "initial_state": "zero",
+    }
+    random = np.random.default_rng(np.random.SeedSequence(8))
+    signal = np.repeat(random.choice([-3.0, -1.0, 1.0, 3.0], 100), 10)
+    table = pd.DataFrame({"t": 0.02 * np.arange(1000), "u": signal})
+    true = simulation | {"effects": [{"id": "coulomb-friction", "parameters": {"force": 0.4}}]}
+    table["y"] = camid.simulate(table, true)["simulated"] + 0.01 * random.standard_normal(1000)
+    return camid.diagnose(table, simulation)
+
+
+def test_what_the_recording_shows_follows_the_law_and_is_not_bent(rubbing):
+    shown = next(e for e in rubbing.effect_signals if e.identifier == rubbing.findings[0].identifier)
+    assert rubbing.findings[0].identifier.endswith("friction")
+    fast = np.abs(shown.velocity) > 0.5 * np.max(np.abs(shown.velocity))
+    assert shown.law[fast] == pytest.approx(-0.4 * np.sign(shown.velocity[fast]), abs=0.03)
+    # As smooth as each other, they differ by the noise alone.
+    assert np.sqrt(np.mean((shown.data - shown.seen) ** 2)) < 0.02
+    # What the refit leaves at high speed lacks what its damping took.
+    taken = rubbing.signals.equivalent_input[fast] * -np.sign(shown.velocity[fast])
+    assert np.median(taken) < 0.25
+    assert np.median(shown.data[fast] * -np.sign(shown.velocity[fast])) > 0.35
+
+
+def test_the_law_is_drawn_over_it(rubbing):
+    first = pictures.draw(rubbing)["effects"][0]
+    assert first.title.endswith("missing force against velocity")
+    assert [name for name in ("recording", "law", "law, smoothed alike") if f'data-series="{name}"' in first.svg] == [
+        "recording",
+        "law",
+        "law, smoothed alike",
+    ]
