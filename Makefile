@@ -29,7 +29,7 @@ export PYTHONDONTWRITEBYTECODE :=
 export STARTED := $(shell date +%s)
 
 .DEFAULT_GOAL := all
-.PHONY: all env development docs test test-slow test-workflow test-faults lint style types format check bench slurm lock clean help
+.PHONY: all env development docs test test-slow test-workflow test-faults test-slurm test-versions lint style types format check bench slurm lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	@installed=$$(date +%s); \
@@ -71,6 +71,12 @@ test-workflow: development ## run the whole workflow in fresh copies, and what i
 test-faults: development ## kills, full disks, damaged data, wrong clocks, hostile files: half an hour, counts printed
 	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps --requirement requirements-faults.lock
 	$(BIN)/python -m tests.faults
+
+test-slurm: slurm development ## a real Slurm on this machine (superuser, Debian's packages): same bytes, jobs and node killed
+	$(BIN)/python -m tests.slurm
+
+test-versions: development ## the tests with the oldest and newest packages, on each Python that there is (needs uv)
+	$(BIN)/python -m tests.versions
 
 # Two at a time where make is called with -j2.
 lint: style types docs ## ruff, snakefmt, mypy, import-linter, and the documentation built strictly

@@ -15,7 +15,8 @@ from camid.number_text import (
     plain,
     probability,
     span,
-    unit_of,
+    typeset,
+    unit_text,
     with_deviation,
 )
 
@@ -116,8 +117,10 @@ def test_numbers_and_units():
     assert plain(20.0, unit="ms") == f"20{SPACE}ms"
     assert plain(1e-7) == "1·10⁻⁷"
     assert plain(100.0) == "100"
-    assert unit_of("u s^2/y^2", "force", "x pos") == "force s²/[x pos]²"
-    assert unit_of("rad/s", "u", "y") == "rad/s"
+    assert unit_text("u s^2/y^2", "force", "[x pos]") == "force s²/[x pos]²"
+    assert unit_text("rad/s", "N", "mm") == "rad/s"
+    assert unit_text("u/y^0.5", "N", "mm") == "N/mm^0.5"
+    assert typeset("m*s**-2") == "m·s⁻²"
     assert probability(3e-9) == "< 0.0001"
     assert interval(0.15, 0.0021) == "0.1459 to 0.1541"
     assert span((0.5, 2.0), "Hz") == f"0.5 to 2{SPACE}Hz"

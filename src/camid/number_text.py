@@ -134,15 +134,15 @@ def printable(name: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in name)
 
 
-def unit_of(unit: str | None, input_name: str | None, output_name: str) -> str:
-    """A unit in u, y and s with the names of the columns in place of u and y."""
+def typeset(unit: str) -> str:
+    """A unit as people write it: ``m*s^-2`` becomes ``m·s⁻²``."""
+    marked = unit.replace("**", "^").replace("*", "·")
+    return re.sub(r"\^(-?\d+)(?![\d.])", lambda power: power.group(1).translate(SUPERSCRIPTS), marked)
+
+
+def unit_text(unit: str | None, input_symbol: str, output_symbol: str) -> str:
+    """A unit in u, y and s with symbols in place of u and y; empty for a pure number."""
     if not unit or unit in {"1", "-"}:
         return ""
-    names = {"u": input_name or "u", "y": output_name}
-
-    def name(match: re.Match[str]) -> str:
-        column = printable(names[match.group()])
-        return column if re.fullmatch(r"\w+", column) else f"[{column}]"
-
-    named = re.sub(r"(?<![\w%])[uy](?![\w%])", name, unit.replace("**", "^").replace("*", "·"))
-    return re.sub(r"\^(-?\d+)", lambda power: power.group(1).translate(SUPERSCRIPTS), named)
+    symbols = {"u": input_symbol, "y": output_symbol}
+    return typeset(re.sub(r"(?<![\w%])[uy](?![\w%])", lambda match: symbols[match.group()], unit))

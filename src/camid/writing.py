@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from cmath import isfinite
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PARQUET = {".parquet", ".pq"}
+# Bytes at the beginning and the end of a file in which it says who wrote it.
+NEAR_ENDS = 1 << 16
 
 
 def write_table(table: pd.DataFrame, path: str | os.PathLike[str]) -> None:
@@ -48,14 +50,15 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise InputError("this is a device or a pipe", where=str(path), hint="name a file to write")
 
 
-def check_folder(folder: Path, names: Sequence[str], inputs: Sequence[Path] = ()) -> None:
+def check_folder(folder: Path, marks: Mapping[str, str | None], inputs: Sequence[Path] = ()) -> None:
     """Refuse, before the work is done, a folder that results cannot go to.
 
     Parameters
     ----------
     folder : Path
-    names : sequence of str
-        Of the files that may be written into it.
+    marks : mapping of str to str or None
+        The files that may be written into it, or removed, and what each says that camid wrote. A file that cannot say
+        it is taken for one of camid's where a file beside it is.
     inputs : sequence of Path
         What the results are made from, and what they may not overwrite.
 
@@ -63,7 +66,7 @@ def check_folder(folder: Path, names: Sequence[str], inputs: Sequence[Path] = ()
     ------
     InputError
         If it is a file or cannot be written to, its parent does not exist, or one of the results would overwrite an
-        input or is called like a folder.
+        input or a file that camid did not write, or is called like a folder.
     """
     parent = folder.resolve().parent
     if folder.exists() and not folder.is_dir():
@@ -72,7 +75,7 @@ def check_folder(folder: Path, names: Sequence[str], inputs: Sequence[Path] = ()
         raise InputError("no such folder", where=str(parent), hint="make it, or write elsewhere")
     if not os.access(folder if folder.exists() else parent, os.W_OK | os.X_OK):
         raise InputError("no permission to write here", where=str(folder), hint="write elsewhere")
-    for target in (folder / name for name in names):
+    for target in (folder / name for name in marks):
         for path in inputs:
             if target.exists() and path.exists() and target.samefile(path):
                 raise InputError(
@@ -80,6 +83,28 @@ def check_folder(folder: Path, names: Sequence[str], inputs: Sequence[Path] = ()
                 )
         if folder.exists():
             check_writable(target)
+    _refuse_foreign(folder, marks)
+
+
+def _refuse_foreign(folder: Path, marks: Mapping[str, str | None]) -> None:
+    """Refuse to overwrite files that camid did not write."""
+    there = {folder / name: mark for name, mark in marks.items() if (folder / name).is_file()}
+    ours = {path for path, mark in there.items() if mark is not None and _says(path, mark)}
+    for path, mark in there.items():
+        if path not in ours and not (mark is None and ours) and path.stat().st_size:
+            raise InputError(
+                "camid did not write this file and would overwrite it",
+                where=str(path),
+                hint="move or remove it, or name another folder",
+            )
+
+
+def _says(path: Path, mark: str) -> bool:
+    """Whether a mark stands near the beginning or the end of a file."""
+    with path.open("rb") as stream:
+        start = stream.read(NEAR_ENDS)
+        stream.seek(max(path.stat().st_size - NEAR_ENDS, 0))
+        return mark.encode() in start + b"\n" + stream.read(NEAR_ENDS)
 
 
 def write_whole(path: str | os.PathLike[str], write: Callable[[Path], Any]) -> None:

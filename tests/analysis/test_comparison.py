@@ -1,16 +1,22 @@
 """The fit in per cent, and which rows and models it is of."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import camid
 from camid.analysis.comparison import fit_percent
+from camid.cli import main
 from camid.errors import InputError
+from camid.simulation.file import write_simulation
 from tests.support import linear_rig as rig
 from tests.support import pendulum_and_drive as rigs
 from tests.support.swinging_marker import SIMULATION as TWO_COLUMNS
 from tests.support.swinging_marker import swinging_marker
+from tests.support.two_rates import SIMULATION as TWO_RATES
+from tests.support.two_rates import two_rates
 
 
 def camera(column, **more):
@@ -151,3 +157,44 @@ def test_what_cannot_be_compared_is_refused_in_one_line(models, options, said):
         camid.compare(table, *models, **options)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("latency", [0.0, 1.5])
+def test_rows_that_saw_what_was_before_the_record_do_not_count(latency, tmp_path, capsys, monkeypatch):
+    """The numbers of ``compare`` and ``simulate`` are those of ``identify``."""
+    recorded = rig.recording(count=400, before=20, latency=latency)
+    sensor = camera("y", latency=latency * rig.PERIOD)
+    result = camid.identify(recorded, rig.simulation(initial_state="estimate", sensor=sensor))
+    compared = result.compare()
+    assert compared.to_mapping()["rows_compared"] == result.rows_fitted < 400
+    assert compared.fits["fit"][0] == pytest.approx(100.0 * (1.0 - result.nrmse), abs=1e-6)
+    monkeypatch.chdir(tmp_path)
+    recorded.to_csv("recording.csv", index=False)
+    write_simulation(result.simulation, "model.yaml")
+    command = ["simulate", "recording.csv", "--simulation", "model.yaml", "--output", "out.csv", "--json"]
+    assert main(command) == 0
+    assert json.loads(capsys.readouterr().out)["nrmse"] == pytest.approx(result.nrmse, abs=1e-8)
+    assert len(pd.read_csv("out.csv")) == 400
+
+
+def test_rows_before_the_record_of_every_experiment(tmp_path):
+    parts = [rig.recording(count=200, before=20, seed=seed).assign(run=seed) for seed in (1, 2)]
+    table = pd.concat(parts, ignore_index=True)
+    content = rig.simulation(initial_state="estimate", recording={"experiment": {"column": "run"}})
+    result = camid.identify(table, content)
+    assert result.compare().to_mapping()["rows_compared"] == result.rows_fitted == 398
+
+
+def test_models_that_count_in_frames_and_in_rows(tmp_path):
+    table = two_rates(seconds=4.0)
+    frames = TWO_RATES | {"initial_state": "estimate"}
+    rows = frames | {"sensor": {"column": "y", "kind": "instant"}, "recording": {"missing": "leave-out"}}
+    with pytest.raises(InputError, match=r"compare models with the same sensor\.time: one of them counts in frames"):
+        camid.compare(table, frames, rows)
+
+
+def test_an_open_latency_names_the_times_that_it_is_counted_from():
+    table = two_rates(seconds=4.0)
+    sensor = TWO_RATES["sensor"] | {"latency": "estimate"}
+    with pytest.raises(InputError, match=r"counted from the times in sensor\.time \('frame'\)"):
+        camid.compare(table, TWO_RATES | {"sensor": sensor})

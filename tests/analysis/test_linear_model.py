@@ -82,11 +82,11 @@ def test_equations_are_linearised_about_their_start():
 def test_several_columns_see_an_output_of_the_equations():
     driven = TWO_COLUMNS | {"input": {"column": "u", "hold": "zoh"}, "initial_state": "zero"}
     view = camid.bode(driven)
-    assert view.symbols == ("u", "angle")
+    assert (view.units.text("u"), view.units.text("y")) == ("u", "angle")
     assert any("to the plant's output 'angle'" in sentence for sentence in view.said())
     physical = driven["plant"]["physical"]
     at_rest = {"physical": {**physical, "equations": {**physical["equations"], "start": {}}}}
-    assert camid.step(driven | {"plant": at_rest}, duration=5.0).symbols == ("u", "angle")
+    assert camid.step(driven | {"plant": at_rest}, duration=5.0).units.output.column == "angle"
     with pytest.raises(InputError, match="a recording shows x, y, and not the plant's output 'angle'"):
         camid.bode(driven, recording=swinging_marker(push=0.4, seconds=6.0))
 

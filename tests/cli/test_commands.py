@@ -117,7 +117,8 @@ def test_undetermined_coefficients_have_no_accuracy(bench, capsys):
     rig.write_yaml(rig.simulation(plant=rig.plant([1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0])), bench / "S.yaml")
     assert main([*IDENTIFY, "--method", "plain-srivc"]) == 0
     out, err = capsys.readouterr()
-    assert out.count("undetermined") == 11  # 7 coefficients, 4 characteristics
+    assert out.count("undetermined") == 10  # 6 coefficients, 4 characteristics
+    assert out.count("(fixed)") == 1  # the leading one
     assert err.startswith("camid: warning: ")
     assert err.count("\n") == 1
     plant = load(bench / "model.yaml")["plant"]

@@ -125,6 +125,14 @@ def test_no_recorded_column_is_lost_to_the_result(bench, capsys, changes):
     assert "S.yaml: a recorded column is called 'simulated' like the result" in refusal(capsys, SIMULATE)
 
 
+def test_a_unit_that_a_header_gave_the_times_is_named(bench, capsys):
+    pd.read_csv("recording.csv").rename(columns={"t": "t [ms]"}).to_csv("recording.csv", index=False)
+    rig.write_yaml(rig.simulation(sensor={"column": "y", "kind": "camera", "exposure": 0.04}), bench / "S.yaml")
+    said = refusal(capsys, ["identify", "recording.csv", "--simulation", "S.yaml"])
+    assert "exposure = 0.04 s is longer than the period of 5e-05 s" in said
+    assert "the times are read in ms, as their header says: declare another unit under time" in said
+
+
 @pytest.mark.parametrize("command", [IDENTIFY, SIMULATE])
 def test_a_bad_cell_is_refused_in_one_line(bench, capsys, command):
     lines = (bench / "recording.csv").read_text().splitlines()

@@ -136,7 +136,8 @@ def test_identify_takes_effects_of_the_catalogue_and_leaves_those_on_the_noise()
     assert (kept.identifier, kept.parameters) == ("quantisation", {"step": 0.001})
     (row,) = found.effect_rows
     assert abs(estimated.parameters["half_width"] - 0.2) < 3.0 * row["standard_deviation"] < 0.01
-    assert found.to_mapping()["effects"] == [row]
+    declared = {"value": row["value"], "std": row["standard_deviation"], "unit": "u"}
+    assert found.to_mapping()["effects"] == [row | {"declared": declared}]
     assert found.converged
 
 

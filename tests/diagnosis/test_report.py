@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from camid.diagnosis.diagnosis import Location, NormalisedErrors, ParameterEstimate, Undetectable
+from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
@@ -245,29 +246,31 @@ def test_scaled_columns_are_not_the_units_of_their_values(capsys):
     diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, reading=reading))
     printed, page = texts(diagnosis, capsys)
     assert f"0.1500 ± 0.0021{SPACE}u" in diagnosis_table(diagnosis)
-    assert "velocity from −2.5 to 2.5 y/s" in page
-    assert "0.0041 u s²/y²" in page
+    assert "velocity from −2500 to 2500 mm/s" in page
+    assert "4.1·10⁻⁹ u s²/mm²" in page
     for text in (printed, page):
         assert "u = 35.15 · vir" in text
-        assert "y = 0.001 · way" in text
-    drawn = "".join(p.svg for panels in pictures.draw(diagnosis).values() for p in panels)
+    shown = in_declared_units(diagnosis)
+    drawn = "".join(p.svg for panels in pictures.draw(shown).values() for p in panels)
     assert "vir" not in drawn
-    assert "way" not in drawn
+    assert "way, mm" in drawn
+    np.testing.assert_allclose(shown.signals.recorded, 1e3 * diagnosis.signals.recorded)
+    np.testing.assert_array_equal(shown.signals.equivalent_input, diagnosis.signals.equivalent_input)
 
 
-def test_columns_that_are_not_scaled_are_the_units(capsys):
+def test_a_declared_unit_is_written_and_the_name_of_a_column_where_none_is(capsys):
     diagnosis = written_diagnoses.diagnosis("partly-explained", input_column="vir", output_column="way")
     diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, reading=Reading(input=Conversion(unit="V"))))
     printed, page = texts(diagnosis, capsys)
-    assert f"0.1500 ± 0.0021{SPACE}vir" in diagnosis_table(diagnosis)
-    assert "0.0041 vir s²/way²" in page
+    assert f"0.1500 ± 0.0021{SPACE}V" in diagnosis_table(diagnosis)
+    assert "0.0041 V s²/way²" in page
+    assert "vir in V. Units are written with the names of columns: way stands for the unit of column way." in page
     assert "in units" not in printed
 
 
 def diagnosis_table(diagnosis):
     """Values of all parameters as the terminal shows them."""
-    names = diagnosis.improved.symbols
-    return [summary.estimate_text(p, *names) for f in diagnosis.findings for p in f.parameters.values()]
+    return [summary.estimate_text(p) for f in in_declared_units(diagnosis).findings for p in f.parameters.values()]
 
 
 def test_an_adequate_simulation_with_a_remainder_says_so_in_its_title(capsys):
@@ -360,7 +363,7 @@ FORMULA = Formula(
 def test_a_formula_is_shown_with_its_numbers(capsys):
     law = replace(LEARNED, formula=FORMULA, description="even")
     diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[law])
-    text = "f = d(y)·v, d(y) = a·y², a = 0.140 ± 0.010 u s/y^3"
+    text = "f = d(y)·v, d(y) = a·y², a = 0.140 ± 0.010 u s/y³"
     summary.print_summary(diagnosis, [])
     printed = capsys.readouterr().out
     assert f"formula: {text}" in printed
@@ -369,7 +372,11 @@ def test_a_formula_is_shown_with_its_numbers(capsys):
     assert f"Formula: <code>{text}</code>" in page
     assert "In words: even." in page
     entry = diagnosis.to_mapping()["effects"][-1]
-    assert (entry["formula"], entry["formula_replaces"], entry["formula_rivals"]) == (text, ["cogging"], [])
+    assert (entry["formula"], entry["formula_replaces"], entry["formula_rivals"]) == (
+        "f = d(y)·v, d(y) = a·y², a = 0.140 ± 0.010 u s/y^3",
+        ["cogging"],
+        [],
+    )
 
 
 def test_formulas_that_cannot_be_told_apart_are_all_shown(capsys):
@@ -382,8 +389,9 @@ def test_formulas_that_cannot_be_told_apart_are_all_shown(capsys):
     assert entry["formula"] is None
     assert entry["formula_rivals"] == [FORMULA.text, other.text]
     for formula in (FORMULA, other):
-        assert f"formula, one of 2: {formula.text}" in printed
-        assert f"One of the formulas that cannot be told apart: <code>{formula.text}</code>" in page
+        text = formula.text.replace("y^3", "y³")
+        assert f"formula, one of 2: {text}" in printed
+        assert f"One of the formulas that cannot be told apart: <code>{text}</code>" in page
 
 
 @pytest.mark.parametrize(("structured", "left"), [(True, "something remains"), (False, "what is left is noise")])

@@ -17,6 +17,7 @@ from camid.draft.roles import says
 from camid.draft.simulation import quoted
 from camid.simulation.file import load_simulation
 from tests.support import linear_rig as rig
+from tests.support.two_rates import two_rates
 
 
 def drafted(capsys, *arguments):
@@ -125,6 +126,33 @@ def test_pixels_mean_a_camera_and_milliseconds_in_a_name_are_declared(capsys):
     assert found.reading.time.unit == "ms"
     assert "period 0.05 s" in text
     assert camid.identify("a.csv", "drafted.yaml").period == pytest.approx(rig.PERIOD)
+
+
+@pytest.mark.parametrize("frames", [47.3, 120.0])  # blank in most rows, or in some
+def test_frames_between_the_samples_of_the_drive(capsys, frames):
+    table = two_rates(frames=frames).rename(columns={"frame": "frame_time", "y": "x"})
+    table.assign(x_std=0.002 + 0.001 * np.sin(table["x"])).to_csv("joined.csv", index=False)
+    found, text = drafted(capsys, "joined.csv")
+    assert found.reading.frame_time == "frame_time"
+    assert (found.time_column, found.input_column, found.output_column) == ("t", "u", "x")
+    assert (found.sensor, found.reading.missing) == ("camera", "refuse")
+    assert "  time: frame_time  # a guess: when each frame was delivered; rows without one are blank" in text
+    assert "after camid join say estimate" in text
+    assert "x_std (belongs to what was tracked)" in text
+    known = text.replace("kind: camera", "kind: camera\n  exposure: 0.008").replace("latency: 0.0", "latency: 0.004")
+    Path("drafted.yaml").write_text(known)
+    result = camid.identify("joined.csv", "drafted.yaml")
+    assert result.nrmse < 0.1
+    natural = [row for row in result.characteristics() if row["name"] == "natural frequency"]
+    assert natural[0]["value"] == pytest.approx(9.0, rel=0.02)
+
+
+def test_times_of_frames_are_not_taken_for_an_output_of_every_row(capsys):
+    table = two_rates().rename(columns={"y": "x"})
+    encoder = np.interp(table["t"], table["frame"].dropna(), table["x"].dropna())
+    table.assign(y=encoder, x=np.nan).drop(columns="x").to_csv("encoder.csv", index=False)
+    found, _ = drafted(capsys, "encoder.csv")
+    assert (found.reading.frame_time, found.output_column) == (None, "y")
 
 
 def test_a_closed_loop_is_recognised_by_its_reference(capsys):

@@ -106,6 +106,6 @@ def campaign(project, reference, seconds, folder, random):
             "SIGKILL of a command", "`camid simulate` over an older result", "the old or the new file, whole"
         ),
     }
-    kill_workflow(project, reference, seconds, random, counts)
     kill_commands(folder / "command", random, counts["command"])
+    kill_workflow(project, reference, seconds, random, counts)
     return list(counts.values())

@@ -8,6 +8,8 @@ from tests.support import ROOT
 
 PAGE = ROOT / "docs/trust.md"
 BEGIN, END = "<!-- table: python -m tests.faults.page -->", "<!-- end of the table -->"
+# Campaigns of their own.
+COMMANDS = {"slurm": "make test-slurm"}
 HEADING = "| fault or input | tried on | asked for | trials | what happened | wrong |\n|---|---|---|---:|---|---:|\n"
 
 
@@ -26,19 +28,19 @@ def table(content):
             lines.append(f"| {' | '.join(map(cell, cells))} |\n")
     trials = sum(row["trials"] for campaign in content.values() for row in campaign["rows"])
     seconds = sum(campaign["seconds"] for campaign in content.values())
-    seeds = sorted({campaign["seed"] for campaign in content.values()})
-    commands = ", ".join(f"`python -m tests.faults {name}`" for name in content)
+    seeds = sorted({seed for campaign in content.values() for seed in campaign["seeds"]})
+    commands = ", ".join(f"`{COMMANDS.get(name, f'python -m tests.faults {name}')}`" for name in content)
     lines.append(f"\n{trials:,} trials in {seconds / 60:.0f} minutes, seed {', '.join(map(str, seeds))}; ")
     lines.append(f"parts of it: {commands}.\n")
     return "".join(lines)
 
 
-def with_table(page, content):
-    """The page with the table in place of the one that it has."""
-    before, _, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    assert end, f"{PAGE} has lost its marks"
-    return f"{before}{BEGIN}\n\n{table(content)}\n{END}{after}"
+def with_table(page, text, begin=BEGIN, end=END):
+    """The page with a table in place of the one that it has."""
+    before, _, rest = page.partition(begin)
+    _, found, after = rest.partition(end)
+    assert found, f"the page has lost its mark {begin}"
+    return f"{before}{begin}\n\n{text}\n{end}{after}"
 
 
 def main():
@@ -46,7 +48,7 @@ def main():
     if not RESULT.exists():
         sys.exit(f"{RESULT} is missing: call make test-faults first")
     content = json.loads(RESULT.read_text(encoding="utf-8"))
-    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), content), encoding="utf-8")
+    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), table(content)), encoding="utf-8")
 
 
 if __name__ == "__main__":

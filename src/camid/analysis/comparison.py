@@ -7,13 +7,14 @@ model, 0 % one that follows no better than the mean, and there is no lower end. 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.analysis.view import ShortTable, View, common_mapping
+from camid.simulation.declared_units import IN_U_AND_Y, SignalUnit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,7 +55,7 @@ class ComparedSignal:
     kind : {"output", "control"}
         The control is what the controller of a closed loop puts out.
     symbol : str
-        What it is called in units.
+        Its column.
     experiment : str or None
         What tells the experiment from the others in its file.
     time, recorded : ndarray, shape (N,)
@@ -64,6 +65,8 @@ class ComparedSignal:
         Rows that count: not those that the simulation says to leave out.
     held_out : ndarray of bool, shape (N,)
         Rows that were not fitted.
+    unit : SignalUnit
+        What people read it in; the values are in SI units.
     """
 
     kind: str
@@ -74,6 +77,13 @@ class ComparedSignal:
     simulated: Mapping[str, Array]
     compared: NDArray[np.bool_]
     held_out: NDArray[np.bool_]
+    unit: SignalUnit = IN_U_AND_Y.output
+
+    def in_declared_unit(self) -> ComparedSignal:
+        """The same with values as people read them."""
+        factor = self.unit.factor
+        simulated = {name: values / factor for name, values in self.simulated.items()}
+        return replace(self, recorded=self.recorded / factor, simulated=simulated)
 
     def fit_text(self, model: str) -> str:
         """Fits in words."""
@@ -137,7 +147,7 @@ class Comparison(View):
         """A row a recorded row and signal.
 
         ``experiment``, ``signal``, ``time`` (s), ``held_out`` (0 or 1), ``recorded``, and a column of what each model
-        simulates.
+        simulates, in SI units.
         """
         import pandas as pd
 
@@ -188,8 +198,9 @@ class Comparison(View):
         held = [s.time[s.held_out & s.compared] for s in self.signals if (s.held_out & s.compared).any()]
         span = {"start": float(min(t[0] for t in held)), "end": float(max(t[-1] for t in held))} if held else None
         rows_compared = int(sum(np.count_nonzero(s.compared) for s in self.signals))
+        units = {signal.symbol: signal.unit.to_mapping() for signal in self.signals}
         return common_mapping(
-            self, recording=self.source, unit="%", held_out=span, rows_compared=rows_compared, fits=rows
+            self, recording=self.source, unit="%", units=units, held_out=span, rows_compared=rows_compared, fits=rows
         )
 
     def _draw(self) -> Figure:

@@ -9,7 +9,7 @@ import numpy as np
 
 from camid.analysis.empirical_response import EmpiricalResponse, empirical_response
 from camid.analysis.frequency_response import FrequencyResponses, ResponseCurve, frequencies_for
-from camid.analysis.linear_model import linear_models, symbols_of
+from camid.analysis.linear_model import linear_models, units_of
 from camid.errors import InputError
 from camid.recording.recording import Recording
 from camid.simulation.model import Simulation
@@ -54,7 +54,7 @@ def diagnosed_responses(
     if not all(np.any(np.isfinite(c.magnitude) & (c.magnitude > 0.0)) for c in curves):
         return None
     remarks = tuple(sentence for model in linear for sentence in model.linearised)
-    return FrequencyResponses(curves, empirical, False, symbols_of(first), remarks)
+    return FrequencyResponses(curves, empirical, False, units_of(first), remarks)
 
 
 def _shown_by(recordings: Sequence[Recording], simulation: Simulation) -> EmpiricalResponse | None:

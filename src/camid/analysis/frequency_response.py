@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, pi
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,6 +15,7 @@ from camid.analysis.view import ShortTable, View, common_mapping
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.number_text import plain, with_deviation
+from camid.simulation.declared_units import DeclaredUnits
 from camid.writing import without_infinities
 
 if TYPE_CHECKING:
@@ -133,15 +134,15 @@ class FrequencyResponses(View):
         Of the recording.
     seen_by_camera : bool
         Whether exposure and latency are part of what is shown.
-    symbols : tuple of str
-        Of input and output.
+    units : DeclaredUnits
+        What people read input and output in.
     remarks : tuple of str
     """
 
     curves: list[ResponseCurve]
     empirical: EmpiricalResponse | None
     seen_by_camera: bool
-    symbols: tuple[str, str]
+    units: DeclaredUnits
     remarks: tuple[str, ...] = ()
 
     columns: ClassVar[tuple[str, ...]] = ("model", "angular_frequency", "frequency", "magnitude")
@@ -151,12 +152,22 @@ class FrequencyResponses(View):
         """What is shown, in words."""
         return "plant, exposure and latency of the sensor" if self.seen_by_camera else "plant alone"
 
+    def in_declared_units(self) -> FrequencyResponses:
+        """The same with magnitudes as people read them."""
+        factor = self.units.factor("y/u")
+        found = self.empirical
+        return replace(
+            self,
+            curves=[replace(curve, magnitude=curve.magnitude / factor) for curve in self.curves],
+            empirical=None if found is None else replace(found, response=found.response / factor),
+        )
+
     @property
     def numbers(self) -> pd.DataFrame:
         """Rows of all models, then those of the recording.
 
-        ``model``, ``angular_frequency`` (rad/s), ``frequency`` (Hz), ``magnitude`` (y/u), ``magnitude_db`` and its
-        standard deviation, ``phase`` and its standard deviation in degrees, ``coherence`` of the recording.
+        ``model``, ``angular_frequency`` (rad/s), ``frequency`` (Hz), ``magnitude`` (y/u in SI units), ``magnitude_db``
+        and its standard deviation, ``phase`` and its standard deviation in degrees, ``coherence`` of the recording.
         """
         import pandas as pd
 
@@ -179,7 +190,7 @@ class FrequencyResponses(View):
     def short_table(self) -> ShortTable:
         """Magnitude and phase at a few frequencies."""
         rows = []
-        for curve in self.curves:
+        for curve in self.in_declared_units().curves:
             omega, label = curve.angular_frequency, curve.name
             for at in np.geomspace(omega[0], omega[-1], ROWS_SHOWN):
                 magnitude = _estimate(at, omega, curve.decibels, curve.decibel_deviation, 2)
@@ -187,7 +198,7 @@ class FrequencyResponses(View):
                 phase = _estimate(at, omega, np.degrees(curve.phase), turned, 1)
                 rows.append((label, plain(float(at), 3), plain(float(at / (2.0 * pi)), 3), magnitude, phase))
                 label = ""
-        headings = ("model", "rad/s", "Hz", "magnitude, dB", "phase, °")
+        headings = ("model", "rad/s", "Hz", f"magnitude, dB of {self.units.text('y/u')}", "phase, °")
         return ShortTable(f"Frequency response: {self.shows}", headings, rows)
 
     def said(self) -> tuple[str, ...]:
@@ -215,7 +226,7 @@ class FrequencyResponses(View):
             }
             for c in (*self.curves, *([] if self.empirical is None else [self.recorded_curve()]))
         ]
-        unit = {"angular_frequency": "rad/s", "magnitude": f"{self.symbols[1]}/{self.symbols[0]}", "phase": "rad"}
+        unit = {"angular_frequency": "rad/s", "magnitude": "y/u", "phase": "rad", **self.units.to_mapping()}
         curves = [without_infinities(c) for c in found]
         return common_mapping(self, shows=self.shows, units=unit, models=curves)
 

@@ -17,6 +17,7 @@ from camid.engine.mechanics import Chain
 from camid.errors import InputError
 from camid.number_text import plain
 from camid.physical.equations import plant_function
+from camid.simulation.declared_units import DeclaredUnits, SignalUnit
 from camid.simulation.model import DeclaredEffect, Simulation
 
 Array = NDArray[np.float64]
@@ -116,13 +117,13 @@ def linear_models(models: Mapping[str, Simulation]) -> list[LinearModel]:
     return found
 
 
-def symbols_of(simulation: Simulation) -> tuple[str, str]:
-    """What input and output of the plant are called; several columns of a sensor see an output of the equations."""
-    source, output = simulation.symbols
+def units_of(simulation: Simulation) -> DeclaredUnits:
+    """Units of input and output of the plant; several columns of a sensor see an output of the equations."""
+    units = simulation.units
     equations = None if simulation.physical is None else simulation.physical.equations
     if simulation.output_columns and equations is not None:
-        output = equations.output
-    return source or "u", output
+        return replace(units, output=SignalUnit("y", equations.output))
+    return units
 
 
 def is_linear(effect: Effect) -> bool:
@@ -165,7 +166,7 @@ def _others(simulation: Simulation, name: str) -> list[str]:
     """What else is to be known of the plant alone."""
     said = []
     if simulation.output_columns:
-        said.append(f"{name}: from the input to the plant's output '{symbols_of(simulation)[1]}'")
+        said.append(f"{name}: from the input to the plant's output '{units_of(simulation).output.column}'")
     if simulation.controller is not None:
         said.append(f"{name}: the plant without its controller")
     if simulation.input_column is None:

@@ -152,7 +152,7 @@ def residual_correlations(
         )
     analysis, residual, recorded = found
     closed = simulation.controller is not None
-    source, output = simulation.symbols
+    source, output = simulation.input_column, simulation.output_column
     remarks = list(warnings_of(recordings))
     if not fitted:
         remarks.append(

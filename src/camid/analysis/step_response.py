@@ -30,6 +30,7 @@ from camid.identification.from_recordings import load_recordings
 from camid.number_text import plain, with_deviation
 from camid.physical.equations import plant_function
 from camid.recording.options import Reading
+from camid.simulation.declared_units import DeclaredUnits
 from camid.simulation.model import Simulation
 from camid.writing import without_infinities
 
@@ -287,22 +288,22 @@ class StepResponses(View):
     ----------
     curves : list of StepCurve
     amplitude : float
-        In units of u.
-    symbols : tuple of str
-        Of input and output.
+        In SI units.
+    units : DeclaredUnits
+        What people read input and output in.
     remarks : tuple of str
     """
 
     curves: list[StepCurve]
     amplitude: float
-    symbols: tuple[str, str]
+    units: DeclaredUnits
     remarks: tuple[str, ...] = ()
 
     columns: ClassVar[tuple[str, ...]] = ("model", "time", "output", "output_deviation")
 
     @property
     def numbers(self) -> pd.DataFrame:
-        """``model``, ``time`` (s), ``output`` (units of y) and its standard deviation, NaN where it is not known."""
+        """``model``, ``time`` (s), ``output`` (SI) and its standard deviation, NaN where it is not known."""
         import pandas as pd
 
         nothing = np.nan
@@ -321,9 +322,9 @@ class StepResponses(View):
 
     def short_table(self) -> ShortTable:
         """What engineers read off a step response."""
-        source, output = self.symbols
+        output, source = self.units.output, self.units.input
         asked = (
-            ("final_value", "final value", output, 1.0),
+            ("final_value", "final value", output.symbol, 1.0 / output.factor),
             ("rise_time", "rise time, 10 to 90 %", "s", 1.0),
             ("overshoot", "overshoot", "%", 100.0),
             ("peak_time", "peak after", "s", 1.0),
@@ -343,8 +344,11 @@ class StepResponses(View):
                 label = ""
             if label:
                 rows.append((label, "has not come to rest", "–", ""))
-        size, headings = plain(self.amplitude, 4), ("model", "quantity", "value ± standard deviation", "unit")
-        return ShortTable(f"Response to a step of {size} {source}", headings, rows, texts=2)
+        size, headings = (
+            plain(self.amplitude / source.factor, 4, source.symbol),
+            ("model", "quantity", "value ± standard deviation", "unit"),
+        )
+        return ShortTable(f"Response to a step of {size}", headings, rows, texts=2)
 
     def said(self) -> tuple[str, ...]:
         """What is not in it."""
@@ -368,7 +372,7 @@ class StepResponses(View):
             )
             for c in self.curves
         ]
-        return common_mapping(self, amplitude=self.amplitude, unit=self.symbols[1], models=curves)
+        return common_mapping(self, amplitude=self.amplitude, units=self.units.to_mapping(), unit="y", models=curves)
 
     def _draw(self) -> Figure:
         from camid.drawing.steps import draw

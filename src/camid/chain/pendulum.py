@@ -62,9 +62,10 @@ class Pendulum:
 
     def coefficient_rows(self) -> Iterator[tuple[str, float, float | None, str]]:
         """Name, value, standard deviation where there is one, and unit of each parameter."""
-        units = {"natural_frequency": "rad/s", "damping": "", "gain": "y/u", "rest": "rad"}
+        units = {"natural_frequency": "rad/s", "damping": "", "gain": "y/u", "rest": "y"}
         for name, unit in units.items():
-            deviation = None if self.standard_deviations is None else self.standard_deviations.get(name)
+            known = None if self.standard_deviations is None else self.standard_deviations.get(name)
+            deviation = known if self.is_free(name) else 0.0
             yield name.replace("_", " "), getattr(self, name), deviation, unit
 
     def to_mapping(self) -> dict[str, Any]:

@@ -24,29 +24,13 @@ def print_identification(result: Identification, written: list[Path]) -> None:
     table.add_column("quantity")
     table.add_column("value ± standard deviation", justify="right")
     table.add_column("unit")
-    for name, value, deviation, unit in model.coefficient_rows():
-        table.add_row(name, with_deviation(value, deviation), unit)
-    combinations = result.combinations()
-    if combinations:
+    for group in result.quantities():
+        for name, value, deviation, unit in group:
+            table.add_row(name, with_deviation(value, deviation), unit)
         table.add_section()
-        for row in combinations:
-            table.add_row(row["expression"], with_deviation(row["value"], row["standard_deviation"]), "")
-    if not model.states_characteristics:
-        table.add_section()
-        for found in result.characteristics():
-            estimate = with_deviation(float(found["value"]), float(found["standard_deviation"]))
-            table.add_row(str(found["name"]), estimate, str(found["unit"]))
-    constants = result.constants()
-    if constants:
-        table.add_section()
-        for row in constants:
-            table.add_row(row["name"], with_deviation(row["value"], row["standard_deviation"]), row["unit"])
-    if result.effect_rows:
-        table.add_section()
-        for row in result.effect_rows:
-            name = f"{row['effect']}, {row['name'].replace('_', ' ')}"
-            table.add_row(name, with_deviation(row["value"], row["standard_deviation"]), row["unit"])
     console.print(table)
+    if explained := model.units.explained:
+        console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     held = "free decay" if model.input_column is None else f"input {model.hold}"
     sensor = "instant sensor" if model.sensor == "instant" else f"camera, exposure {_milliseconds(model.exposure)}"
     console.print(

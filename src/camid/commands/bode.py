@@ -7,7 +7,7 @@ from pathlib import Path
 
 from camid.analysis.empirical_response import empirical_response
 from camid.analysis.frequency_response import FrequencyResponses, ResponseCurve, frequencies_for
-from camid.analysis.linear_model import LinearModel, linear_models, symbols_of
+from camid.analysis.linear_model import LinearModel, linear_models, units_of
 from camid.analysis.models import ModelSource, named_models
 from camid.chain.acquisition import Acquisition
 from camid.effects.declared import effects_of
@@ -64,7 +64,7 @@ def bode(
     if recording is not None:
         refuse_unknown_clock(first)
         if first.output_columns:
-            seen, output = ", ".join(first.output_columns), symbols_of(first)[1]
+            seen, output = ", ".join(first.output_columns), units_of(first).output.column
             raise InputError(
                 f"a recording shows {seen}, and not the plant's output '{output}'",
                 where=first.source,
@@ -79,7 +79,7 @@ def bode(
     remarks = [sentence for model in linear for sentence in (*model.linearised, *model.remarks)]
     if len(recordings) > 1 and isinstance(recording, str | os.PathLike):
         remarks.append(f"{Path(recording).name}: the spectra of its {len(recordings)} experiments are averaged")
-    return FrequencyResponses(curves, empirical, camera, symbols_of(first), (*remarks, *warnings_of(recordings)))
+    return FrequencyResponses(curves, empirical, camera, units_of(first), (*remarks, *warnings_of(recordings)))
 
 
 def _camera(model: LinearModel, recordings: list[Recording]) -> Acquisition:

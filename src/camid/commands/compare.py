@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from camid.analysis.comparison import CONTROL, OUTPUT, ComparedSignal, Comparison, rows_between
 from camid.analysis.models import ModelSource, named_models
-from camid.commands.simulate import simulated_table
+from camid.commands.simulate import rows_compared, simulated_table, units_of_table
 from camid.errors import InputError
 from camid.identification.from_recordings import RecordingSource
+from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
@@ -96,9 +97,19 @@ def _signals(
         for quantity in _quantities(simulations, tables, source):
             time, recorded, simulated = _same_rows(parts, simulations, quantity, source)
             compared, held_out = time >= time[0] + leave_out, rows_between(time, spans)
+            for name in simulated:
+                compared &= rows_compared(simulations[name], parts[name])
             found.append(
                 ComparedSignal(
-                    quantity.kind, quantity.symbol, experiment, time, recorded, simulated, compared, held_out
+                    quantity.kind,
+                    str(quantity.unit.column),
+                    experiment,
+                    time,
+                    recorded,
+                    simulated,
+                    compared,
+                    held_out,
+                    quantity.unit,
                 )
             )
     return found
@@ -106,10 +117,10 @@ def _signals(
 
 @dataclass(frozen=True)
 class _Quantity:
-    """What is compared: its kind, what it is called, and for each model its columns, recorded and simulated."""
+    """What is compared: its kind and unit, and for each model its columns, recorded and simulated."""
 
     kind: str
-    symbol: str
+    unit: SignalUnit
     columns: Mapping[str, tuple[str, str]]
 
 
@@ -129,12 +140,14 @@ def _quantities(
             )
         for column, result in columns.items():
             outputs.setdefault(column if several else "", {})[name] = column, result
-    symbols = {"": believed.symbols[1]}
-    found = [_Quantity(OUTPUT, symbols.get(label, label), columns) for label, columns in outputs.items()]
+    output = units_of_table(believed, tables[first]).output
+    found = [
+        _Quantity(OUTPUT, replace(output, column=label or output.column), columns) for label, columns in outputs.items()
+    ]
     loops = [name for name, table in tables.items() if "simulated_input" in table]
     if loops:
         controls = {name: (str(simulations[name].input_column), "simulated_input") for name in loops}
-        found.append(_Quantity(CONTROL, str(simulations[loops[0]].symbols[0]), controls))
+        found.append(_Quantity(CONTROL, units_of_table(simulations[loops[0]], tables[loops[0]]).input, controls))
     return found
 
 
@@ -154,10 +167,13 @@ def _same_rows(
         other, times, values = reference
         same = len(time) == len(times) and np.allclose(time, times, rtol=1e-9, atol=1e-12)
         if not (same and np.allclose(recorded, values, rtol=1e-9, atol=0.0, equal_nan=True)):
+            frames = {simulations[each].reading.frame_time for each in (other, name)}
             raise InputError(
                 f"{other} and {name} read different values as the {quantity.kind}",
                 where=source,
-                hint="compare models that name the same columns, units, start and end",
+                hint="compare models with the same sensor.time: one of them counts in frames, the other in rows"
+                if len(frames) > 1
+                else "compare models that name the same columns, units, start and end",
             )
         simulated[name] = table[result].to_numpy(dtype=float)
     assert reference is not None

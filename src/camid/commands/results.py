@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 from camid.analysis.view import ShortTable, html_table
 from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.in_declared_units import in_declared_units
+from camid.diagnosis.report.summary import estimate_text
 from camid.effects.own_effects import own_effects
 from camid.identification.from_recordings import RecordingSource
 from camid.identification.identification import Identification
@@ -137,12 +139,7 @@ class IdentificationResult(Identification, Drawable):
 
     def _rows(self) -> list[tuple[str, str, str]]:
         """Quantity, estimate and unit of what describes the plant."""
-        named = [(n, with_deviation(v, d), unit) for n, v, d, unit in self.simulation.coefficient_rows()]
-        derived = [] if self.simulation.states_characteristics else self.characteristics()
-        return named + [
-            (str(row["name"]), with_deviation(row["value"], row["standard_deviation"]), str(row["unit"]))
-            for row in [*derived, *self.constants()]
-        ]
+        return [(name, with_deviation(v, d), unit) for group in self.quantities() for name, v, d, unit in group]
 
     def _headline(self) -> str:
         state = "converged" if self.converged else "NOT CONVERGED"
@@ -197,11 +194,8 @@ class DiagnosisResult(Diagnosis, Drawable):
     def _rows(self) -> list[tuple[str, str, str]]:
         """Effect, weight, and its parameters."""
         rows = []
-        for finding in self.findings:
-            parameters = ", ".join(
-                f"{name} {p.value if isinstance(p.value, str) else with_deviation(p.value, p.standard_deviation)}"
-                for name, p in finding.parameters.items()
-            )
+        for finding in in_declared_units(self).findings:
+            parameters = ", ".join(f"{name} {estimate_text(p)}" for name, p in finding.parameters.items())
             rows.append((finding.identifier, percentage(finding.weight, 2), parameters))
         return rows
 

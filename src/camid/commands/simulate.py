@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,9 +13,17 @@ from camid.effects.own_effects import EffectSource, own_effects, own_effects_in_
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
 from camid.fitting.simulated_output import simulated_output, simulated_readings
-from camid.identification.from_recordings import RecordingSource, SimulationSource, load_recordings, warnings_of
+from camid.identification.from_recordings import (
+    RecordingSource,
+    SimulationSource,
+    acquisition_of,
+    load_recordings,
+    warnings_of,
+    with_units_of_headers,
+)
 from camid.recording.recording import Recording
 from camid.recording.time_grid import spline
+from camid.simulation.declared_units import DeclaredUnits
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
 
@@ -49,7 +58,9 @@ def simulate(
     DataFrame
         One row a recorded row, in order and in SI units: the time column, ``simulated`` (``simulated_`` and a name for
         each of several columns) and, where it is recorded, the output column; ``experiment`` before them where a file
-        holds several. ``attrs["warnings"]`` says what was done to the rows, if anything.
+        holds several.
+        ``attrs["warnings"]`` says what was done to the rows, if anything, and ``attrs["units"]`` what
+        the file has input and output in.
 
     Raises
     ------
@@ -96,7 +107,7 @@ def simulated_table(
                 where=believed.source,
                 hint="rename the column",
             )
-    parts = []
+    parts, compared_from = [], {}
     for one in recordings:
         control: Array | None = None
         rows = _rows_between(one, held_out) if held_out else None
@@ -128,10 +139,41 @@ def simulated_table(
             if name in one.recorded_columns:
                 table[name] = one.recorded_columns[name]
         parts.append(pd.DataFrame(table))
+        compared_from[one.experiment or ""] = _compared_from(believed, one)
     result = parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
     if said := warnings_of(recordings):
         result.attrs["warnings"] = list(said)
+    reading = with_units_of_headers(believed, recordings).reading
+    result.attrs["compared_from"] = compared_from
+    result.attrs["units"] = {"input": reading.input.unit, "output": reading.output.unit}
     return result
+
+
+def _compared_from(believed: Simulation, recording: Recording) -> float:
+    """Seconds from which on a recording says something of a simulation.
+
+    Where the initial state is estimated, what the input did before the record is unknown, and so are frames exposed
+    then.
+    """
+    hidden = 0
+    if believed.estimates_initial_state and believed.input_column is not None:
+        hidden = acquisition_of(recording, believed).window()[0]
+    return float(recording.time[0] + (hidden - 0.5) * recording.period)
+
+
+def rows_compared(simulation: Simulation, table: pd.DataFrame) -> NDArray[np.bool_]:
+    """Rows of a table of :func:`simulated_table`, shape (N,), that say something of the simulation."""
+    time = table[simulation.time_column].to_numpy(dtype=float)
+    labels = table["experiment"] if "experiment" in table else [""] * len(table)
+    return np.array(time >= np.array([table.attrs["compared_from"][label or ""] for label in labels]))
+
+
+def units_of_table(simulation: Simulation, table: pd.DataFrame) -> DeclaredUnits:
+    """What people read the values of a table of :func:`simulated_table` in; itself, it is in SI units."""
+    found = table.attrs.get("units", {})
+    reading = simulation.reading
+    parts = {name: replace(getattr(reading, name), unit=unit) for name, unit in found.items()}
+    return replace(simulation, reading=replace(reading, **parts)).units
 
 
 def _rows_between(recording: Recording, spans: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from camid.analysis.linear_model import linear_models, symbols_of
+from camid.analysis.linear_model import linear_models, units_of
 from camid.analysis.models import ModelSource, named_models
 from camid.analysis.step_response import StepResponses, remarks_of_step, step_curve, times_for
 from camid.errors import InputError, need
@@ -18,7 +18,7 @@ def step(*models: ModelSource, amplitude: float = 1.0, duration: float | None = 
     *models : path, mapping, Simulation, result of ``camid.identify`` or ``camid.diagnose``, or python-control system
         Linear plants run in python-control, nonlinear ones, with their effects, in the engine.
     amplitude : float
-        Height of the step in units of u.
+        Height of the step, in the unit that the first model declares for the input.
     duration : float, optional
         Seconds; as long as python-control takes for the slowest model.
 
@@ -40,6 +40,8 @@ def step(*models: ModelSource, amplitude: float = 1.0, duration: float | None = 
     simulations = named_models(models, plants_alone=True)
     linear = linear_models(simulations)
     time = times_for(linear, duration)
+    units = units_of(linear[0].simulation)
+    amplitude *= units.input.factor
     curves = [step_curve(model, time, amplitude) for model in linear]
     remarks = [s for model, curve in zip(linear, curves, strict=True) for s in remarks_of_step(model, curve)]
-    return StepResponses(curves, amplitude, symbols_of(linear[0].simulation), tuple(remarks))
+    return StepResponses(curves, amplitude, units, tuple(remarks))

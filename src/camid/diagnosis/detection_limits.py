@@ -14,7 +14,7 @@ from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import WORKERS, Problem
-from camid.number_text import number, plain
+from camid.number_text import number
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645
@@ -120,8 +120,8 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
         return Undetectable(kind.identifier, f"{share}; no size of it would have been seen in this recording")
     parameter = next((p for p in numeric if p.name == kind.strength), numeric[0])
     others = [p for p in numeric if p.name != parameter.name]
-    shape = ", ".join(f"{p.name.replace('_', ' ')} {plain(effect.values[p.name], 3)} {p.unit}".strip() for p in others)
-    reason = f"{share} below this size{' (at ' + shape + ')' if shape else ''}"
+    shape = {p.name: (float(effect.values[p.name]), p.unit) for p in others}
     rest = {name: value for name, value in effect.stated().items() if name != parameter.name}
     value = float(effect.values[parameter.name])
-    return Undetectable(kind.identifier, reason, parameter.name, value, parameter.unit, rest)
+    reason = f"{share} below this size"
+    return Undetectable(kind.identifier, reason, parameter.name, value, parameter.unit, rest, shape=shape)

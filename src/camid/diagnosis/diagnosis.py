@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.provenance import Provenance
 from camid.diagnosis.weights import Comparison
+from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
@@ -180,6 +182,8 @@ class Undetectable:
         Detected in about 95 % of recordings like this one; None where no size would have shown.
     others : dict
         Values of the effect's other parameters at which this holds.
+    shape : dict
+        Values and units of those of them that are numbers.
     shows : bool
         Whether an effect without a number, so that it has no smallest size, would have shown.
     """
@@ -191,6 +195,7 @@ class Undetectable:
     unit: str | None = None
     others: dict[str, Any] = field(default_factory=dict)
     shows: bool = False
+    shape: dict[str, tuple[float, str]] = field(default_factory=dict)
 
     @property
     def would_show(self) -> bool:
@@ -211,7 +216,19 @@ class Undetectable:
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A coefficient of the plant as believed, refitted alone, and fitted together with the effects."""
+    """A coefficient of the plant as believed, refitted alone, and fitted together with the effects.
+
+    Attributes
+    ----------
+    name : str
+    nominal, refitted, improved : float
+    refitted_deviation, improved_deviation : float
+        Standard deviations; zero where it is fixed.
+    unit : str
+        In u, y and s; of a named constant that which the plant declares.
+    declared_by_plant : bool
+        Whether it is such a constant.
+    """
 
     name: str
     nominal: float
@@ -219,6 +236,8 @@ class Coefficient:
     refitted_deviation: float
     improved: float
     improved_deviation: float
+    unit: str = ""
+    declared_by_plant: bool = False
 
 
 @dataclass(frozen=True)
@@ -353,14 +372,14 @@ class Diagnosis:
         return str(self.improved.input_column) if self.residual_of == "control" else self.improved.output_column
 
     @property
-    def compared_symbol(self) -> str:
-        """What that is called in units."""
-        signal, output = self.improved.symbols
-        return str(signal) if self.residual_of == "control" else output
+    def compared_signal(self) -> SignalUnit:
+        """Units of that."""
+        units = self.improved.units
+        return units.input if self.residual_of == "control" else units.output
 
     def to_mapping(self) -> dict[str, Any]:
-        """diagnosis.json, version 1 of the design's contract."""
-        return {
+        """diagnosis.json, version 1 of the design's contract: SI units, and in ``declared`` what people read."""
+        content = {
             "schema": 1,
             "verdict": self.verdict,
             "explanation": self.explanation,
@@ -368,9 +387,10 @@ class Diagnosis:
             "effects": [f.to_mapping() for f in self.findings] + [part.to_mapping() for part in self.learned],
             "fit": self.fit.to_mapping(),
             "undetectable": [u.to_mapping() for u in self.undetectable],
-            "coefficients": [vars(c) for c in self.coefficients],
+            "coefficients": [{k: v for k, v in vars(c).items() if k != "declared_by_plant"} for c in self.coefficients],
             "tests": [vars(t) for t in self.tests],
             "warnings": self.warnings,
             "hypotheses": [h.to_mapping() for h in self.hypotheses],
             "conditions": None if self.conditions is None else self.conditions.to_mapping(),
         }
+        return with_declared(content, self)

@@ -49,6 +49,7 @@ class EffectSignals:
     data: Array
     law: Array
     seen: Array
+    unit: str = "u"
 
 
 def effect_signals(problem: Problem, final: Fitted, identifiers: Sequence[str]) -> list[EffectSignals]:
@@ -84,9 +85,12 @@ def effect_signals(problem: Problem, final: Fitted, identifiers: Sequence[str]) 
             law = problem.kind.shown_sign * force
             shown, position_here = problem.kind.force_seen(problem, model, law), seen
             rest = problem.kind.equivalent_input(problem, model, left)
+        unit = "y" if effect.place == "sensor" else "u"
         rate = np.gradient(position_here, problem.acquisition.period)
         if np.all(np.isfinite(law)) and np.all(np.isfinite(shown + rest)):
-            found.append(EffectSignals(effect.identifier, position_here, velocity, rate, shown + rest, law, shown))
+            found.append(
+                EffectSignals(effect.identifier, position_here, velocity, rate, shown + rest, law, shown, unit)
+            )
     return found
 
 

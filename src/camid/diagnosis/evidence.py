@@ -13,6 +13,7 @@ from camid.diagnosis.mismatch_location import PlaceTest
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 
@@ -68,14 +69,25 @@ def errors_without(problem: Problem, decision: Decision, validation: Sequence[ND
     return [simulated_error(problem, each.model, validation) for each in fitted]
 
 
-def coefficients_of(problem: Problem, nominal: Model, base: Fitted, final: Fitted) -> list[Coefficient]:
+def coefficients_of(
+    problem: Problem, believed: Simulation, nominal: Model, base: Fitted, final: Fitted
+) -> list[Coefficient]:
     """How far the coefficients had been bent by what was left out."""
     kind, structure = problem.kind, problem.structure
-    believed = kind.estimates(structure, nominal, None)
+    given = kind.estimates(structure, nominal, None)
     bent, improved = (kind.estimates(structure, fitted.model, fitted) for fitted in (base, final))
     return [
-        Coefficient(name, value, bent[i][1], bent[i][2], improved[i][1], improved[i][2])
-        for i, (name, value, _) in enumerate(believed)
+        Coefficient(
+            name,
+            value,
+            bent[i][1],
+            bent[i][2],
+            improved[i][1],
+            improved[i][2],
+            believed.unit_of_coefficient(name),
+            believed.physical is not None,
+        )
+        for i, (name, value, _) in enumerate(given)
     ]
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camid.diagnosis.diagnosis import Coefficient, Finding, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding, Location, NormalisedErrors
+from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import UNLISTED
 from camid.effects import known_effects
-from camid.number_text import SPACE, number, percentage, plain, with_deviation
+from camid.number_text import SPACE, percentage, plain, with_deviation
 
 # Weight that a name needs to stand in the headline.
 HEADLINE_WEIGHT = 0.5
@@ -47,6 +48,22 @@ def headline(finding: Finding) -> str:
     return f"physics outside the catalogue, which acts like {within_sentence(finding.title)}{_details(finding)}"
 
 
+def explained(diagnosis: Diagnosis) -> str:
+    """A diagnosis in sentences, in the units that the simulation declares."""
+    shown = in_declared_units(diagnosis)
+    return explanation(
+        shown.verdict,
+        shown.findings,
+        shown.fit,
+        shown.location,
+        shown.coefficients,
+        shown.known_remainder,
+        shown.learned,
+        shown.structured,
+        diagnosis.compared_signal.symbol,
+    )
+
+
 def explanation(
     verdict: str,
     found: Sequence[Finding],
@@ -56,8 +73,9 @@ def explanation(
     remainder: float | None = None,
     learned: Sequence[LearnedPart] = (),
     structured: bool = False,
+    unit: str = "",
 ) -> str:
-    """Plain sentences with the numbers in them.
+    """Plain sentences with the numbers in them, in the units that stand with them.
 
     Parameters
     ----------
@@ -72,11 +90,14 @@ def explanation(
         Laws without a name.
     structured : bool
         Whether what all of them leave is more than noise.
+    unit : str
+        Of the remainder.
     """
     if remainder is not None:
+        declared = plain(remainder, 3, unit).replace(SPACE, " ")
         return (
             f"Nothing is left out beyond what an earlier diagnosis left unexplained: the simulation declares a "
-            f"remainder of {number(remainder)} (root mean square), and with its coefficients re-estimated it leaves no "
+            f"remainder of {declared} (root mean square), and with its coefficients re-estimated it leaves no "
             f"more than that: {_share(fit.refitted)} of the output's standard deviation on rows that were not fitted. "
             f"Remove the key remainder to have that looked into again."
         )
@@ -177,7 +198,7 @@ PEOPLE = {"Coulomb", "Stribeck"}
 
 
 def _estimate(coefficient: Coefficient) -> str:
-    return with_deviation(coefficient.improved, coefficient.improved_deviation)
+    return with_deviation(coefficient.improved, coefficient.improved_deviation, coefficient.unit)
 
 
 def _details(finding: Finding) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import exp
 from typing import Any
 
 from camid.diagnosis.weights import UNLISTED
-from camid.number_text import SPACE, with_deviation
+from camid.number_text import SPACE, plain, with_deviation
+
+LENGTH = "X"  # in expressions
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,10 @@ class Formula:
         with.
     carried : list of float
         What those effects hold of the law, at the points.
+    pattern : str
+        The expression with ``LENGTH`` where it divides its variable by a length.
+    length : float or None
+        That length, in units of the variable; None where it divides by none.
     """
 
     form: str
@@ -53,6 +59,14 @@ class Formula:
     points: list[float] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
     carried: list[float] = field(default_factory=list)
+    pattern: str = ""
+    length: float | None = None
+
+    def with_length(self, length: float | None) -> Formula:
+        """The same with another number in the expression, as another unit of its variable asks for."""
+        if length is None:
+            return self
+        return replace(self, length=length, expression=self.pattern.replace(LENGTH, plain(length)))
 
     @property
     def text(self) -> str:

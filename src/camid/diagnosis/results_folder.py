@@ -24,8 +24,14 @@ from camid.writing import check_folder, without_infinities, write_whole
 Array = NDArray[np.float64]
 
 FILES = ("diagnosis.json", "improved.yaml", "residuals.csv", "report.html")
-# All that may be written.
-RESULTS = (*FILES, NAME)
+# All that may be written, and by what each is known to be camid's.
+RESULTS = {
+    FILES[0]: '"verdict":',
+    FILES[1]: "improved by camid diagnose",
+    FILES[2]: "residual_improved,equivalent_input",
+    FILES[3]: "Made by camid",
+    NAME: "camid diagnose",
+}
 RESIDUALS = (
     "recorded",
     "nominal",
@@ -70,7 +76,8 @@ def write_diagnosis(
     Raises
     ------
     InputError
-        If the folder cannot be written to; it says which files were written before.
+        If the folder cannot be written to, which says which files were written before, or holds a file of one of these
+        names that camid did not write.
     """
     folder = Path(folder)
     check_folder(folder, RESULTS)

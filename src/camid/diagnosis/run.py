@@ -21,7 +21,7 @@ from camid.diagnosis.evidence import (
     signals_of,
     tests_of,
 )
-from camid.diagnosis.explanation import explanation
+from camid.diagnosis.explanation import explained
 from camid.diagnosis.formula.account import with_formulas, with_words
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
@@ -302,7 +302,7 @@ def _diagnosis(
     without = errors_without(problem, decision, judging)
     found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left, beside_laws)
     found += beside_others(residue.findings, found)
-    learned = with_formulas(problem, decision, learned_parts(decision), judging, setting.known, watch)
+    learned = with_formulas(problem, decision, learned_parts(decision), judging, setting.known, watch, believed.units)
     verdict = verdict_of(bool(found or learned), bool(named.reasons))
     location = _location(problem, base, found, before, named)
     watch.say("working out what the recording could not have shown")
@@ -311,18 +311,16 @@ def _diagnosis(
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, setting.validation)
-    known_remainder = problem.remainder if setting.settled else None
     remainder = remainder_of(verdict, believed, problem, final, judging)
-    coefficients = coefficients_of(problem, setting.nominal, base, final)
     conditions = conditions_of(problem, final)
-    return Diagnosis(
+    diagnosis = Diagnosis(
         verdict,
-        explanation(verdict, found, fits, location, coefficients, known_remainder, learned, bool(residue.reasons)),
+        "",
         location,
         found,
         fits,
         undetectable(problem, final, setting.screened, names),
-        coefficients,
+        coefficients_of(problem, believed, setting.nominal, base, final),
         tests_of(problem, base, final, before, residue.places),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
@@ -331,7 +329,7 @@ def _diagnosis(
         rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
-        known_remainder=known_remainder,
+        known_remainder=problem.remainder if setting.settled else None,
         further_signals=further,
         hypotheses=remaining(believed, problem, decision, found, conditions),
         conditions=conditions,
@@ -340,6 +338,7 @@ def _diagnosis(
         ),
         refitted=problem.kind.written_back(believed, problem.structure, base),
     )
+    return replace(diagnosis, explanation=explained(diagnosis))
 
 
 def _left(setting: Setting, decision: Decision, residue: Residue) -> tuple[float, NormalisedErrors]:

@@ -19,6 +19,8 @@ from camid.recording.table import Table
 Array = NDArray[np.float64]
 
 FEWEST_ROWS = 20
+# Share of a step by which the time of a frame may lie outside of its row, as rounding makes it.
+IN_A_ROW = 0.01
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,10 @@ class Layout:
         Single values beside them, which may be a period.
     experiments : tuple of str
         Names of the experiments in the file; empty if it holds one.
+    frame_time : str or None
+        Column with the times of frames between the samples of another clock, blank in rows without a frame.
+    seen : tuple of str
+        Columns that are blank in those rows, too.
     """
 
     reading: Reading
@@ -44,6 +50,8 @@ class Layout:
     dates: tuple[str, ...] = ()
     values: dict[str, float] = field(default_factory=dict)
     experiments: tuple[str, ...] = ()
+    frame_time: str | None = None
+    seen: tuple[str, ...] = ()
 
 
 def layout_of(path: Path) -> Layout:
@@ -71,6 +79,7 @@ def _layout(reading: Reading, tables: list[Table]) -> Layout:
     columns: dict[str, Array] = {}
     dates: list[str] = []
     values: dict[str, float] = {}
+    numeric: dict[str, Array] = {}
     for name in common:
         cells = pd.Series(first.columns[name]).reset_index(drop=True)
         numbers = as_floats(cells)
@@ -78,14 +87,40 @@ def _layout(reading: Reading, tables: list[Table]) -> Layout:
         if not known.size and (times := as_dates(cells)) is not None:
             numbers, known = seconds_after(times, 0), np.arange(len(cells))
             dates.append(str(name))
+        if known.size >= FEWEST_ROWS and name not in dates:
+            numeric[str(name)] = numbers
         if known.size >= FEWEST_ROWS and known.size >= 0.5 * (known[-1] + 1):
             columns[str(name)] = numbers[: known[-1] + 1]
         elif known.size == 1 and known[0] == 0:
             values[str(name)] = float(numbers[0])
+    frame_time, seen = _frames(numeric)
+    columns |= {n: numeric[n] for n in (frame_time, *seen) if n is not None}
     values |= first.single
     lengths = Counter(len(c) for c in columns.values())
     # Columns of a recording have one length; runs side by side may have several, each more than once.
     usual = {n for n, count in lengths.items() if count > 1} or set(lengths)
     columns = {n: c for n, c in columns.items() if len(c) in usual}
     experiments = tuple(str(t.experiment) for t in tables) if len(tables) > 1 else ()
-    return Layout(reading, columns, tuple(d for d in dates if d in columns), values, experiments)
+    return Layout(reading, columns, tuple(d for d in dates if d in columns), values, experiments, frame_time, seen)
+
+
+def _frames(columns: dict[str, Array]) -> tuple[str | None, tuple[str, ...]]:
+    """The column with the times of frames between the rows of a clock, and those that are blank with it."""
+    for name, values in columns.items():
+        known = np.isfinite(values)
+        inside = known[: np.flatnonzero(known)[-1] + 1]  # a shorter run beside others ends in blanks
+        if inside.all() or not np.all(np.diff(values[known]) > 0.0):
+            continue
+        clocks = [c for n, c in columns.items() if n != name and np.all(np.isfinite(c)) and np.all(np.diff(c) > 0.0)]
+        blank = (n for n, c in columns.items() if n != name and not np.any(np.isfinite(c[~known])))
+        seen = tuple(blank)
+        if seen and any(_in_their_rows(values[known], np.flatnonzero(known), clock) for clock in clocks):
+            return name, seen
+    return None, ()
+
+
+def _in_their_rows(times: Array, rows: NDArray[np.intp], clock: Array) -> bool:
+    """Whether each time lies between that of its row and that of the next."""
+    step = float(np.median(np.diff(clock)))
+    later = times - clock[rows]
+    return bool(np.all(later >= -IN_A_ROW * step) and np.all(later <= (1.0 + IN_A_ROW) * step) and np.any(later))

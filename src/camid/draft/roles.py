@@ -49,6 +49,8 @@ class Roles:
         Runs side by side: for each, the columns in place of those of the first.
     period : float or None
         Seconds, from a single value whose name says so.
+    frame_time : str or None
+        Column with the times of the frames that the output is of, where they lie between the samples of the input.
     """
 
     output: str
@@ -59,6 +61,7 @@ class Roles:
     unused: dict[str, str] = field(default_factory=dict)
     runs: tuple[dict[str, str], ...] = ()
     period: float | None = None
+    frame_time: str | None = None
 
 
 def says(name: str, role: str) -> bool:
@@ -77,6 +80,7 @@ def roles_of(layout: Layout) -> Roles:
         If all columns but the time are constant.
     """
     natures = {n: found for n, c in layout.columns.items() if (found := nature_of(c)) is not None}
+    natures.pop(layout.frame_time or "", None)
     time = time_of(layout, natures)
     rest = [n for n, nature in natures.items() if n != time and nature.kind != "constant"]
     if not rest:
@@ -101,8 +105,12 @@ def roles_of(layout: Layout) -> Roles:
         for run in runs:
             for column in run.values():
                 unused.pop(column, None)
+    frame_time = layout.frame_time if source is not None and output in layout.seen else None
+    if layout.frame_time is not None and frame_time is None:
+        unused[layout.frame_time] = "times of frames"
     return Roles(
         output=output,
+        frame_time=frame_time,
         time=time,
         input=source,
         reference=reference,
@@ -194,6 +202,8 @@ def _is_rate(values: Array, rate: Array, time: Array) -> bool:
         central = 0.5 * (backward[1:] + backward[:-1])
         for change, shown in ((backward, rate[1:]), (central, rate[1:-1])):
             known = np.isfinite(change) & np.isfinite(shown)
+            if not known.any():
+                continue
             a, b = change[known] - np.mean(change[known]), shown[known] - np.mean(shown[known])
             scale = float(a @ a) * float(b @ b)
             if scale > 0.0 and a @ b / np.sqrt(scale) > RATE_CORRELATION:

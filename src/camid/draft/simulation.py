@@ -67,7 +67,8 @@ def bare_simulation(layout: Layout, roles: Roles, period: float | None) -> Simul
         runs=roles.runs,
         period=None if roles.time is not None else (period or roles.period or 1.0),
         time=Conversion(unit=_unit_of_time(layout, roles)),
-        missing="leave-out" if any(np.isnan(layout.columns[roles.output])) else "refuse",
+        missing="leave-out" if _has_blanks(layout, roles) else "refuse",
+        frame_time=roles.frame_time,
     )
     names = [roles.time, roles.input, roles.output]
     return Simulation(
@@ -79,6 +80,14 @@ def bare_simulation(layout: Layout, roles: Roles, period: float | None) -> Simul
         initial_state="estimate",
         reading=reading,
     )
+
+
+def _has_blanks(layout: Layout, roles: Roles) -> bool:
+    """Whether rows have no output; of frames with times of their own, whether frames have none."""
+    blank = np.isnan(layout.columns[roles.output])
+    if roles.frame_time is not None:
+        blank &= ~np.isnan(layout.columns[roles.frame_time])
+    return bool(np.any(blank))
 
 
 def _unit_of_time(layout: Layout, roles: Roles) -> str | None:
@@ -147,6 +156,9 @@ def _sensor(layout: Layout, roles: Roles, recording: Recording, remarks: dict[st
     unit = unit_in_header(output)[1] or ""
     step = quantisation_step(layout.columns[output][np.isfinite(layout.columns[output])])
     near = next((r for r in FRAME_RATES if abs(rate - r) < FRAME_RATE_TOLERANCE * r), None)
+    if roles.frame_time is not None:
+        remarks["sensor"] = "a guess: frames between the samples of the input; say exposure: in s"
+        return "camera"
     if "px" in (unit, output.rpartition("_")[2]) or f"{output}_std" in layout.columns:
         remarks["sensor"] = "a guess: positions in an image; say exposure: in s if it is shorter than the period"
         return "camera"
@@ -165,6 +177,8 @@ def _time_remark(layout: Layout, roles: Roles, recording: Recording, period: flo
         if roles.period is not None and roles.period == period:
             return "a guess: seconds, from the single value in the file"
         return "NOT IN THE FILE: write the sampling period in s" if period == 1.0 else "as given"
+    if roles.frame_time is not None:
+        return f"of the input, period {float(np.median(np.diff(layout.columns[roles.time]))):.6g}"
     kind = "dates; seconds after the first row, " if roles.time in layout.dates else ""
     if recording.recorded_time is recording.time:
         return f"{kind}period {recording.period:.6g} s, regular"
@@ -317,8 +331,14 @@ def _sensor_lines(draft: Draft, roles: Roles) -> list[str]:
         f"  column: {named}" + (f"  # a guess: {why}" if why else ""),
         f"  kind: {simulation.sensor}  # {remarks['sensor']}",
         *_unit_lines(simulation.output_column),
-        "  latency: 0.0  # s, between the middle of a measurement and its time stamp, if it is known",
     ]
+    if roles.frame_time is not None:
+        lines += [
+            f"  time: {quoted(roles.frame_time)}  # a guess: when each frame was delivered; rows without one are blank",
+            "  latency: 0.0  # s; after camid join say estimate, and skew: estimate",
+        ]
+    else:
+        lines.append("  latency: 0.0  # s, between the middle of a measurement and its time stamp, if it is known")
     if "offset of y" in remarks:
         lines.append(f"  offset: estimate  # {remarks['offset of y']}; a number, if the reading at rest is known")
     if says(simulation.output_column, "reference"):

@@ -25,6 +25,7 @@ MANY_DECADES = 2e3
 
 def draw(result: FrequencyResponses) -> Figure:
     """Two panels over one axis of angular frequencies, hertz above."""
+    result = result.in_declared_units()
     figure = new_figure(5.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.15, 1.0))
     for index, curve in enumerate(result.curves):
@@ -38,8 +39,7 @@ def draw(result: FrequencyResponses) -> Figure:
             band(lower, omega, degrees - half, degrees + half, index)
     _dots(result, upper, lower)
     _limits(result, upper, lower)
-    source, output = map(short, result.symbols)
-    upper.set_ylabel(f"magnitude, dB of {output}/{source}")
+    upper.set_ylabel(f"magnitude, dB of {short(result.units.text('y/u'))}")
     lower.set(ylabel="phase, °", xlabel="angular frequency, rad/s")
     omega = result.curves[0].angular_frequency
     lower.set_xlim(float(omega[0]), float(omega[-1]))

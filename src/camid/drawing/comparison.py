@@ -23,7 +23,7 @@ MOST_DOTS = 400
 
 def draw(result: Comparison) -> Figure:
     """A pair of panels for each signal: what was recorded and simulated, and their difference."""
-    shown = result.signals[:MOST_PANELS]
+    shown = [signal.in_declared_unit() for signal in result.signals[:MOST_PANELS]]
     figure = new_figure(0.5 + 3.3 * len(shown))
     panels = figure.subplots(2 * len(shown), 1, squeeze=False, height_ratios=(2.0, 1.0) * len(shown))[:, 0]
     for number, signal in enumerate(shown):
@@ -70,9 +70,8 @@ def _shade(signal: ComparedSignal, *panels: Axes) -> None:
 
 def _label(signal: ComparedSignal, upper: Axes, lower: Axes, rows: np.ndarray) -> None:
     """Units, limits and legend."""
-    name = short(signal.symbol, 22)
-    upper.set_ylabel(name)
-    lower.set_ylabel(f"error, {name}")
+    upper.set_ylabel(short(signal.unit.label, 22))
+    lower.set_ylabel(f"error, {short(signal.unit.symbol, 22)}")
     curves = [signal.recorded[rows], *(s[rows] for s in signal.simulated.values())]
     reach = range_of([signal.recorded[rows]], 0.0)
     span = reach[1] - reach[0]

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.number_text import printable, typeset
 from camid.recording.units import Conversion
+from camid.simulation.declared_units import UNNAMED
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
@@ -47,6 +49,8 @@ class Columns:
     ----------
     time, signal, output : str
     seconds, inputs, outputs : Column
+    input_unit, output_unit : str
+        What their cells are in; the name of the column where nothing is declared.
     """
 
     time: str
@@ -55,6 +59,8 @@ class Columns:
     seconds: Column
     inputs: Column
     outputs: Column
+    input_unit: str = "u"
+    output_unit: str = "y"
 
     @classmethod
     def of(cls, simulation: Simulation) -> Columns:
@@ -67,4 +73,11 @@ class Columns:
             Column.of(reading.time),
             Column.of(reading.input),
             Column.of(reading.output),
+            *(
+                printable(column) if conversion.unit in UNNAMED else typeset(str(conversion.unit))
+                for column, conversion in (
+                    (str(simulation.input_column or "u"), reading.input),
+                    (simulation.output_column, reading.output),
+                )
+            ),
         )

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camid.experiment_design.columns import Columns
 from camid.experiment_design.result import Design
+from camid.number_text import printable
 from camid.writing import write_whole
 
 if TYPE_CHECKING:
@@ -26,9 +28,14 @@ def _draw_travel(design: Design, axes: Axes, colour: str) -> None:
     if travel is None:
         return
     low, high = design.travel
+    outputs = Columns.of(design.hypotheses[0].simulation).outputs
     for limit in travel:
         if abs(limit) <= NEAR * max(abs(low), abs(high)):
-            axes.axhline(limit, color=colour, linewidth=0.6, linestyle=(0, (1, 2)))
+            axes.axhline(float(outputs.cells(np.array(limit))), color=colour, linewidth=0.6, linestyle=(0, (1, 2)))
+
+
+def _label(what: str, column: str, unit: str) -> str:
+    return f"{what} {printable(column)}" + ("" if unit == printable(column) else f", {unit}")
 
 
 def draw_design(design: Design, target: Path) -> None:
@@ -47,19 +54,20 @@ def draw_design(design: Design, target: Path) -> None:
     simulation = design.hypotheses[0].simulation
     colours = (plotting.BLUE, plotting.VERMILION, plotting.GREEN, plotting.ORANGE)
     time = design.played.period * np.arange(len(design.played.signal))
-    signal_name, output_name = simulation.symbols
+    columns = Columns.of(simulation)
+    signal = columns.inputs.cells(design.played.signal)
     panels = 3 if design.growth else 2
     figure, axes = plt.subplots(panels, 1, figsize=(plotting.PAGE_WIDTH, 1.7 * panels), sharex=True)
     step = "post" if simulation.hold == "zoh" else None
     if step is None:
-        axes[0].plot(time, design.played.signal, color=plotting.BLACK, linewidth=0.8)
+        axes[0].plot(time, signal, color=plotting.BLACK, linewidth=0.8)
     else:
-        axes[0].step(time, design.played.signal, where="post", color=plotting.BLACK, linewidth=0.8)
-    axes[0].set_ylabel(f"input {signal_name or 'u'}")
+        axes[0].step(time, signal, where="post", color=plotting.BLACK, linewidth=0.8)
+    axes[0].set_ylabel(_label("input", columns.signal, columns.input_unit))
     axes[0].set_title(f"{design.kind}, {design.duration:.3g} s", loc="left")
     for i, (name, output) in enumerate(list(design.outputs.items())[:MOST_DRAWN]):
-        axes[1].plot(time, output, STYLES[i], color=colours[i], linewidth=0.9, label=name)
-    axes[1].set_ylabel(f"predicted {output_name}")
+        axes[1].plot(time, columns.outputs.cells(output), STYLES[i], color=colours[i], linewidth=0.9, label=name)
+    axes[1].set_ylabel(_label("predicted", columns.output, columns.output_unit))
     _draw_travel(design, axes[1], plotting.GREY)
     axes[1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(len(design.outputs), MOST_DRAWN))
     for i, (name, evidence) in enumerate(list(design.growth.items())[:MOST_DRAWN]):

@@ -18,7 +18,8 @@ from camid.experiment_design.result import Design
 from camid.writing import check_folder, without_infinities, write_whole
 
 INPUT, DESIGN, PICTURE = "input.csv", "design.json", "design.png"
-FILES = (INPUT, DESIGN, PICTURE)
+# All that may be written, and by what each is known to be camid's; an input and a picture say nothing of themselves.
+FILES = {DESIGN: '"frame_rate":', INPUT: None, PICTURE: None}
 
 
 def write_design(design: Design, folder: str | os.PathLike[str], *, picture: bool = True) -> list[Path]:
@@ -38,7 +39,7 @@ def write_design(design: Design, folder: str | os.PathLike[str], *, picture: boo
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or holds a file of one of these names that camid did not write.
     """
     folder = Path(folder)
     check_folder(folder, FILES)

@@ -29,6 +29,8 @@ from camid.simulation.model import Simulation
 Array = NDArray[np.float64]
 
 DIAGNOSIS = "diagnosis.json"
+# Version of diagnosis.json that is read.
+SCHEMA = 1
 # Names that weigh less are not designed for.
 LEAST_WEIGHT = 0.02
 # The question of simulations that are held against each other.
@@ -74,7 +76,8 @@ def known_from_folder(folder: Path) -> Known:
     Raises
     ------
     InputError
-        If there is no diagnosis, or one of an earlier version.
+        If there is no diagnosis, one of a version that is not known, or one without the remaining hypotheses, as the
+        first ones of version 1 were.
     """
     path = folder / DIAGNOSIS if folder.is_dir() else folder
     try:
@@ -85,6 +88,12 @@ def known_from_folder(folder: Path) -> Known:
         ) from None
     except (ValueError, UnicodeError) as error:
         raise InputError(f"this is no JSON ({error})", where=str(path), hint="diagnose again") from None
+    if isinstance(content, dict) and content.get("schema") != SCHEMA:
+        raise InputError(
+            f"version {content.get('schema')!r} is not known",
+            where=str(path),
+            hint=f"this camid reads schema: {SCHEMA}; diagnose again",
+        )
     if not isinstance(content, dict) or not content.get("hypotheses") or not content.get("conditions"):
         raise InputError(
             "it does not hold the simulations of the remaining hypotheses", where=str(path), hint="diagnose again"

@@ -5,7 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from camid.diagnosis.report.summary import title_of
+from camid.experiment_design.columns import Column, Columns
 from camid.experiment_design.result import Design
 from camid.number_text import number, percentage, plain, printable, span, with_deviation
 
@@ -29,28 +32,31 @@ NUMBERS = {
 NO_EVIDENCE = 2.0
 
 
-def described(kind: str, numbers: dict[str, Any]) -> str:
-    """An input in words: ``steps (7 levels, held for 0.44 s)``."""
+def described(kind: str, numbers: dict[str, Any], columns: Columns | None = None) -> str:
+    """An input in words: ``steps (7 levels, held for 0.44 s)``; positions are those of the columns."""
     if "first_half" in numbers:
         halves = (numbers["first_half"], numbers["second_half"])
-        return ", then ".join(described(h["kind"], {k: v for k, v in h.items() if k != "kind"}) for h in halves)
+        return ", then ".join(
+            described(h["kind"], {k: v for k, v in h.items() if k != "kind"}, columns) for h in halves
+        )
     parts = []
     for key, value in numbers.items():
         if key not in NUMBERS or key == "share":
             continue
         words, unit = NUMBERS[key]
         shown = plain(value, 3, unit)
+        if key == "position" and columns is not None:
+            shown = plain(float(columns.outputs.cells(np.array(value))), 3, columns.output_unit)
         parts.append(f"{shown} {words}" if key in {"levels", "lines"} else f"{words} {shown}")
     return f"{kind} ({', '.join(parts)})" if parts else kind
 
 
 def sentence(design: Design) -> str:
     """A design in two sentences, for a report: what to play, and what to expect."""
-    simulation = design.hypotheses[0].simulation
-    unit = simulation.symbols[0] or "u"
-    signal = design.played.signal
+    columns = Columns.of(design.hypotheses[0].simulation)
+    signal, unit = columns.inputs.cells(design.played.signal), columns.input_unit
     text = (
-        f"Play {described(design.kind, design.described)} for {plain(design.duration, 3, 's')} between "
+        f"Play {described(design.kind, design.described, columns)} for {plain(design.duration, 3, 's')} between "
         f"{plain(float(signal.min()))} and {plain(float(signal.max()), unit=unit)}: "
     )
     evidence = design.evidence
@@ -72,21 +78,29 @@ def print_design(design: Design, written: list[Path]) -> None:
     from rich.table import Table
 
     console = Console(highlight=False, markup=False, emoji=False)
-    simulation, limits, played = design.hypotheses[0].simulation, design.limits, design.played
-    unit, output = simulation.symbols
-    console.print(f"▶ {described(design.kind, design.described)}", style="bold", soft_wrap=True)
-    signal = played.signal
+    limits, played = design.limits, design.played
+    columns = Columns.of(design.hypotheses[0].simulation)
+    unit, output = columns.input_unit, columns.output_unit
+
+    def cells(column: Column, values: tuple[float, float]) -> tuple[float, float]:
+        low, high = sorted(column.cells(np.array(values)).tolist())
+        return low, high
+
+    console.print(f"▶ {described(design.kind, design.described, columns)}", style="bold", soft_wrap=True)
+    signal = columns.inputs.cells(played.signal)
+    travel = cells(columns.outputs, design.travel)
     console.print(
         f"{len(signal)} rows, {plain(design.duration, 4, 's')} at {plain(1.0 / played.period, 4)} frames per second; "
-        f"input {span((float(signal.min()), float(signal.max())), unit or 'u')}, "
-        f"travel {span(design.travel, output)} under every hypothesis",
+        f"input {span((float(signal.min()), float(signal.max())), unit)}, "
+        f"travel {span(travel, output)} under every hypothesis",
         soft_wrap=True,
     )
     if played.exposure is not None:
         console.print(f"exposure {plain(played.exposure, 4, 's')}", soft_wrap=True)
     if played.position is not None:
+        start = plain(float(columns.outputs.cells(np.array(played.position))), 4, output)
         console.print(
-            f"released at rest from {plain(played.position, 4, output)}: diagnose with initial_state: estimate",
+            f"released at rest from {start}: diagnose with initial_state: estimate",
             soft_wrap=True,
         )
     if design.expectations:
@@ -98,10 +112,10 @@ def print_design(design: Design, written: list[Path]) -> None:
         for one in design.determined:
             table.add_row(one.name, with_deviation(one.value, one.before), with_deviation(one.value, one.after))
         console.print(table)
-    rate = "" if limits.rate == float("inf") else f", {plain(limits.rate, 4)} {unit or 'u'}/s"
-    travel = "" if limits.travel is None else f", travel {span(limits.travel, output)}"
+    rate = "" if limits.rate == float("inf") else f", {plain(limits.rate / abs(columns.inputs.factor), 4)} {unit}/s"
+    allowed = "" if limits.travel is None else f", travel {span(cells(columns.outputs, limits.travel), output)}"
     console.print(
-        f"limits: input {span((limits.low, limits.high), unit or 'u')}{rate}{travel}, "
+        f"limits: input {span(cells(columns.inputs, (limits.low, limits.high)), unit)}{rate}{allowed}, "
         f"{plain(limits.duration, 4, 's')}; {design.looked_at} experiments looked at",
         soft_wrap=True,
     )

@@ -62,10 +62,13 @@ def refuse_unknown_clock(simulation: Simulation) -> None:
     """
     for name, value in (("latency", simulation.latency), ("skew", simulation.skew)):
         if value == "estimate":
+            column = simulation.reading.frame_time
+            since = "" if column is None else f", counted from the times in sensor.time ('{column}')"
             raise InputError(
                 f"the {name} is not known yet",
                 where=f"{simulation.source}, sensor.{name}",
-                hint="camid identify and camid diagnose estimate it; or write a number",
+                hint="camid identify and camid diagnose estimate it: take the model that they write; or write a number"
+                + (since if name == "latency" else ""),
             )
 
 

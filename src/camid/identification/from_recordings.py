@@ -25,6 +25,9 @@ from camid.simulation.model import Simulation
 Array = NDArray[np.float64]
 # Periods that an unknown latency may have.
 LATENCY_ALLOWED = 3
+# Rows that are fitted at once: more take more than minutes, and more memory than most machines have. An identification
+# keeps about 1 kB for each row, a diagnosis up to 3 kB.
+MOST_ROWS = 3_000_000
 RecordingSource = str | os.PathLike[str] | Any
 SimulationSource = str | os.PathLike[str] | Mapping[str, Any] | Simulation
 
@@ -117,7 +120,14 @@ def _from_zero(conversion: Conversion, simulation: Simulation) -> Conversion:
 
 def acquisition_of(recording: Recording, simulation: Simulation) -> Acquisition:
     """Acquisition that a simulation declares for a recording; InputError where it cannot be."""
-    acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
+    try:
+        acquisition = simulation.acquisition(recording.period, recording.period_uncertainty)
+    except InputError as error:
+        taken = recording.units.get(simulation.time_column)
+        if taken is None or simulation.reading.time.unit is not None:
+            raise
+        hint = f"{error.hint}; the times are read in {taken}, as their header says: declare another unit under time"
+        raise InputError(error.problem, where=error.where, hint=hint) from None
     duration = float(recording.time[-1] - recording.time[0])
     if acquisition.latency > duration:
         raise InputError(
@@ -203,6 +213,7 @@ def experiments_of(
     if progress:
         progress("reading the recording")
     runs = [r for source in sources for r in load_recordings(source, believed, output_needed=True)]
+    _refuse_too_long(runs)
     recordings: list[Recording] = []
     experiments: list[Experiment] = []
     held_out = []
@@ -232,6 +243,8 @@ def experiments_of(
         )
     if believed.input_column is not None and not any(np.any(e.signal) for e in experiments):
         raise ZeroInput(believed.input_column, recordings[0].source)
+    if differing := _different_units(believed, recordings):
+        recordings[0] = replace(recordings[0], warnings=(*recordings[0].warnings, *differing))
     return recordings, with_unknown_constants(experiments, believed), held_out
 
 
@@ -242,7 +255,8 @@ def experiments_or_free_decay(
 ) -> tuple[Simulation, list[Recording], list[Experiment], list[NDArray[np.bool_]]]:
     """What :func:`experiments_of` returns, after the simulation; an input of zeros alone makes it a free decay."""
     try:
-        return believed, *experiments_of(recording, believed, progress)
+        recordings, experiments, held_out = experiments_of(recording, believed, progress)
+        return with_units_of_headers(believed, recordings), recordings, experiments, held_out
     except ZeroInput as zero:
         if believed.controller is not None:
             raise
@@ -250,12 +264,55 @@ def experiments_or_free_decay(
         recordings, experiments, held_out = experiments_of(recording, decay, progress)
         said = f"{zero.where}: {zero.problem}: read as a free decay (input: null, initial_state: estimate)"
         first = replace(recordings[0], warnings=(*recordings[0].warnings, said))
-        return decay, [first, *recordings[1:]], experiments, held_out
+        return with_units_of_headers(decay, recordings), [first, *recordings[1:]], experiments, held_out
+
+
+def with_units_of_headers(simulation: Simulation, recordings: Sequence[Recording]) -> Simulation:
+    """The simulation with the units that headers say, where it declares none and they agree.
+
+    What is written of it reads the same files as before, and says what people read its numbers in.
+    """
+    reading = simulation.reading
+    outputs = simulation.output_columns or (simulation.output_column,)
+    for name, columns in (("input", (simulation.input_column,)), ("output", outputs)):
+        said = {one.units.get(str(column)) for one in recordings for column in columns}
+        if getattr(reading, name).unit is None and len(said) == 1 and None not in said:
+            reading = replace(reading, **{name: replace(getattr(reading, name), unit=said.pop())})
+    return replace(simulation, reading=reading)
+
+
+def _different_units(simulation: Simulation, recordings: Sequence[Recording]) -> list[str]:
+    """A sentence for each column whose headers say different units in different files."""
+    sentences = []
+    for column in dict.fromkeys(c for one in recordings for c in one.units):
+        files = {one.units.get(column): one.source for one in reversed(recordings) if column in one.columns}
+        if len(files) > 1:
+            listed = ", ".join(f"{unit or 'no unit'} in {source}" for unit, source in reversed(files.items()))
+            sentences.append(
+                f"the headers of column '{column}' differ: {listed}; each file is read as its own says, none as SI: "
+                f"declare the unit in {simulation.source} if that is not so"
+            )
+    return sentences
 
 
 def warnings_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """What was done to the rows of recordings, one sentence each."""
     return tuple(sentence for one in recordings for sentence in one.warnings)
+
+
+def _refuse_too_long(runs: Sequence[Recording]) -> None:
+    """Refuse more rows than a fit takes in minutes, with the cut that helps."""
+    rows = sum(len(run) for run in runs)
+    if rows <= MOST_ROWS:
+        return
+    longest = max(runs, key=len)
+    hint = "name fewer recordings"
+    if len(longest) > MOST_ROWS:
+        start, end = longest.time[0], longest.time[MOST_ROWS - 1]
+        hint = f"cut it in the simulation, for instance recording: {{start: {start:.10g}, end: {end:.10g}}}"
+    raise InputError(
+        f"{rows:,} rows are too many to fit at once (at most {MOST_ROWS:,})", where=longest.source, hint=hint
+    )
 
 
 def _refuse_constant(recording: Recording, simulation: Simulation, *, several: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from camid.identification.accuracy import characteristics
 from camid.identification.declarations import Alternative, contradiction_sentence
 from camid.identification.estimate import Estimate
 from camid.identification.residual_analysis import ResidualAnalysis
-from camid.number_text import percentage, plain
+from camid.number_text import SPACE, percentage, plain
 from camid.simulation.model import Simulation
 from camid.writing import without_infinities
 
@@ -29,6 +30,7 @@ OFFSET_SHARE = 0.02
 LITTLE_EXPLAINED = 0.9
 # Deviations are those of many samples.
 FEWEST_ROWS_PER_UNKNOWN = 5
+QUANTITY = ("name", "value", "standard_deviation", "unit")
 # Rivals of a smaller weight are left to --json, and so are those beyond the first few.
 NAMED_WEIGHT, MOST_NAMED_RIVALS = 1e-3, 3
 
@@ -212,6 +214,11 @@ class Identification:
             )
         if len(self.estimate.rivals) > len(named):
             sentences.append(f"{len(self.estimate.rivals) - len(named)} less likely plants are listed by --json")
+        return [*sentences, *self._means_of_residuals()]
+
+    def _means_of_residuals(self) -> list[str]:
+        """A sentence for each recording with another offset than the simulation declares."""
+        sentences, units = [], self.simulation.units
         for residual in self.estimate.residuals if self.converged else ():
             mean, power = float(np.mean(residual)), float(np.mean(residual**2))
             centred = residual - mean
@@ -220,28 +227,58 @@ class Identification:
             # A slow residual has fewer independent samples than rows.
             effective = len(residual) * (1.0 - correlation) / (1.0 + correlation)
             if mean**2 > OFFSET_SHARE * power and mean**2 > OFFSET_SIGNIFICANCE**2 * (power - mean**2) / effective:
+                size = plain(units.shown(mean, "y"), 3, units.text("y")).replace(SPACE, " ")
                 sentences.append(
-                    f"the residual has a mean of {plain(mean, 3)}, {percentage(mean**2 / power, 2)} of its power: the "
+                    f"the residual has a mean of {size}, {percentage(mean**2 / power, 2)} of its power: the "
                     "recording has another offset than the simulation declares"
                 )
         return sentences
 
+    def quantities(self) -> list[list[tuple[str, float, float | None, str]]]:
+        """What was estimated, in groups: names, values and standard deviations as people read them, with their units.
+
+        In the units that are declared for the columns; a deviation of zero belongs to what was not estimated.
+        """
+        model, units = self.simulation, self.simulation.units
+        derived = [] if model.states_characteristics else self.characteristics()
+        combined = [{"name": row["expression"], "unit": "", **row} for row in self.combinations()]
+        effects = [{**r, "name": f"{r['effect']}, {r['name'].replace('_', ' ')}"} for r in self.effect_rows]
+        groups = [
+            [*model.coefficient_rows()],
+            *([tuple(r[k] for k in QUANTITY) for r in part] for part in (combined, derived, self.constants(), effects)),
+        ]
+        own = None if model.physical is None else groups[0]  # their units are those that the plant declares
+        return [
+            [(n, v, d, u) if g is own else (n, units.shown(v, u), units.shown(d, u), units.text(u)) for n, v, d, u in g]
+            for g in groups
+            if g
+        ]
+
     def to_mapping(self) -> dict[str, Any]:
-        """Content of ``--json``."""
-        plant = self.simulation.plant
+        """Content of ``--json``: SI units, and what people read in ``declared``."""
+        plant, units = self.simulation.plant, self.simulation.units
+
+        def with_declared(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+            return [{**r, "declared": units.declared(r["value"], r["standard_deviation"], r["unit"])} for r in rows]
+
+        named = self.simulation.physical is not None or self.simulation.pendulum is not None
+        coefficients = [] if named else self.simulation.coefficient_rows()
+        written = [dict(zip(QUANTITY, row, strict=True)) for row in coefficients]
         content = {
             "schema": 1,
+            "units": units.to_mapping(),
             "converged": self.converged,
             "iterations": self.estimate.iterations,
             "numerator": list(plant.numerator),
             "denominator": list(plant.denominator),
             "standard_deviations": self.simulation.standard_deviations,
             "covariance": self.simulation.covariance,
+            "coefficients": with_declared(written),
             "parameters": self.parameters(),
             "combinations": self.combinations(),
-            "characteristics": self.characteristics(),
-            "constants": self.constants(),
-            "effects": list(self.effect_rows),
+            "characteristics": with_declared(self.characteristics()),
+            "constants": with_declared(self.constants()),
+            "effects": with_declared(self.effect_rows),
             "noise_standard_deviation": float(np.sqrt(self.estimate.noise_variance)),
             "nrmse": self.nrmse,
             "nrmse_validation": self.nrmse_validation,

@@ -81,4 +81,4 @@ def as_dates(cells: Cells) -> pd.Series[Any] | None:
 
 def seconds_after(dates: pd.Series[Any], first: int) -> Array:
     """Seconds of dates after the one at row ``first``, shape (len(dates),)."""
-    return np.asarray((dates - dates.iloc[first]).astype("int64"), dtype=np.float64) * 1e-9
+    return np.asarray((dates - dates.iloc[first]).astype("int64"), dtype=np.float64) / 1e9

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
-from camid.recording.numbers import RowNumbers, numbers, times, with_unit_of_header
+from camid.recording.numbers import RowNumbers, numbers, numbers_or_nan, times, with_unit_of_header
 from camid.recording.options import Reading
 from camid.recording.recording import Recording
 from camid.recording.table import Table
@@ -146,6 +146,7 @@ class ExperimentRows:
         conversion, said = with_unit_of_header(self.table, frame_column, reading.time, dimension="[time]")
         cells = numbers(self.table, frame_column, rows, self.name, empty_allowed=True)
         frames = frames_in_log(conversion(cells), time, self.name, frame_column)
+        notes = [*notes, *self._undated(rows[~np.isfinite(cells)], columns)]
 
         def frame(row: int) -> str:
             return f"{self.name}, {self.table.where(int(rows[frames.rows[row]]))}, column '{frame_column}'"
@@ -185,6 +186,16 @@ class ExperimentRows:
             logs=logs,
         )
 
+    def _undated(self, rows: RowNumbers, columns: Sequence[str]) -> list[str]:
+        """A sentence on rows without the time of a frame that nevertheless have an output."""
+        own = {*self.holds, self.time_column, self.reading.frame_time}
+        seen = [numbers_or_nan(self.table, column, rows) for column in columns if column not in own]
+        lost = int(np.any(np.isfinite(seen), axis=0).sum()) if seen and len(rows) else 0
+        if not lost:
+            return []
+        frames = "1 frame has" if lost == 1 else f"{lost} frames have"
+        return [f"{frames} an output and no time in column '{self.reading.frame_time}', and are left out"]
+
     def _grid(self, time: Array, where: Callable[[int], str]) -> Grid:
         """The regular grid of the times, whose period is one that a recording may have."""
         period = self.reading.period
@@ -193,6 +204,11 @@ class ExperimentRows:
             hint = "say the unit of the times: unit: under time"
             raise InputError(f"the period is {grid.period:g} s", where=self.name, hint=hint)
         return grid
+
+    def units(self, columns: Sequence[str]) -> dict[str, str]:
+        """What the cells of columns are in, where the simulation or the header says so."""
+        found = {c: with_unit_of_header(self.table, c, self.conversions.get(c, Conversion()))[0].unit for c in columns}
+        return {column: unit for column, unit in found.items() if unit is not None}
 
     def _values(self, column: str, rows: RowNumbers) -> tuple[Array, list[str]]:
         optional = self.reading.missing == "leave-out" and column not in self.holds

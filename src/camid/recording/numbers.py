@@ -56,6 +56,11 @@ def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_all
     )
 
 
+def numbers_or_nan(table: Table, column: str, rows: RowNumbers) -> Array:
+    """Numbers of some rows of a column, shape (len(rows),); NaN where a cell holds none."""
+    return as_floats(some(table.column(column), rows))
+
+
 def times(table: Table, column: str, rows: RowNumbers, name: str, conversion: Conversion) -> tuple[Array, list[str]]:
     """Seconds of some rows of the time column, shape (len(rows),), and what was taken from the file to tell them.
 
@@ -91,11 +96,15 @@ def with_unit_of_header(
 ) -> tuple[Conversion, list[str]]:
     """The conversion of a column with the unit in its header where none is declared, and a sentence that says so."""
     header = table.find(column)
-    unit = None if header is None or conversion.unit is not None else unit_in_header(header)[1]
+    unit = None if header is None else unit_in_header(header)[1]
+    if unit is not None and conversion.unit is not None:
+        same = not is_unit(unit, dimension) or si_factor(unit, "") == si_factor(conversion.unit, conversion.where)
+        said = f"column '{header}' is read in {conversion.unit}, as the simulation declares, and not as its header says"
+        return conversion, [] if same else [said]
     if unit is None or (dimension is not None and not is_unit(unit, dimension)):
         return conversion, []
     if si_factor(unit, conversion.where) == (1.0, 0.0):
-        return conversion, []
+        return replace(conversion, unit=unit), []
     return replace(conversion, unit=unit), [f"column '{header}' is read in {unit}, as its header says"]
 
 

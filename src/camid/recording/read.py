@@ -95,7 +95,7 @@ def read_recordings(
                 empty.append(name)
                 continue
             experiment = ", ".join(e for e in (table.experiment, label) if e is not None) or None
-            recordings.append(replace(found, experiment=experiment))
+            recordings.append(replace(found, experiment=experiment, units=piece.units(columns)))
             said = None
     if not recordings:
         raise _nothing_between(reading, empty[0])

@@ -42,6 +42,8 @@ class Recording:
         the rows of the frames.
     warnings : tuple of str
         What was done to the rows, one sentence each.
+    units : dict of str to str
+        What the cells of columns are in, as the simulation declares it or the header of the file says.
     """
 
     time: Array
@@ -55,6 +57,7 @@ class Recording:
     experiment: str | None = None
     logs: dict[str, InputLog] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    units: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, value in (

@@ -176,6 +176,7 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
                 index_col=False,  # a separator at the end of each line must not shift the columns by one
                 skipinitialspace=True,
                 low_memory=False,
+                float_precision="round_trip",  # as loadtxt, to the last digit
             )
     except pd.errors.ParserWarning:
         raise InputError(

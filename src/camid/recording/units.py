@@ -76,6 +76,19 @@ def si_factor(unit: str, where: str, dimension: str | None = None) -> tuple[floa
     return one - zero, zero
 
 
+@cache
+def si_name(unit: str) -> str:
+    """The SI unit that :func:`si_factor` brings numbers in a unit to, as people write it; that of mm is m."""
+    # What is SI already keeps its name: V is not kg·m²/s³/A. The pixel of a header is pint's, too.
+    if si_factor(unit, "") == (1.0, 0.0):
+        return unit
+    parsed = _registry().parse_units(re.sub(r"\bpx\b", "pixel", unit))
+    for name in ("V", "N", "N*m", "A", "W", "Pa", "J", "T", "F", "C"):
+        if _registry().parse_units(name).dimensionality == parsed.dimensionality:
+            return name
+    return f"{(1.0 * parsed).to_base_units().units:~C}".replace("**", "^")
+
+
 def unit_in_header(header: str) -> tuple[str, str | None]:
     """Name and unit of a header such as ``angle [deg]`` or ``u (V)``; no unit where what is in brackets is none.
 

@@ -14,10 +14,10 @@ from camid.chain.controller import Controller
 from camid.chain.pendulum import Pendulum
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
-from camid.number_text import plain, printable
 from camid.physical.plant import PhysicalPlant
 from camid.recording.options import Reading
 from camid.simulation.control_systems import continuous_plant
+from camid.simulation.declared_units import DeclaredUnits, SignalUnit
 
 Array = NDArray[np.float64]
 
@@ -184,24 +184,13 @@ class Simulation:
         return self.bias if isinstance(self.bias, float) else 0.0
 
     @property
-    def symbols(self) -> tuple[str | None, str]:
-        """What input and output are called in units: their columns, or u and y where the values are not the cells.
-
-        No input has no name.
-        """
-        signals = ((self.input_column, self.reading.input, "u"), (self.output_column, self.reading.output, "y"))
-        signal, output = (c if c is None or conversion.factor == 1.0 else s for c, conversion, s in signals)
-        return signal, str(output)
-
-    @property
-    def symbols_explained(self) -> list[str]:
-        """What the symbols mean that are not names of columns: ``u = 35.15 · vir``."""
-        signals = ((self.input_column, self.reading.input), (self.output_column, self.reading.output))
-        return [
-            f"{symbol} = {plain(conversion.factor, 6)} · {printable(str(column))}"
-            for symbol, (column, conversion) in zip(self.symbols, signals, strict=True)
-            if column is not None and conversion.factor != 1.0
-        ]
+    def units(self) -> DeclaredUnits:
+        """What people read values of input and output in: the units that are declared for their columns."""
+        signal = SignalUnit.of("u", self.input_column, self.reading.input)
+        output = SignalUnit.of("y", self.output_column, self.reading.output)
+        if self.pendulum is not None and output.unit is None:  # the sine is that of an angle in radians
+            output = SignalUnit("y", self.output_column, "rad", si="rad")
+        return DeclaredUnits(signal, output)
 
     def acquisition(self, period: float, uncertainty: float = 0.0) -> Acquisition:
         """Hold and sensor for a recording with this period, known to an uncertainty in seconds.
@@ -277,20 +266,31 @@ class Simulation:
         return self.pendulum is not None
 
     def coefficient_rows(self) -> Iterator[tuple[str, float, float | None, str]]:
-        """Name, value, standard deviation where there is one, and unit of what describes the plant."""
+        """Name, value, standard deviation (zero where it is fixed, None where it is not known), and unit in u, y and s.
+
+        The units of coefficients are those of a monic denominator; another one is a polynomial in s as it stands.
+        """
         named = self.pendulum or self.physical
         if named is not None:
             yield from named.coefficient_rows()
             return
-        deviations = self.standard_deviations
-        for name, letter, coefficients in (
-            ("numerator", "b", self.plant.numerator),
-            ("denominator", "a", self.plant.denominator),
+        order = self.plant.order if self.plant.denominator[0] == 1.0 else 0
+        for name, letter, coefficients, free in (
+            ("numerator", "b", self.plant.numerator, self.free_numerator),
+            ("denominator", "a", self.plant.denominator, self.free_denominator),
         ):
-            for i, value in enumerate(coefficients):
+            known = (self.standard_deviations or {}).get(name, [None] * len(coefficients))
+            for i, (value, deviation, is_free) in enumerate(zip(coefficients, known, free, strict=True)):
                 power = len(coefficients) - 1 - i
                 symbol = {0: "", 1: " · s"}.get(power, f" · s^{power}")
-                yield f"{letter}{power}{symbol}", value, None if deviations is None else deviations[name][i], ""
+                unit = _unit_of_coefficient(letter == "b", power - order)
+                yield f"{letter}{power}{symbol}", value, deviation if is_free else 0.0, unit
+
+    def unit_of_coefficient(self, name: str) -> str:
+        """Unit in u, y and s of ``b0``, ``a1`` and so on of the monic plant; that which a named constant declares."""
+        if self.physical is not None:
+            return self.physical.units.get(name, "")
+        return _unit_of_coefficient(name[0] == "b", int(name[1:]) - self.plant.order)
 
     def _transfer_function(self) -> dict[str, Any]:
         plant: dict[str, Any] = {
@@ -306,6 +306,15 @@ class Simulation:
             "denominator": [bool(f) for f in self.free_denominator],
         }
         return plant
+
+
+def _unit_of_coefficient(of_numerator: bool, power: int) -> str:
+    """Of a term of a transfer function in s to a power, in u, y and s."""
+    seconds = "" if power == 0 else "s" if abs(power) == 1 else f"s^{abs(power)}"
+    if not of_numerator:
+        return f"s^{power}" if power < 0 else seconds
+    above, below = ("y", seconds) if power <= 0 else (f"y {seconds}", "")
+    return f"{above}/(u {below})" if below else f"{above}/u"
 
 
 def default_freedom(plant: TransferFunction) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -50,7 +50,7 @@ _PROBLEMS = {
     "greater_than": "is not greater than {gt:g}",
     "greater_than_equal": "is less than {ge:g}",
     "less_than_equal": "is greater than {le:g}",
-    "too_short": "is empty",
+    "too_short": "has {actual_length} of at least {min_length} entries",
     "string_too_short": "is empty",
     "string_too_long": "is more than one character",
 }
@@ -79,8 +79,10 @@ def _refusal(error: ErrorDetails, content: Mapping[str, Any], source: str) -> In
         expected = error["ctx"]["expected"].replace("'", "") if path != ["recording", "decimal"] else "'.' or ','"
         expected = f"a number, or {expected}" if either else expected
         return InputError(f"'{value}' is not known here", where=where, hint=f"it must be {expected}")
-    problem = _PROBLEMS.get(kind)
+    problem = "is empty" if not value and kind == "too_short" else _PROBLEMS.get(kind)
     described = _description(path)
+    if path == ["sensor", "columns"] and kind == "too_short":
+        described = "one column is column: name; columns are two or more, each with what it reads"
     if kind == "list_type" and described:
         described = f"a list in brackets, such as [1.0, 2.0]: {described}"
     return InputError(

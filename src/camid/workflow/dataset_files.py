@@ -28,12 +28,24 @@ if TYPE_CHECKING:
 METADATA_KEY = b"camid"
 CHECKSUM_KEY = b"camid.sha256"
 CHECKSUM_ARRAY = "_sha256"
+# Version of this format; files of before there was a number have none, and are read as version 1.
+VERSION = 1
+VERSION_KEY = b"camid.schema"
+VERSION_ARRAY = "_schema"
 # Added to the name of a dataset that is put aside.
 DAMAGED = ".damaged"
 
 
 class _DamagedError(Exception):
     """What a file holds is not what was written."""
+
+
+class _NewerVersionError(InputError):
+    """A file is whole, and of a version that this camid does not read."""
+
+    def __init__(self, path: str | Path, version: str) -> None:
+        hint = f"this camid reads up to version {VERSION}: update it, or name another cache"
+        super().__init__(f"this dataset is of version {version}", where=str(path), hint=hint)
 
 
 def write_dataset(table: pd.DataFrame, path: str | Path, configuration: Mapping[str, Any]) -> None:
@@ -43,6 +55,7 @@ def write_dataset(table: pd.DataFrame, path: str | Path, configuration: Mapping[
 
     arrow = pa.Table.from_pandas(table, preserve_index=False)
     metadata = {**(arrow.schema.metadata or {}), METADATA_KEY: json.dumps(configuration, sort_keys=True).encode()}
+    metadata[VERSION_KEY] = str(VERSION).encode()
     metadata[CHECKSUM_KEY] = _checksum_of_table(arrow, metadata).encode()
     arrow = arrow.replace_schema_metadata(metadata)
     write_whole(path, lambda temporary: pq.write_table(arrow, temporary))
@@ -51,6 +64,7 @@ def write_dataset(table: pd.DataFrame, path: str | Path, configuration: Mapping[
 def write_arrays(arrays: Mapping[str, NDArray[Any]], path: str | Path) -> None:
     """Write arrays and a checksum of them as NPZ."""
     content = {name: np.asarray(array) for name, array in arrays.items()}
+    content[VERSION_ARRAY] = np.array(VERSION)
     content[CHECKSUM_ARRAY] = np.array(_checksum_of_arrays(content))
     write_whole(path, lambda temporary: np.savez_compressed(temporary, allow_pickle=False, **content))
 
@@ -62,10 +76,12 @@ def read_dataset(path: str | Path) -> pd.DataFrame:
     ------
     InputError
         If its content is not what was written. The file is put aside, out of the cache, too, so that the same command
-        makes it anew.
+        makes it anew. Also if it is of a newer version; then it stays.
     """
     try:
         return _verified_table(path).to_pandas()
+    except _NewerVersionError:
+        raise
     except Exception as error:  # a damaged file raises whatever the reader stumbles over
         raise _put_aside(path, error) from None
 
@@ -84,7 +100,10 @@ def read_arrays(path: str | Path) -> dict[str, NDArray[Any]]:
         written = content.pop(CHECKSUM_ARRAY, None)
         if written is None or str(written) != _checksum_of_arrays(content):
             raise _DamagedError("its checksum is not that of its content")
+        _refuse_newer(path, str(content.pop(VERSION_ARRAY, VERSION)))
         return content
+    except _NewerVersionError:
+        raise
     except Exception as error:
         raise _put_aside(path, error) from None
 
@@ -99,6 +118,8 @@ def read_configuration(path: str | Path) -> dict[str, Any]:
     """
     try:
         return dict(json.loads(_verified_table(path).schema.metadata[METADATA_KEY]))
+    except _NewerVersionError:
+        raise
     except Exception as error:
         raise _put_aside(path, error) from None
 
@@ -113,7 +134,14 @@ def _verified_table(path: str | Path) -> pa.Table:
     checksum = _checksum_of_table(arrow, metadata)
     if metadata.get(CHECKSUM_KEY) != checksum.encode():
         raise _DamagedError("its checksum is not that of its content")
+    _refuse_newer(path, metadata.get(VERSION_KEY, str(VERSION).encode()).decode())
     return arrow
+
+
+def _refuse_newer(path: str | Path, version: str) -> None:
+    """Refuse a whole file of a version that is not known; it stays where it is."""
+    if not version.isdigit() or int(version) > VERSION:
+        raise _NewerVersionError(path, version)
 
 
 def _checksum_of_table(arrow: pa.Table, metadata: Mapping[bytes, bytes]) -> str:

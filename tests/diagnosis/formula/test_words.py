@@ -1,10 +1,12 @@
 """Words for laws: sides, thresholds, slopes, periods, powers and loops."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from camid.diagnosis.formula.words import described, loop_area, missing_from, parity
-from camid.diagnosis.learned_part import Formula, Quantity
+from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from tests.diagnosis.formula.test_search import linearised
 
 
@@ -73,7 +75,11 @@ def test_what_is_missing_says_where_and_how_much():
     nearest = Formula("cube", "f(y) = a·y³", {}, points=knots.tolist(), values=(knots**3).tolist())
     values = knots**3
     values[5] += 0.2
-    text = missing_from(nearest, knots, values, np.full(9, 0.01), "position", 0.87)
+    part = LearnedPart(
+        *("learned-force", "plant", "Learned force", "position"),
+        *(knots.tolist(), values.tolist(), [0.01] * 9, "y", "u", 9.0, 0.5),
+    )
+    text = missing_from(nearest, part, 0.87)
     assert "nearest form of the dictionary is cube (f(y) = a·y³), with 87 %" in text
     assert "about y = 0.25 y, 0.200 ± 0.010 u" in text
-    assert "about" not in missing_from(nearest, knots, knots**3, np.full(9, 0.01), "position", 0.87)
+    assert "about" not in missing_from(nearest, replace(part, values=(knots**3).tolist()), 0.87)

@@ -14,11 +14,13 @@ from camid.diagnosis.formula.choice import Choice, chosen, exponent_of
 from camid.diagnosis.formula.groups import groups_of, values_of
 from camid.diagnosis.formula.text import formula_of, unit_text
 from camid.diagnosis.formula.words import described, loop_area, missing_from
+from camid.diagnosis.in_declared_units import formula_shown, learned_shown
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.fitting.problem import Problem
 from camid.number_text import SPACE, plain, with_deviation
+from camid.simulation.declared_units import IN_U_AND_Y, DeclaredUnits
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,7 @@ def with_formulas(
     judging: Sequence[NDArray[np.bool_]],
     known: int,
     watch: Watch,
+    units: DeclaredUnits = IN_U_AND_Y,
 ) -> list[LearnedPart]:
     """The learned laws with their formulas, where short ones say as much, and in words.
 
@@ -47,6 +50,8 @@ def with_formulas(
     known : int
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
+    units : DeclaredUnits
+        Of the words; formulas are in SI units.
     """
     result = list(parts)
     if not parts or watch.no_time_for("a formula for a law without a name"):
@@ -61,7 +66,7 @@ def with_formulas(
             choice = chosen(problem, decision, group, judging)
         except (ValueError, ArithmeticError, np.linalg.LinAlgError):
             continue
-        said = _with_formula(problem, decision, choice, result[group.index - first])
+        said = _with_formula(problem, decision, choice, result[group.index - first], units)
         result[group.index - first] = said
         for index in group.laws[:-1]:
             part = result[index - first]
@@ -84,7 +89,9 @@ def with_words(effects: Sequence[Effect], parts: Sequence[LearnedPart]) -> list[
     return result
 
 
-def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: LearnedPart) -> LearnedPart:
+def _with_formula(
+    problem: Problem, decision: Decision, choice: Choice, part: LearnedPart, units: DeclaredUnits
+) -> LearnedPart:
     """A law with what was found of it."""
     formulas = [_formula(problem, decision, choice, c) for c in choice.candidates]
     formula = formulas[0] if len(formulas) == 1 else None
@@ -92,20 +99,20 @@ def _with_formula(problem: Problem, decision: Decision, choice: Choice, part: Le
     if formula is not None and choice.best is not None:
         found = exponent_of(problem, decision, choice)
         power = None if found is None else Quantity(*found, "")
-    words = described(choice.law, part.variables, formula, power)
-    words += _loop(problem, decision, part)
+    words = described(
+        choice.law, part.variables, None if formula is None else formula_shown(formula, part, units), power
+    )
+    words += _loop(problem, decision, part, units)
     if formulas and choice.best is not None:
-        words += _origin(choice.best, part) + _constant(choice.best, formulas[0])
+        words += _origin(choice.best, part, units) + _constant(choice.best, units)
     if formula is not None and formula.replaces:
         words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
     if len(formulas) > 1:
         alike = "; or ".join(each.expression for each in formulas)
         words.append(f"this recording cannot tell apart {alike}")
     elif formula is None and choice.best is not None:
-        nearest = _formula(problem, decision, choice, choice.best)
-        knots, values, spread = (np.array(each) for each in (part.knots, part.values, part.standard_deviations))
-        bends = values - knots if part.identifier == "learned-curve" else values
-        missing = missing_from(nearest, knots, bends, spread, part.variables, choice.explained)
+        nearest = formula_shown(_formula(problem, decision, choice, choice.best), part, units)
+        missing = missing_from(nearest, learned_shown(part, units), choice.explained)
         words.append(f"no short formula: {choice.reason}; {missing}")
     return replace(part, formula=formula, rivals=formulas if len(formulas) > 1 else [], description="; ".join(words))
 
@@ -139,7 +146,7 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
     )
 
 
-def _constant(candidate: Candidate, formula: Formula) -> list[str]:
+def _constant(candidate: Candidate, units: DeclaredUnits) -> list[str]:
     """The constant beside a formula that is zero at zero, where one was fitted."""
     if candidate.constant is None:
         return []
@@ -148,21 +155,23 @@ def _constant(candidate: Candidate, formula: Formula) -> list[str]:
     value, variance = fitted.model.effects[index].vector[0], fitted.covariance
     place = fitted.packing.names.index(f"{index} {name.name}")
     spread = float(np.sqrt(max(variance[place, place], 0.0)))
-    text = with_deviation(float(value), spread, name.unit).replace(SPACE, " ")
+    shown = units.declared(float(value), spread, name.unit)
+    text = with_deviation(shown["value"], shown["std"], shown["unit"]).replace(SPACE, " ")
     return [f"counted from its value at zero, it stands beside a constant of {text}"]
 
 
-def _origin(candidate: Candidate, part: LearnedPart) -> list[str]:
+def _origin(candidate: Candidate, part: LearnedPart, units: DeclaredUnits) -> list[str]:
     """Where the positions of a formula are counted from, where the sensor's zero is elsewhere."""
     model = candidate.fit.fitted.model
     constants = [e.values["offset"] for e in model.effects if e.is_constant and e.place == "sensor"]
     offset = float(model.constants.get("offset", 0.0)) + sum(constants)
     if part.knot_unit != "y" or abs(offset) < NEAR_ZERO * (part.knots[-1] - part.knots[0]):
         return []
-    return [f"y is counted from the rest, which the sensor reads as {plain(offset, 3, 'y')}".replace(SPACE, " ")]
+    rest = plain(units.shown(offset, "y"), 3, units.text("y"))
+    return [f"y is counted from the rest, which the sensor reads as {rest}".replace(SPACE, " ")]
 
 
-def _loop(problem: Problem, decision: Decision, part: LearnedPart) -> list[str]:
+def _loop(problem: Problem, decision: Decision, part: LearnedPart, units: DeclaredUnits) -> list[str]:
     """The area of the loop over a sinusoidal motion of the recording's size, in words."""
     motions = problem.motion(decision.improved.model)
     position, velocity = (problem.fitted([m[i] for m in motions]) for i in (0, 1))
@@ -178,7 +187,9 @@ def _loop(problem: Problem, decision: Decision, part: LearnedPart) -> list[str]:
     found = loop_area(law, part.variables, amplitude, frequency)
     if found is None:
         return []
-    area = with_deviation(*found, unit_text({"u": 1, "y": 1}, {}, 0.0))
-    motion = f"{plain(amplitude, 3, 'y')} at {plain(frequency, 3, 'rad/s')}"
+    work = unit_text({"u": 1, "y": 1}, {}, 0.0)
+    lost = units.declared(*found, work)
+    area = with_deviation(lost["value"], lost["std"], lost["unit"])
+    motion = f"{plain(units.shown(amplitude, 'y'), 3, units.text('y'))} at {plain(frequency, 3, 'rad/s')}"
     text = f"a motion of {motion} loses {area} a period to it, beyond the plant's own damping"
     return [text.replace(SPACE, " ")]

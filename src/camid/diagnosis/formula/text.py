@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.formula.search import FittedForm
-from camid.diagnosis.learned_part import Formula, Quantity
-from camid.number_text import plain
+from camid.diagnosis.learned_part import LENGTH, Formula, Quantity
 
 Array = NDArray[np.float64]
 
@@ -67,8 +66,9 @@ def formula_of(form: FittedForm, covariance: Array, variables: str) -> Formula:
     for (name, power, factor, unit), value, deviation in zip(rows, form.vector, deviations, strict=True):
         spread = float(deviation * factor) if np.isfinite(deviation) else None
         parameters[_named(name, symbol)] = Quantity(float(value * factor), spread, unit_text(unit, over, power))
-    expression = before + _named(form.form.text, symbol).replace("X", plain(form.length))
-    return Formula(form.form.name, expression, parameters)
+    pattern = before + _named(form.form.text, symbol)
+    length = form.length if LENGTH in pattern else None
+    return Formula(form.form.name, pattern, parameters, pattern=pattern).with_length(length)
 
 
 def _named(text: str, symbol: str) -> str:

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.formula.text import NOTATION, symbol_of, unit_text
-from camid.diagnosis.learned_part import Formula, Quantity
+from camid.diagnosis.formula.text import symbol_of
+from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.fitting.linearised_law import LinearisedLaw
 from camid.fitting.smoothness import smooth_curve
 from camid.number_text import SPACE, number, plain, with_deviation
@@ -126,11 +126,11 @@ def _slopes(formula: Formula) -> str:
     )
 
 
-def missing_from(
-    form: Formula, knots: Array, values: Array, deviations: Array, variables: str, explained: float
-) -> str:
-    """What a formula would have to explain better than the best of the dictionary."""
-    symbol, _, heights, over = NOTATION[variables]
+def missing_from(form: Formula, part: LearnedPart, explained: float) -> str:
+    """What a formula would have to explain better than the best of the dictionary; both in the units of the words."""
+    symbol = symbol_of(part.variables)
+    knots, values, deviations = (np.array(each) for each in (part.knots, part.values, part.standard_deviations))
+    values = values - knots if part.identifier == "learned-curve" else values
     drawn = np.interp(knots, form.points, form.values)
     ratio = (values - drawn) / np.maximum(deviations, 1e-12 * float(np.max(np.abs(values)) or 1.0))
     inner = np.arange(1, len(knots) - 1)
@@ -139,10 +139,8 @@ def missing_from(
     text += "what the curve explains"
     if abs(ratio[worst]) < SIGNIFICANT:
         return text
-    at = f"{symbol} = {plain(float(knots[worst]), 3, unit_text({}, over, -1.0))}"
-    difference = with_deviation(
-        float(values[worst] - drawn[worst]), float(deviations[worst]), unit_text(heights, {}, 0.0)
-    )
+    at = f"{symbol} = {plain(float(knots[worst]), 3, part.knot_unit)}"
+    difference = with_deviation(float(values[worst] - drawn[worst]), float(deviations[worst]), part.unit)
     return f"{text}; a formula would have to explain what is left about {at}, {difference}".replace(SPACE, " ")
 
 

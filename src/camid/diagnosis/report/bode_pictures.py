@@ -19,7 +19,6 @@ from camid.diagnosis.report.panel import (
     ticks_within_decade,
 )
 from camid.diagnosis.report.words import with_titles
-from camid.number_text import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,14 +34,13 @@ ROOM_DECIBELS, ROOM_DEGREES = 12.0, 40.0
 
 def bode_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     """Magnitude and phase."""
-    responses = diagnosis.responses
-    if responses is None:
+    if diagnosis.responses is None:
         return
-    source, output = (printable(name) for name in responses.symbols)
+    responses = diagnosis.responses.in_declared_units()
     recorded = "" if responses.empirical is None else " Circles: the recording, where noise does not cover it."
     yield Panel(
         "Magnitude of the plant",
-        f"In decibels of {output}/{source}; bands of 95 %.{recorded}",
+        f"In decibels of {responses.units.text('y/u')}; bands of 95 %.{recorded}",
         inline_svg(_drawn(responses, decibels=True), "Bode magnitude before and after"),
     )
     remarks = with_titles("; ".join(responses.remarks), diagnosis.own_titles)

@@ -61,12 +61,17 @@ class Names:
 
     Attributes
     ----------
-    source, output : str
-        Of the input and of the compared output, in units.
+    source, output, rate : str
+        Units of input, output and rate of the output.
+    command, seen : str
+        What input and output are called, with their units.
     """
 
     source: str
     output: str
+    rate: str
+    command: str
+    seen: str
 
 
 def drawn_against(finding: Finding) -> str:
@@ -114,11 +119,11 @@ def _pictures(
         return
     change = np.diff(first.signal, prepend=first.signal[:1])
     abscissas: dict[str, tuple[Array, str]] = {
-        "input": (first.signal, f"input, {names.source}"),
+        "input": (first.signal, f"input {names.command}"),
         "change of the input": (change, f"input less that of the last row, {names.source}"),
-        "velocity": (shown.velocity, f"velocity, {names.output}/s"),
-        "position": (shown.position, f"simulated output, {names.output}"),
-        "rate": (shown.rate, f"rate of the output, {names.output}/s"),
+        "velocity": (shown.velocity, f"velocity, {names.rate}"),
+        "position": (shown.position, f"simulated {names.seen}"),
+        "rate": (shown.rate, f"rate of the output, {names.rate}"),
         "time": (first.time, "time, s"),
     }
     if against not in abscissas:
@@ -149,7 +154,7 @@ def _with_law(x: Array, shown: EffectSignals, labels: tuple[str, str]) -> Axes:
     centres, quartiles = quartiles_of_bins(x, data)
     axes.fill_between(centres, quartiles[:, 0], quartiles[:, 2], color=style.BLUE, alpha=0.25, linewidth=0, zorder=2)
     axes.plot(centres, quartiles[:, 1], "-o", color=style.BLUE, linewidth=1.6, markersize=4.0, label="recording")
-    smoothed = shown.seen is not shown.law
+    smoothed = not np.array_equal(shown.seen, shown.law)
     at, middle = quartiles_of_bins(x, shown.law, LAW_BINS)
     axes.plot(at, middle[:, 1], ":" if smoothed else "--", color=style.VERMILION, linewidth=2.0, label="law", zorder=4)
     if smoothed:
@@ -229,7 +234,7 @@ def _time_shifts(
     drawn = _with_law(
         shown.rate,
         shown,
-        (f"rate of the output, {names.output}/s", f"error of reading, {names.output}"),
+        (f"rate of the output, {names.rate}", f"error of reading, {names.output}"),
     )
     caption = f"Readings that are late are wrong in proportion to the rate. {UNBENT}"
     yield Panel(heading, caption, inline_svg(drawn, heading))

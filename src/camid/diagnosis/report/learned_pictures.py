@@ -10,7 +10,6 @@ import numpy as np
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.report.panel import Panel, inline_svg, legend_above, new_panel
-from camid.number_text import printable, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,13 +38,12 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
                 caption += " Both hold what named effects of the same variable carry of the law."
         if part.description:
             caption += f" In words: {part.description}."
-        yield Panel(title, caption, inline_svg(_curve(part, diagnosis), title))
+        yield Panel(title, caption, inline_svg(_curve(part), title))
 
 
-def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
+def _curve(part: LearnedPart) -> Axes:
     from camid import plotting as style
 
-    names = diagnosis.improved.symbols
     knots, values = np.array(part.knots), np.array(part.values)
     over, across = AXES[part.variables]
     heights = values - knots if part.identifier == "learned-curve" else values
@@ -62,7 +60,7 @@ def _curve(part: LearnedPart, diagnosis: Diagnosis) -> Axes:
         whole = np.array(formula.values) + (np.array(formula.carried) if part.drawn[0].replaces else 0.0)
         axes.plot(formula.points, whole, linestyle=dashes, color=colour, linewidth=2.0, label=label)
     axes.axhline(0.0, color=style.BLACK, linewidth=0.8)
-    unit, knot_unit = (printable(unit_of(u, *names)) for u in (part.unit, part.knot_unit))
-    axes.set(xlim=(knots[0], knots[-1]), xlabel=f"{over}, {knot_unit}", ylabel=f"{across}, {unit}" if unit else across)
+    across = f"{across}, {part.unit}" if part.unit else across
+    axes.set(xlim=(knots[0], knots[-1]), xlabel=f"{over}, {part.knot_unit}", ylabel=across)
     legend_above(axes, 2 + len(part.drawn))
     return axes

@@ -14,6 +14,7 @@ import numpy as np
 
 from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
+from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_effect_file import NAME, effect_file
 from camid.diagnosis.next_experiment import next_experiments
 from camid.diagnosis.report import summary
@@ -136,11 +137,10 @@ def _box_of(finding: Finding) -> str:
     return finding.place if known is None else known.box
 
 
-def _parameter_rows(finding: Finding, diagnosis: Diagnosis) -> list[dict[str, str]]:
-    names = diagnosis.improved.symbols
+def _parameter_rows(finding: Finding) -> list[dict[str, str]]:
     rows = []
     for name, parameter in finding.parameters.items():
-        unit = number_text.unit_of(parameter.unit, *names)
+        unit = parameter.unit
         if isinstance(parameter.value, str):
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
         elif isinstance(parameter.value, list | tuple):
@@ -161,6 +161,7 @@ def _coefficient_row(coefficient: Coefficient) -> dict[str, str]:
     spread = float(np.hypot(c.refitted_deviation, c.improved_deviation))
     return {
         "name": c.name,
+        "unit": c.unit,
         "nominal": number_text.plain(c.nominal, 6),
         "refitted": number_text.with_deviation(c.refitted, c.refitted_deviation),
         "improved": number_text.with_deviation(c.improved, c.improved_deviation),
@@ -195,7 +196,7 @@ def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                 "finding": finding,
                 # The path is made of numbers alone, so it needs no escaping.
                 "equation": None if drawn is None else Markup(drawn),
-                "parameters": _parameter_rows(finding, diagnosis),
+                "parameters": _parameter_rows(finding),
                 "evidence": summary.evidence_lines(finding.evidence, diagnosis.own_titles),
                 "members": members,
             }
@@ -209,7 +210,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     import camid
     from camid.diagnosis.report.pictures import draw
 
-    names = diagnosis.improved.symbols
+    units = diagnosis.improved.units
     own = diagnosis.own_titles
     seen, unseen = summary.sorted_undetectable(diagnosis.undetectable, own)
     pictures = draw(diagnosis)
@@ -234,14 +235,12 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         # It is ours, and what it is hashed to is all that the page may run.
         "script": Markup(_script()),
         "script_hash": f"sha256-{b64encode(sha256(_script().encode()).digest()).decode('ascii')}",
-        "state": state and summary.state_text(state, *names),
+        "state": state and summary.state_text(state, units),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
-        "seen": [(u, number_text.unit_of(u.unit, *names)) for u in seen],
+        "seen": [(u, u.unit or "") for u in seen],
         "unseen": unseen,
-        "input_name": number_text.printable(names[0]) if names[0] else None,
-        "output_name": number_text.printable(names[1]),
-        "symbols_explained": diagnosis.improved.symbols_explained,
+        "units": units,
         "compared_name": number_text.printable(diagnosis.compared),
         "recordings": [number_text.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
@@ -255,7 +254,6 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "probability": number_text.probability,
         "title_of": partial(summary.title_of, own=own),
         "with_titles": partial(with_titles, own=own),
-        "effect_file": effect_file(diagnosis),
         "effect_file_name": NAME,
     }
 
@@ -321,7 +319,8 @@ def load() -> None:
 
 def render(diagnosis: Diagnosis) -> str:
     """The page as text."""
-    return _template().render(_context(diagnosis))
+    # The file of a learned law is in SI units, as everything that programs read.
+    return _template().render(_context(in_declared_units(diagnosis)), effect_file=effect_file(diagnosis))
 
 
 @cache

@@ -130,7 +130,8 @@ def _overlay(diagnosis: Diagnosis, rows: slice, size: tuple[float, float]) -> Ax
     *above, axes = new_panels(tall, (1.0, 2.4) if driven else (1.0,), top)
     for upper in above:
         held = diagnosis.improved.hold == "zoh"
-        label = f"input, {_short(diagnosis.improved.symbols[0] or 'u')}"
+        driving = diagnosis.improved.units.input
+        label = _short(driving.label) if driving.unit else f"input, {_short(driving.symbol)}"
         upper.plot(
             time, signals.signal[rows], color=style.GREEN, linewidth=1.4, label="_input",
             drawstyle="steps-post" if held else "default", gid="series input",
@@ -174,7 +175,7 @@ def _over_time(diagnosis: Diagnosis, size: tuple[float, float]) -> Axes:
         for edge in diagnosis.location.time:
             axes.axvline(edge, color=style.BLACK, linestyle="-.", linewidth=1.0)
     axes.set(xlim=(signals.time[0], signals.time[-1]), ylim=range_of_nearly_all(before, after, share=0.05))
-    axes.set(xlabel="time, s", ylabel=f"residual, {_short(diagnosis.compared_symbol)}")
+    axes.set(xlabel="time, s", ylabel=f"residual, {_short(diagnosis.compared_signal.symbol)}")
     legend_above(axes, columns)
     return axes
 
@@ -237,17 +238,19 @@ def _short(name: str) -> str:
 
 
 def _names(diagnosis: Diagnosis) -> Names:
-    source, output = diagnosis.improved.symbols
-    return Names(_short(source or "u"), _short(output))
+    units = diagnosis.improved.units
+    source, output, rate = (_short(units.text(unit)) for unit in ("u", "y", "y/s"))
+    return Names(source, output, rate, _short(units.input.label), _short(units.output.label))
 
 
 def _labelled(diagnosis: Diagnosis) -> str:
     """What the ordinate of recorded and simulated values is called."""
-    return f"{diagnosis.residual_of}, {_short(diagnosis.compared_symbol)}"
+    compared = diagnosis.compared_signal
+    return _short(compared.label) if compared.unit else f"{diagnosis.residual_of}, {_short(compared.symbol)}"
 
 
 def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
-    output, named = _short(diagnosis.compared_symbol), _named(diagnosis)
+    output, named = _short(diagnosis.compared_signal.symbol), _named(diagnosis)
     rows, unseen = _worst_rows(diagnosis.signals)
     where = "rows that were not fitted" if unseen else "the first recording (all of it was fitted)"
     yield Panel(
@@ -286,13 +289,13 @@ def _structure_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     force, verb = f"{'remaining' if adequate else 'missing'} force, {names.source}", "would be" if adequate else "is"
     residual = signals.recorded - signals.refitted
     panels: list[tuple[str, str, Array, Array, str, str, str]] = [
-        ("input", f"input, {names.source}", signals.signal, signals.equivalent_input, force, "actuator",
+        ("input", f"input {names.command}", signals.signal, signals.equivalent_input, force, "actuator",
          f"A curve here {verb} a fault of the actuator: it depends on the command alone."),
-        ("velocity", f"velocity, {names.output}/s", signals.velocity, signals.equivalent_input, force, "plant",
+        ("velocity", f"velocity, {names.rate}", signals.velocity, signals.equivalent_input, force, "plant",
          f"A curve here {verb} friction, drag or damping that the simulation does not have."),
-        ("position", f"simulated position, {names.output}", signals.position, signals.equivalent_input, force, "plant",
+        ("position", f"simulated {names.seen}", signals.position, signals.equivalent_input, force, "plant",
          f"A curve here {verb} a stiffness, a stop or a weight that the simulation does not have."),
-        ("output", f"simulated output, {names.output}", signals.refitted, residual, f"residual, {names.output}",
+        ("output", f"simulated {names.seen}", signals.refitted, residual, f"residual, {names.output}",
          "sensor", f"A curve here {verb} a fault of the sensor: it distorts what is seen, not what moves."),
     ]  # fmt: skip
     if diagnosis.residual_of == "control":  # recorded and simulated values are those of the control

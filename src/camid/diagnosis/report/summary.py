@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
+from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import UNLISTED
-from camid.number_text import number, percentage, plain, printable, probability, span, unit_of, with_deviation
+from camid.number_text import number, percentage, plain, printable, probability, span, with_deviation
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from camid.simulation.declared_units import DeclaredUnits
 
 # Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
 VERDICT_WORDS = {
@@ -58,7 +61,7 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
         size = number(diagnosis.known_remainder)
         meaning = (
             f"the simulation leaves out nothing beyond the declared remainder of {size} "
-            f"{unit_of('y', None, diagnosis.compared_symbol)} (root mean square)"
+            f"{diagnosis.compared_signal.symbol} (root mean square)"
         )
     return symbol, word, meaning
 
@@ -83,12 +86,11 @@ def title_of(identifier: str, own: Mapping[str, str] | None = None) -> str:
     return words[:1].upper() + words[1:] if known is None else known.title
 
 
-def estimate_text(parameter: ParameterEstimate, input_name: str | None, output_name: str) -> str:
-    """Value, standard deviation and unit in one line."""
+def estimate_text(parameter: ParameterEstimate) -> str:
+    """Value, standard deviation and unit, as they are shown, in one line."""
     if isinstance(parameter.value, str):
         return parameter.value
-    unit = unit_of(parameter.unit, input_name, output_name)
-    return with_deviation(parameter.value, parameter.standard_deviation, unit)
+    return with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
 
 
 def is_noise_only(evidence: dict[str, Any]) -> bool:
@@ -145,8 +147,8 @@ def alternatives_text(finding: Finding, own: Mapping[str, str] | None = None) ->
 
 
 def place_text(diagnosis: Diagnosis) -> str:
-    """Place, time, band and region of the mismatch in a line."""
-    location, names = diagnosis.location, diagnosis.improved.symbols
+    """Place, time, band and region of the mismatch in a line, in declared units as they are given."""
+    location = diagnosis.location
     if location.place is None and diagnosis.verdict == "adequate":
         return "nowhere" if diagnosis.known_remainder is None else "not looked for within the declared remainder"
     parts = [location.place or "no place of the chain stands out"]
@@ -155,22 +157,19 @@ def place_text(diagnosis: Diagnosis) -> str:
     if location.frequency is not None:
         parts.append(span(location.frequency, "Hz"))
     if location.state is not None:
-        parts.append(state_text(location.state, *names))
+        parts.append(state_text(location.state, diagnosis.improved.units))
     return ", ".join(parts)
 
 
-def state_text(state: tuple[str, float, float], input_name: str | None, output_name: str) -> str:
-    """Region of a signal, with what it is called in units."""
+def state_text(state: tuple[str, float, float], units: DeclaredUnits) -> str:
+    """Region of a signal, in declared units as it is given."""
     variable, low, high = state
-    column = printable(input_name or "u") if variable == "input" else printable(output_name)
-    unit = f"{column}/s" if variable == "velocity" else column
-    return f"{variable} from {span((low, high), unit)}"
+    return f"{variable} from {span((low, high), units.text(UNITS_OF_STATE[variable]))}"
 
 
 def _table_of_findings(diagnosis: Diagnosis) -> Table:
     from rich.table import Table
 
-    names = diagnosis.improved.symbols
     table = Table(title="What was found", title_justify="left")
     for heading in ("effect", "weight", "place", "parameter", "value", "error without it"):
         table.add_column(heading, overflow="fold")
@@ -180,13 +179,36 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
         rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
         for i, (name, parameter) in enumerate(rows):
             head = (finding.title, percentage(finding.weight, 2), finding.place) if i == 0 else ("", "", "")
-            value = estimate_text(parameter, *names)
+            value = estimate_text(parameter)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for part in diagnosis.learned:
-        range_shown = span((part.knots[0], part.knots[-1]), unit_of(part.knot_unit, *names))
-        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.values)), unit=unit_of(part.unit, *names))}"
+        range_shown = span((part.knots[0], part.knots[-1]), part.knot_unit)
+        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.values)), unit=part.unit)}"
         over = part.variables.rpartition(" over ")[2]
         table.add_row(part.name, "–", part.place, f"{over} {range_shown}", values, "–")
+    return table
+
+
+def _tables(diagnosis: Diagnosis) -> Iterator[Table]:
+    if diagnosis.findings or diagnosis.learned:
+        yield _table_of_findings(diagnosis)
+    if diagnosis.coefficients:
+        yield _table_of_coefficients(diagnosis)
+
+
+def _table_of_coefficients(diagnosis: Diagnosis) -> Table:
+    from rich.table import Table
+
+    bent = bool(diagnosis.findings or diagnosis.learned)
+    table = Table(title="Coefficients of the plant, old and new", title_justify="left")
+    table.add_column("coefficient", overflow="fold")
+    for heading in ("as given", "re-estimated", *(["with the effects"] if bent else [])):
+        table.add_column(heading, justify="right", overflow="fold")
+    table.add_column("unit", overflow="fold")
+    for c in diagnosis.coefficients:
+        values = [plain(c.nominal, 6), with_deviation(c.refitted, c.refitted_deviation)]
+        values += [with_deviation(c.improved, c.improved_deviation)] if bent else []
+        table.add_row(c.name, *values, c.unit)
     return table
 
 
@@ -212,15 +234,16 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     """
     from rich.console import Console
 
+    diagnosis = in_declared_units(diagnosis)
     # Names of files and columns may look like rich's markup.
     console = Console(highlight=False, markup=False, emoji=False)
     symbol, word, meaning = verdict_words(diagnosis)
     console.print(f"{symbol} {word.upper()}: {meaning}", style="bold", soft_wrap=True)
     console.print(printable(diagnosis.explanation), soft_wrap=True)
     console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
-    if diagnosis.findings or diagnosis.learned:
-        console.print(_table_of_findings(diagnosis))
-    if explained := diagnosis.improved.symbols_explained:
+    for table in _tables(diagnosis):
+        console.print(table)
+    if explained := diagnosis.improved.units.explained:
         console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     for finding in diagnosis.findings:
         if finding.alternatives:
