@@ -1,10 +1,7 @@
 """The page of a diagnosis: complete for every verdict, self-contained, safe with any name, laid out by a browser."""
 
-import html
-import json
 import re
 import shutil
-import subprocess
 import sys
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -17,13 +14,14 @@ from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
+from camid.diagnosis.results_folder import FILES
 from camid.effects import known_effects
 from camid.number_text import SPACE
 from camid.recording.options import Reading
 from camid.recording.units import Conversion
 from tests.support import written_diagnoses
 
-SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable"]
+SECTIONS = ["location", "effects", "structure", "fit", "coefficients", "tests", "undetectable", "about"]
 HOSTILE = {
     "input_column": "<script>document.title = 'run'</script>",
     "output_column": '$x_{1} & "y" </text><img src=x onerror=alert(1)>',
@@ -31,10 +29,6 @@ HOSTILE = {
     "warnings": ["</li><script>document.title = 'run'</script>"],
     "explanation": "<script>document.title = 'run'</script>",
 }
-BROWSER = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
-)
-needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed: the layout was not looked at")
 
 
 class Page(HTMLParser):
@@ -45,7 +39,7 @@ class Page(HTMLParser):
         self.tags, self.attributes, self.sections, self.parts, self.paths = [], [], [], [], 0
         self.feed(text)
         self.close()
-        # The style sheet is text to the parser, but not to the reader.
+        # Style sheet and script are text to the parser, but not to the reader.
         self.text = " ".join(" ".join(self.parts).replace(SPACE, " ").split())
 
     def handle_starttag(self, tag, attrs):
@@ -55,7 +49,7 @@ class Page(HTMLParser):
             self.sections.append(dict(attrs)["id"])
 
     def handle_data(self, data):
-        if self.tags and self.tags[-1] != "style":
+        if self.tags and self.tags[-1] not in {"style", "script"}:
             self.parts.append(data)
 
 
@@ -79,7 +73,8 @@ def test_every_verdict_has_its_sections(pages, verdict):
     assert diagnosis.explanation in page.text
     assert ("Improved simulation" in page.text) == bool(diagnosis.findings)
     assert page.text.count("▲ here") == (verdict != "adequate")
-    assert page.tags.count("figure") == 8
+    # Four before and after, and four of the missing force; what is a force over time has a picture of its own.
+    assert page.tags.count("figure") == 8 + (verdict == "partly-explained")
     assert "bench/run_07.csv, 2044 rows, 1544 of them fitted" in page.text
     for unseen in diagnosis.undetectable:
         assert summary.title_of(unseen.identifier) in page.text
@@ -124,13 +119,14 @@ def test_a_wrong_hold_marks_the_hold():
 @pytest.mark.parametrize("verdict", summary.VERDICT_WORDS)
 def test_the_page_needs_nothing_else(pages, verdict):
     text, page = pages[verdict], Page(pages[verdict])
-    assert not {"script", "link", "img", "iframe", "object", "embed", "image", "base"} & set(page.tags)
+    assert not {"link", "img", "iframe", "object", "embed", "image", "base"} & set(page.tags)
+    assert page.tags.count("script") == 1
     assert not re.search(r"https?://|//[a-z]", text)
     for name, value in page.attributes:
         assert name != "src"
         assert not name.startswith("on")
         if name.endswith("href"):
-            assert value.startswith("#")
+            assert value.startswith("#") or value in FILES
     assert all(target.startswith("#") for target in re.findall(r"url\(([^)]*)\)", text))
     # What a drawing refers to is in the page.
     referred = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', text))
@@ -141,7 +137,8 @@ def test_the_page_needs_nothing_else(pages, verdict):
 def test_names_are_escaped(hostile):
     text = hostile
     page = Page(text)
-    assert not {"script", "img"} & set(page.tags)
+    assert "img" not in page.tags
+    assert page.tags.count("script") == 1
     assert HOSTILE["explanation"] in page.text
     assert "$x_{1}" in page.text  # neither markup nor mathtext
     assert "\x07" not in text
@@ -166,7 +163,7 @@ def test_a_free_decay_has_no_picture_against_its_input():
     signals = diagnosis.signals
     still = type(signals)(**{**vars(signals), "signal": np.zeros(len(signals.time))})
     drawn = pictures.draw(written_diagnoses.diagnosis("explained", input_column=None, signals=still))["structure"]
-    assert [p.title.split(" against ")[1] for p in drawn] == ["velocity", "position", "output"]
+    assert [p.title.split(" against ")[1] for p in drawn] == ["position", "output"]  # velocity is drawn with the law
     assert "no input" in Page(report.render(diagnosis)).text
 
 
@@ -408,55 +405,6 @@ def test_formulas_that_cannot_be_told_apart_are_all_shown(capsys):
 def test_what_a_learned_law_leaves_is_said(structured, left):
     diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED], structured=structured)
     assert left in summary.verdict_words(diagnosis)[2]
-
-
-MEASURE = """<script>
-addEventListener("load", () => {
-  const page = document.querySelector("iframe").contentDocument, all = (what) => [...page.querySelectorAll(what)];
-  const sizes = all("figure svg, svg.equation, .chain li").map((e) => e.getBoundingClientRect());
-  document.body.replaceChildren(JSON.stringify({
-    title: page.title, width: page.defaultView.innerWidth, needed: page.documentElement.scrollWidth,
-    drawings: all("figure svg, svg.equation").length, empty: sizes.filter((s) => s.width < 5 || s.height < 5).length,
-    labels: all("figure svg text").length, unseen: all("figure svg text").filter((t) => !t.getBBox().width).length,
-    stray: all("main *").filter((e) => !e.closest(".scroll, .picture, .formula")
-      && e.getBoundingClientRect().right > page.defaultView.innerWidth).length}));
-});
-</script>"""
-
-
-def in_browser(page, folder, width):
-    """What a browser makes of the page, measured from a frame of this width (a window is never narrower than 500)."""
-    frame = f'<iframe style="width: {width}px; height: 900px; border: 0" srcdoc="{html.escape(page)}"></iframe>'
-    (folder / "frame.html").write_text(f'<meta charset="utf-8">{frame}{MEASURE}', encoding="utf-8")
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
-    command += ["--hide-scrollbars", "--window-size=1400,1000", "--dump-dom", (folder / "frame.html").as_uri()]
-    shown = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
-    return json.loads(html.unescape(re.search(r"<body>(.*?)</body>", shown, re.DOTALL).group(1)))
-
-
-@needs_browser
-@pytest.mark.parametrize(("width", "named"), [(1280, "usually"), (390, "badly")])
-def test_a_browser_lays_it_out_without_scrolling_sideways(tmp_path, pages, hostile, width, named):
-    seen = in_browser(pages["partly-explained"] if named == "usually" else hostile, tmp_path, width)
-    assert (seen["width"], seen["needed"]) == (width, width)
-    assert seen["drawings"] == 8 + 2
-    assert seen["labels"] > 100
-    assert (seen["empty"], seen["unseen"], seen["stray"]) == (0, 0, 0)
-    assert seen["title"].startswith("Partly explained: diagnosis of ")
-
-
-@needs_browser
-def test_the_browser_test_sees_a_page_that_is_too_wide(tmp_path, pages):
-    page = pages["explained"].replace("overflow-wrap: anywhere;", "")
-    page = page.replace("bench/run_07.csv", "a" * 200)
-    assert in_browser(page, tmp_path, 390)["needed"] > 390
-
-
-@needs_browser
-def test_the_page_forbids_scripts(tmp_path, pages):
-    page = pages["explained"]
-    script = "<script>document.title = 'run'</script></body>"
-    assert in_browser(page.replace("</body>", script), tmp_path, 1280)["title"].startswith("Explained")
 
 
 class TestPageDrawnBeside:

@@ -16,6 +16,8 @@ from camid.diagnosis.diagnosis import (
     StructureTest,
     Undetectable,
 )
+from camid.diagnosis.effect_signals import EffectSignals
+from camid.diagnosis.provenance import FILE_TIME, Provenance, RecordedFile
 from camid.simulation.model import Simulation
 
 PERIOD, COUNT, STEPS = 0.02, 2044, 10
@@ -131,6 +133,30 @@ def second_finding():
     )
 
 
+def effect_signals(shown, findings):
+    """What the recording shows of each of these effects that is a force: its law, smoothed, and noise."""
+    random = np.random.default_rng(np.random.SeedSequence(17))
+    laws = {
+        "coulomb-friction": -FORCE * np.sign(shown.velocity),
+        "periodic-disturbance": 0.05 * np.sin(7.5612 * shown.time + 0.42),
+    }
+    found = []
+    for each in findings:
+        if each.identifier in laws:
+            law = laws[each.identifier]
+            seen = np.convolve(law, np.ones(5) / 5.0, mode="same")
+            data = seen + 0.02 * random.standard_normal(len(law))
+            rate = np.gradient(shown.position, PERIOD)
+            found.append(EffectSignals(each.identifier, shown.position, shown.velocity, rate, data, law, seen))
+    return found
+
+
+PROVENANCE = Provenance(
+    "camid diagnose bench/run_07.csv --simulation S.yaml --output found",
+    "S.yaml",
+    [RecordedFile("bench/run_07.csv", "0123456789abcdef" * 4, "2026-05-04 03:02:01 UTC", FILE_TIME)],
+    {"camid": "0.1.0", "Python": "3.12.1", "NumPy": "2.1.0", "SciPy": "1.14.0"},
+)
 UNDETECTABLE = [
     Undetectable("dead-zone", "the input never is smaller than 0.5: a dead zone is a smaller gain"),
     Undetectable("quadratic-drag", "not needed", "coefficient", 0.0041, "u s^2/y^2"),
@@ -203,4 +229,6 @@ def diagnosis(verdict, *, seed=7, **changes):
     ]
     content |= {"undetectable": UNDETECTABLE, "coefficients": coefficients, "tests": tests, "signals": shown}
     content |= {"recordings": ["bench/run_07.csv"], "rows_fitted": 1544, "period": PERIOD, "seconds": 2.31}
-    return Diagnosis(verdict=verdict, improved=improved, **(content | changes))
+    content |= {"provenance": PROVENANCE} | changes
+    content = {"effect_signals": effect_signals(content["signals"], content["findings"])} | content
+    return Diagnosis(verdict=verdict, improved=improved, **content)

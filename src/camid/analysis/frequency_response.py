@@ -13,6 +13,7 @@ from camid.analysis.empirical_response import EmpiricalResponse, sensor_response
 from camid.analysis.linear_model import SMALL, LinearModel
 from camid.analysis.view import ShortTable, View, common_mapping
 from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
 from camid.number_text import plain, with_deviation
 from camid.simulation.declared_units import DeclaredUnits
 from camid.writing import without_infinities
@@ -95,18 +96,19 @@ class ResponseCurve:
         return None if self.relative_deviation is None else DECIBELS * self.relative_deviation
 
 
-def _response(plant: Any, angular_frequency: Array) -> ComplexArray:
-    """B(jω)/A(jω), by python-control."""
-    return np.asarray(plant.to_control()(1j * angular_frequency, warn_infinite=False), dtype=complex)
+def _response(plant: TransferFunction, angular_frequency: Array) -> ComplexArray:
+    """B(jω)/A(jω); not finite at a pole."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(plant.frequency_response(angular_frequency), dtype=complex)
 
 
 def frequencies_for(
     models: list[LinearModel], limits: tuple[float, float] | None, empirical: EmpiricalResponse | None
 ) -> Array:
     """Angular frequencies in rad/s: those that python-control chooses, or between limits, finer about resonances."""
-    import control
-
     if limits is None:
+        import control
+
         found = control.frequency_response([m.plant.to_control() for m in models])[0].omega
         limits = float(found[0]), float(found[-1])
         if empirical is not None and len(empirical.angular_frequency):

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import json
+import shlex
+from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from camid.cli.shared import own_effects_option, progress_display, warn
 from camid.diagnosis.watch import TIME_LIMIT
 from camid.errors import need
+
+if TYPE_CHECKING:
+    from camid.commands.results import DiagnosisResult
 
 
 @click.command(short_help="Find, name and model what a simulation leaves out.")
@@ -58,6 +65,7 @@ def diagnose(
         from camid.commands.diagnose import diagnose as run
 
         result = run(list(recording), simulation, progress=progress, time_limit=time_limit or None, effects=effects)
+        result = _with_command(result, recording, simulation, output, effects, time_limit)
         written = write_diagnosis(result, output, report=report, drawn_beside=drawn_beside)
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
@@ -67,3 +75,20 @@ def diagnose(
         print_summary(result, written)
     for sentence in result.warnings:
         warn(sentence)
+
+
+def _with_command(
+    result: DiagnosisResult,
+    recordings: Sequence[Path],
+    simulation: Path,
+    output: Path,
+    effects: Sequence[Path],
+    time_limit: float,
+) -> DiagnosisResult:
+    """The result with what was typed, as far as it changes what is found."""
+    words = ["camid", "diagnose", *map(str, recordings), "--simulation", str(simulation), "--output", str(output)]
+    words += [word for path in effects for word in ("--effects", str(path))]
+    words += [] if time_limit == TIME_LIMIT else ["--time-limit", f"{time_limit:g}"]
+    if result.provenance is None:
+        return result
+    return replace(result, provenance=replace(result.provenance, command=shlex.join(words)))

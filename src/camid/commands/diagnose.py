@@ -8,7 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from camid.analysis.diagnosed_responses import diagnosed_responses
+from camid.analysis.frequency_response import FrequencyResponses
 from camid.commands.results import DiagnosisResult
+from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
+from camid.diagnosis.provenance import provenance_of
 from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.diagnosis.watch import TIME_LIMIT, Watch
@@ -26,6 +30,7 @@ from camid.identification.from_recordings import (
 )
 from camid.linear_algebra_threads import one_blas_thread
 from camid.number_text import with_deviation
+from camid.recording.recording import Recording
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
 
@@ -116,8 +121,11 @@ def _diagnosed(
         raise InputError(
             f"no diagnosis: {error}", where=recordings[0].source, hint="check the simulation and the units"
         ) from None
+    sources = recording if isinstance(recording, list | tuple) else [recording]
     found = replace(
         diagnosis,
+        responses=_responses(believed, diagnosis, recordings),
+        provenance=provenance_of(sources, believed.source, _first_stamps(sources, recordings)),
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
         warnings=[
@@ -127,7 +135,24 @@ def _diagnosed(
             *([late] if (late := watch.warning()) else []),
         ],
     )
-    return DiagnosisResult.of(found, recording if isinstance(recording, list | tuple) else [recording], believed)
+    return DiagnosisResult.of(found, sources, believed)
+
+
+def _responses(
+    believed: Simulation, diagnosis: Diagnosis, recordings: Sequence[Recording]
+) -> FrequencyResponses | None:
+    """Of the plant before and after."""
+    models = {AS_GIVEN: believed, REFITTED: diagnosis.refitted, IMPROVED: diagnosis.improved}
+    if not (diagnosis.findings or diagnosis.learned):
+        del models[IMPROVED]
+    return diagnosed_responses({name: model for name, model in models.items() if model is not None}, recordings)
+
+
+def _first_stamps(sources: Sequence[RecordingSource], recordings: Sequence[Recording]) -> list[float | None]:
+    """First entry of the time column of each source; None where a file holds several runs of one rig."""
+    if len(sources) == len(recordings):
+        return [float(r.recorded_time[0]) for r in recordings]
+    return [float(recordings[0].recorded_time[0]) if len(sources) == 1 else None] * len(sources)
 
 
 def _left_open(improved: Simulation) -> list[str]:

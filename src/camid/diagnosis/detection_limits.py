@@ -14,6 +14,7 @@ from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import WORKERS, Problem
+from camid.number_text import number
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645
@@ -111,9 +112,10 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
     share = f"the coefficients imitate {100.0 * imitated:.3g} % of it" if imitated > 0.005 else "noise hides it"
     if not numeric:
         times = visible / wanted
+        visibly = f"{number(times, 2)} times as visible as needed"
         if times < 1.0:
-            return Undetectable(kind.identifier, f"{share}; it would have been {times:.2g} times as visible as needed")
-        return Undetectable(kind.identifier, f"{times:.2g} times as visible as needed", shows=True)
+            return Undetectable(kind.identifier, f"{share}; it would have been {visibly}")
+        return Undetectable(kind.identifier, visibly, shows=True)
     if visible < 0.5 * wanted:
         return Undetectable(kind.identifier, f"{share}; no size of it would have been seen in this recording")
     parameter = next((p for p in numeric if p.name == kind.strength), numeric[0])

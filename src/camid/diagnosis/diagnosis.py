@@ -10,14 +10,20 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.provenance import Provenance
 from camid.diagnosis.weights import Comparison
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
+    from camid.analysis.frequency_response import FrequencyResponses
+    from camid.diagnosis.effect_signals import EffectSignals
     from camid.diagnosis.remaining_hypotheses import Conditions, RemainingHypothesis
 
 Array = NDArray[np.float64]
+
+# What the simulations before and after are called in pictures.
+AS_GIVEN, REFITTED, IMPROVED = "as given", "re-estimated", "improved"
 
 
 @dataclass(frozen=True)
@@ -325,6 +331,14 @@ class Diagnosis:
         What the next experiment may have to tell apart.
     conditions : Conditions or None
         How the recordings were made.
+    effect_signals : list of EffectSignals
+        What the first recording shows of the effects that are named, and of the learned laws.
+    refitted : Simulation or None
+        As given, its coefficients re-estimated.
+    responses : FrequencyResponses or None
+        Of the plant as given, re-estimated and improved, where it has an input and a linear part.
+    provenance : Provenance or None
+        Where all of this comes from.
     """
 
     verdict: str
@@ -351,6 +365,10 @@ class Diagnosis:
     own_files: list[str] = field(default_factory=list)
     hypotheses: list[RemainingHypothesis] = field(default_factory=list)
     conditions: Conditions | None = None
+    effect_signals: list[EffectSignals] = field(default_factory=list)
+    refitted: Simulation | None = None
+    responses: FrequencyResponses | None = None
+    provenance: Provenance | None = None
 
     @property
     def compared(self) -> str:

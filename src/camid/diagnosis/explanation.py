@@ -43,9 +43,9 @@ def headline(finding: Finding) -> str:
         return f"{finding.title}{_details(finding)}"
     if sum(weight for _, weight in listed) >= HEADLINE_WEIGHT:
         ordered = sorted(listed, key=lambda pair: -pair[1])
-        names = [f"{_lower(title)} ({_share(weight, 2)})" for title, weight in ordered]
+        names = [f"{within_sentence(title)} ({_share(weight, 2)})" for title, weight in ordered]
         return f"one of {', '.join(names[:-1])} or {names[-1]}"
-    return f"physics outside the catalogue, which acts like {_lower(finding.title)}{_details(finding)}"
+    return f"physics outside the catalogue, which acts like {within_sentence(finding.title)}{_details(finding)}"
 
 
 def explained(diagnosis: Diagnosis) -> str:
@@ -165,8 +165,10 @@ def _named(found: Sequence[Finding], fit: NormalisedErrors) -> str:
 
 def _held(found: Sequence[Finding], learned: Sequence[LearnedPart]) -> str:
     """What the improved simulation holds of laws without a name, and in whose place."""
-    laws = " and ".join(f"a {_lower(part.name)}{'' if part.curve is None else ' as a formula'}" for part in learned)
-    replaced = [_lower(finding.title) for finding in found if not finding.simulated]
+    laws = " and ".join(
+        f"a {within_sentence(part.name)}{'' if part.curve is None else ' as a formula'}" for part in learned
+    )
+    replaced = [within_sentence(finding.title) for finding in found if not finding.simulated]
     if replaced:
         names = " and ".join(replaced)
         return f"The improved simulation holds {laws}, in the place of {names}, which only resembles the law."
@@ -190,7 +192,9 @@ def _indistinct(found: Sequence[Finding]) -> list[str]:
     for finding in found:
         others = [n for n, w in finding.alternatives if n != UNLISTED]
         if finding.weight >= HEADLINE_WEIGHT and any(w >= 0.02 for n, w in finding.alternatives if n != UNLISTED):
-            return [f"This recording cannot tell {finding.identifier} from {', '.join(others)}."]
+            rivals = [within_sentence(known_effects()[name].title) for name in others]
+            listed = f"{', '.join(rivals[:-1])} or {rivals[-1]}" if len(rivals) > 1 else rivals[0]
+            return [f"This recording cannot tell {within_sentence(finding.title)} from {listed}."]
     return []
 
 
@@ -198,7 +202,7 @@ def _share(value: float, digits: int = 3) -> str:
     return percentage(value, digits).replace(SPACE, " ")
 
 
-def _lower(title: str) -> str:
+def within_sentence(title: str) -> str:
     """A title within a sentence, without what explains it: names of people keep their capital."""
     title = title.partition(" (")[0]
     return title if title.split(maxsplit=1)[0] in PEOPLE else title[:1].lower() + title[1:]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         Signals,
         Undetectable,
     )
+    from camid.diagnosis.effect_signals import EffectSignals
     from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
 
     Shown = TypeVar("Shown", ParameterEstimate, Quantity)
@@ -44,6 +45,7 @@ def in_declared_units(diagnosis: Diagnosis) -> Diagnosis:
         coefficients=coefficients_shown(diagnosis.coefficients, units),
         signals=_signals(diagnosis.signals, units, compared),
         further_signals=[_signals(s, units, compared) for s in diagnosis.further_signals],
+        effect_signals=[_effect_signals(each, units) for each in diagnosis.effect_signals],
         learned=[learned_shown(part, units) for part in diagnosis.learned],
         known_remainder=units.shown(diagnosis.known_remainder, compared),
     )
@@ -135,6 +137,11 @@ def _signals(signals: Signals, units: DeclaredUnits, compared: str) -> Signals:
         "equivalent_input": "u",
     }
     return replace(signals, **{name: units.shown(getattr(signals, name), unit) for name, unit in kinds.items()})
+
+
+def _effect_signals(shown: EffectSignals, units: DeclaredUnits) -> EffectSignals:
+    kinds = {"position": "y", "velocity": "y/s", "rate": "y/s", **dict.fromkeys(("data", "law", "seen"), shown.unit)}
+    return replace(shown, **{name: units.shown(getattr(shown, name), unit) for name, unit in kinds.items()})
 
 
 def learned_shown(part: LearnedPart, units: DeclaredUnits) -> LearnedPart:

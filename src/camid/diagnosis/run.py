@@ -12,6 +12,7 @@ from camid.diagnosis import mismatch_location
 from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis, Finding, NormalisedErrors
 from camid.diagnosis.effect_selection import Decision, Searches, select_effects
+from camid.diagnosis.effect_signals import effect_signals
 from camid.diagnosis.evidence import (
     coefficients_of,
     errors,
@@ -338,6 +339,10 @@ def _diagnosis(
         further_signals=further,
         hypotheses=remaining(believed, problem, decision, found, conditions),
         conditions=conditions,
+        effect_signals=effect_signals(
+            problem, final, [*(f.identifier for f in found), *(p.identifier for p in learned)]
+        ),
+        refitted=problem.kind.written_back(believed, problem.structure, base),
     )
     return replace(diagnosis, explanation=explained(diagnosis))
 

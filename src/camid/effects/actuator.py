@@ -190,6 +190,7 @@ class RateLimit(Effect):
     identifier = "rate-limit"
     place = "actuator"
     title = "Rate limit of the actuator"
+    drawn_against = "change of the input"
     equation = r"|\dot u'| \leq r"
     reference = "Khalil (2002), Nonlinear Systems, 3rd ed.; Franklin, Powell & Emami-Naeini, Feedback Control"
     parameters = (Parameter("rate", "u/s", "largest rate r", 0.0),)
@@ -222,6 +223,7 @@ class ActuatorLag(Effect):
     identifier = "actuator-lag"
     place = "actuator"
     title = "First-order lag of the actuator"
+    drawn_against = "change of the input"
     equation = r"\tau\,\dot u' + u' = u"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.3"
     parameters = (Parameter("time_constant", "s", "time constant τ", 0.0),)
@@ -289,6 +291,7 @@ class InputHold(Effect):
     identifier = "input-hold"
     place = "actuator"
     title = "Hold of the input"
+    drawn_against = "change of the input"
     equation = (
         r"u(t) = u_k\ \mathrm{(zoh)},\ \ u_k + (u_{k+1}-u_k)\,\tau/T\ \mathrm{(foh)},\ \ "
         r"\sum_j u_j\,\mathrm{sinc}(t/T-j)\ \mathrm{(band-limited)}"

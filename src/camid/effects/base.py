@@ -99,6 +99,8 @@ class Effect:
         Whether a simulation declares it by other keys (hold, exposure, latency), which the improved one then corrects.
     box : str
         Box of the chain that the report marks: the place, if nothing else is said.
+    drawn_against : str
+        What the report draws it against (camid.diagnosis.report.effect_pictures); empty: what its place suggests.
     spoils_rows : bool
         Of a noise-like effect, whether its rows say nothing of the motion, whatever the model.
     shows_in_values : bool
@@ -141,6 +143,7 @@ class Effect:
     separated_by: ClassVar[tuple[SeparatingExperiment, ...]] = ()
     corrects_declaration: ClassVar[bool] = False
     box: ClassVar[str]
+    drawn_against: ClassVar[str] = ""
     spoils_rows: ClassVar[bool] = False
     shows_in_values: ClassVar[bool] = False
     makes_variance_uneven: ClassVar[bool] = False

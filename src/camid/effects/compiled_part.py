@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import CFUNCTYPE, POINTER, c_double
 from typing import Any
 
@@ -38,6 +38,12 @@ class Compiled:
         """What the compiled function returns for time, position, velocity, input and memory."""
         numbers = (c_double * (len(values) + MARGIN))(*values)
         return float(CFUNCTYPE(c_double, *[c_double] * 5, POINTER(c_double))(self.address)(*arguments, numbers))
+
+    def along(self, *arguments: Iterable[float], values: Sequence[float]) -> list[float]:
+        """What it returns for rows of time, position, velocity, input and memory."""
+        numbers = (c_double * (len(values) + MARGIN))(*values)
+        function = CFUNCTYPE(c_double, *[c_double] * 5, POINTER(c_double))(self.address)
+        return [function(*row, numbers) for row in zip(*arguments, strict=True)]
 
 
 def compiled(function: Callable[..., float]) -> Compiled:

@@ -23,6 +23,7 @@ class ParameterDrift(Effect):
     identifier = "parameter-drift"
     place = "plant"
     title = "Drift of a coefficient"
+    drawn_against = "time"
     equation = r"c(t) = c\,(1 + r\,t)"
     reference = "Ljung (1999), System Identification, 2nd ed., section 11.2"
     parameters = (

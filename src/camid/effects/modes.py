@@ -31,6 +31,7 @@ class ExtraMode(Effect):
     identifier = "extra-mode"
     place = "plant"
     title = "Neglected flexible mode"
+    drawn_against = "frequency"
     equation = r"y = \frac{\omega_1^2}{s^2 + 2\xi_1\omega_1 s + \omega_1^2}\;G(s)\,u"
     reference = "Laroche & Delavigne, equations (25) and (26)"
     parameters = (
@@ -69,6 +70,7 @@ class ParallelMode(Effect):
     identifier = "parallel-mode"
     place = "plant"
     title = "Mode in parallel (compliance of arm, belt or coupling)"
+    drawn_against = "frequency"
     equation = r"y = \left(G(s) + \frac{g\,\omega_2^2}{s^2 + 2\xi_2\omega_2 s + \omega_2^2}\right)u"
     reference = "Ewins (2000), Modal Testing, 2nd ed., section 2.5; Spong (1987), J. Dyn. Syst. Meas. Control 109, 310"
     parameters = (

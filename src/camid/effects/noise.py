@@ -89,6 +89,7 @@ class Quantisation(Effect):
     identifier = "quantisation"
     place = "sensor"
     title = "Quantisation of the measurement"
+    drawn_against = "lattice"
     equation = r"w = q\,\mathrm{round}(w/q)"
     reference = "Widrow & Kollar (2008), Quantization Noise"
     parameters = (Parameter("step", "y", "step q of the lattice", 1e-300),)
@@ -118,6 +119,7 @@ class DroppedFrames(Effect):
     identifier = "dropped-frames"
     place = "sensor"
     title = "Dropped frames"
+    drawn_against = "repetition"
     equation = r"w_k = w_{k-1}\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
     reference = "Laroche & Delavigne, section 2 (every frame is delivered)"
     parameters = (Parameter("fraction", "", "share p of repeated frames", 0.0, 1.0),)
@@ -199,6 +201,7 @@ class Outliers(Effect):
     identifier = "outliers"
     place = "sensor"
     title = "Outliers"
+    drawn_against = "histogram"
     equation = r"w_k = w + o_k\ \ \mathrm{for\ a\ share}\ p\ \mathrm{of\ the\ frames}"
     reference = "Huber & Ronchetti (2009), Robust Statistics, 2nd ed."
     parameters = (Parameter("fraction", "", "share p of the frames", 0.0, 1.0),)
@@ -254,6 +257,7 @@ class TimestampJitter(Effect):
     identifier = "timestamp-jitter"
     place = "sensor"
     title = "Jitter of the time stamps"
+    drawn_against = "spread over the rate"
     equation = r"w_k = w(t_k + \delta_k),\quad \delta_k \sim \mathcal{N}(0, \sigma_t^2)"
     reference = "Souders et al. (1990), IEEE Trans. Instrum. Meas. 39, 80-85"
     parameters = (Parameter("std", "s", "standard deviation σ_t of the times", 0.0),)
@@ -312,6 +316,7 @@ class ColouredNoise(Effect):
     identifier = "coloured-noise"
     place = "noise"
     title = "Coloured noise"
+    drawn_against = "past"
     equation = r"n_k = \sum_i \alpha_i\,n_{k-i} + \varepsilon_k"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.2"
     parameters = (

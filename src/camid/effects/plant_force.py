@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -63,6 +64,35 @@ def static_force(effect: Effect, over: str, at: Array, plant: TransferFunction) 
         rows.append([effect.force.at(time, *motion, signal, 0.0, values=values) for motion in along])
     found = np.array(rows)
     return found[0] if np.all(np.isfinite(found)) and np.all(found == found[0]) else nothing
+
+
+def force_along(effect: Effect, plant: TransferFunction, motion: Sequence[Array]) -> Array:
+    """What a force adds to the plant's input along a motion, shape (N,).
+
+    Parameters
+    ----------
+    effect : Effect
+        With a force or a level of friction.
+    plant : TransferFunction
+    motion : sequence of ndarray, each of shape (N,)
+        Time in seconds, position, velocity and input.
+    """
+    values = effect.force_values(plant)
+    time, position, velocity, signal = (part.tolist() for part in motion)
+    force = np.zeros(len(time))
+    if effect.force is not None:
+        memory = [0.0] * len(time)
+        if effect.memory_after is not None:
+            held = 0.0
+            for k, way in enumerate(np.diff(motion[1], prepend=motion[1][0]).tolist()):
+                held = effect.memory_after.at(time[k], way, way, 0.0, held, values=values)
+                memory[k] = held
+        force -= effect.force.along(time, position, velocity, signal, memory, values=values)
+    if effect.friction_level is not None:
+        speed = np.abs(motion[2]).tolist()
+        level = effect.friction_level.along(time, position, speed, signal, [0.0] * len(time), values=values)
+        force -= motion_sign(plant) * np.sign(motion[2]) * np.maximum(level, 0.0)
+    return force
 
 
 class AgainstMotion(Effect):

@@ -29,6 +29,7 @@ class Exposure(Effect):
     identifier = "exposure"
     place = "sensor"
     title = "Exposure of the camera"
+    drawn_against = "rate"
     equation = r"w_k = \frac{1}{\tau}\int_{t_k-\ell-\tau}^{t_k-\ell} y\,\mathrm{d}t"
     reference = "Laroche & Delavigne, equation (6)"
     parameters = (Parameter("exposure", "s", "exposure τ; 0 for an instant sensor", 0.0),)
@@ -63,6 +64,7 @@ class Delay(Effect):
     identifier = "delay"
     place = "sensor"
     title = "Delay (transport delay or latency of the camera)"
+    drawn_against = "time shift"
     equation = r"w_k = w(t_k - \theta)"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.2"
     parameters = (Parameter("delay", "s", "delay θ beyond the declared latency"),)
@@ -97,6 +99,7 @@ class RollingShutter(Effect):
     identifier = "rolling-shutter"
     place = "sensor"
     title = "Rolling shutter"
+    drawn_against = "time shift over the position"
     equation = r"w_k = w(t_k + \rho\,w_k)"
     reference = "Liang, Chang & Chen (2008), IEEE Trans. Image Process. 17, 1323-1330"
     parameters = (Parameter("time_per_unit", "s/y", "readout time ρ for a unit of position"),)
@@ -123,6 +126,7 @@ class ClockSkew(Effect):
     identifier = "clock-skew"
     place = "sensor"
     title = "Clock skew between camera and input"
+    drawn_against = "time shift"
     equation = r"w_k = w((1 + \epsilon)\,t_k)"
     reference = "Moon, Skelly & Towsley (1999), Proc. IEEE INFOCOM, 227-234"
     parameters = (Parameter("skew", "", "relative rate ε", -0.5, 0.5),)

@@ -86,6 +86,7 @@ class SensorDrift(Effect):
     identifier = "sensor-drift"
     place = "sensor"
     title = "Drift of the measurement"
+    drawn_against = "time"
     equation = r"w = y + r\,t"
     reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
     parameters = (Parameter("rate", "y/s", "rate r"),)
@@ -167,6 +168,7 @@ class SpeedWeightedCentroid(Effect):
     identifier = "speed-weighted-centroid"
     place = "sensor"
     title = "Speed-weighted centroid"
+    drawn_against = "rate"
     equation = r"w_k = \int y\,|\dot y|\,\mathrm{d}t \ /\ \int |\dot y|\,\mathrm{d}t"
     reference = "Laroche & Delavigne, equation (2)"
     parameters = ()

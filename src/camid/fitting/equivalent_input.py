@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,9 +31,29 @@ def equivalent_input(plant: TransferFunction, acquisition: Acquisition, residual
     ndarray, shape (N,)
         Regularised where the plant lets the camera see little of it.
     """
-    count, period = len(residual), acquisition.period
-    size = 2 * count
-    angular = 2.0 * np.pi * np.fft.rfftfreq(size, period)
+    response, power, regular = _response(plant, acquisition, len(residual))
+    return _filtered(residual, np.conj(response) / (power + regular))
+
+
+def force_through_filter(plant: TransferFunction, acquisition: Acquisition, force: Array) -> Array:
+    """What :func:`equivalent_input` would make of the response to a force, shape (N,): the force, as far as it shows.
+
+    A force that is drawn beside an equivalent input has to be smoothed as that is.
+    """
+    _, power, regular = _response(plant, acquisition, len(force))
+    return _filtered(force, power / (power + regular))
+
+
+def _filtered(values: Array, weights: NDArray[Any]) -> Array:
+    return np.asarray(np.fft.irfft(np.fft.rfft(values, 2 * len(values)) * weights, 2 * len(values))[: len(values)])
+
+
+def _response(
+    plant: TransferFunction, acquisition: Acquisition, count: int
+) -> tuple[NDArray[np.complex128], Array, float]:
+    """Response of plant and camera at the frequencies of twice as many rows, its power, and what is added to that."""
+    period = acquisition.period
+    angular = 2.0 * np.pi * np.fft.rfftfreq(2 * count, period)
     exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
     lag = acquisition.latency + 0.5 * exposure
     response = plant.frequency_response(np.maximum(angular, 1e-6 / period))
@@ -39,5 +61,4 @@ def equivalent_input(plant: TransferFunction, acquisition: Acquisition, residual
     power = np.abs(response) ** 2
     power = np.where(np.isfinite(power), power, 0.0)
     regular = REGULAR * float(np.max(power[1:], initial=0.0)) or 1.0
-    spectrum = np.fft.rfft(residual, size) * np.conj(np.nan_to_num(response)) / (power + regular)
-    return np.asarray(np.fft.irfft(spectrum, size)[:count])
+    return np.nan_to_num(response), power, regular

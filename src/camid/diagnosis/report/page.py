@@ -1,10 +1,13 @@
-"""The page of a diagnosis: one HTML file that needs no network, no other file and no script."""
+"""The page of a diagnosis: one HTML file that needs no network and no other file, and reads the same without script."""
 
 from __future__ import annotations
 
 import re
+from base64 import b64encode
 from dataclasses import dataclass
 from functools import cache, partial
+from hashlib import sha256
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,11 +16,15 @@ from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_effect_file import NAME, effect_file
+from camid.diagnosis.next_experiment import next_experiments
 from camid.diagnosis.report import summary
+from camid.diagnosis.report.words import with_titles
 from camid.effects import known_effects
 
 if TYPE_CHECKING:
     from jinja2 import Template
+
+    from camid.diagnosis.report.panel import Panel
 
 STRUCTURE_BELOW = 0.01  # p-values below it are set in bold: chance hardly makes them
 HOLDS = {"zoh": "zero-order hold", "foh": "first-order hold", "band-limited": "band-limited input"}
@@ -80,7 +87,9 @@ def equation(latex: str, size: float = 17.0) -> str | None:
     return (
         f'<svg class="equation" role="img" aria-label="{escape(written)}" '
         f'viewBox="{" ".join(f"{v:.2f}" for v in view)}" '
-        f'width="{view[2]:.1f}" height="{view[3]:.1f}"><path fill="currentColor" d="{"".join(parts)}"/></svg>'
+        # A narrow screen shrinks it to six tenths, beyond which it scrolls.
+        f'style="width:min({view[2]:.1f}px,max(100%,{0.6 * view[2]:.1f}px))">'
+        f'<path fill="currentColor" d="{"".join(parts)}"/></svg>'
     )
 
 
@@ -206,6 +215,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     seen, unseen = summary.sorted_undetectable(diagnosis.undetectable, own)
     pictures = draw(diagnosis)
     state = diagnosis.location.state
+    headings = _headings(diagnosis)
     return {
         "diagnosis": diagnosis,
         "verdict": summary.verdict_words(diagnosis),
@@ -213,7 +223,18 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "chain": chain(diagnosis),
         "findings": _findings(diagnosis),
         # Matplotlib has escaped the labels.
-        "pictures": {key: [(p, Markup(p.svg)) for p in panels] for key, panels in pictures.items()},
+        "pictures": {key: [(p, Markup(p.svg), Markup(p.narrow)) for p in panels] for key, panels in pictures.items()},
+        "headings": headings,
+        "contents": _contents(diagnosis, headings, pictures),
+        "next_experiments": next_experiments(diagnosis),
+        "provenance": diagnosis.provenance,
+        "versions": (
+            [("camid", camid.__version__)] if diagnosis.provenance is None else [*diagnosis.provenance.versions.items()]
+        ),
+        "printable": number_text.printable,
+        # It is ours, and what it is hashed to is all that the page may run.
+        "script": Markup(_script()),
+        "script_hash": f"sha256-{b64encode(sha256(_script().encode()).digest()).decode('ascii')}",
         "state": state and summary.state_text(state, units),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
@@ -223,7 +244,6 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "compared_name": number_text.printable(diagnosis.compared),
         "recordings": [number_text.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
-        "version": camid.__version__,
         "structure_below": STRUCTURE_BELOW,
         "likely": summary.LIKELY,
         "headline_weight": summary.HEADLINE_WEIGHT,
@@ -233,8 +253,58 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "percentage": number_text.percentage,
         "probability": number_text.probability,
         "title_of": partial(summary.title_of, own=own),
+        "with_titles": partial(with_titles, own=own),
         "effect_file_name": NAME,
     }
+
+
+def _headings(diagnosis: Diagnosis) -> dict[str, str]:
+    """What the sections are called."""
+    named = bool(diagnosis.findings or diagnosis.learned)
+    structure = "What the missing part depends on"
+    if diagnosis.known_remainder is not None:
+        structure = "What the declared remainder depends on"
+    elif diagnosis.verdict == "adequate":
+        structure = "What is left depends on nothing"
+    elif named:
+        structure = "What the recording shows of it"
+    return {
+        "location": "Where the mismatch sits",
+        "effects": "What was found",
+        "learned": "What has no name",
+        "structure": structure,
+        "fit": "Before and after" if named else "How well it fits",
+        "response": "Frequency response" + (" before and after" if named else ""),
+        "coefficients": "Coefficients of the plant",
+        "tests": "Tests for structure",
+        "undetectable": "What could not be seen",
+        "warnings": "Warnings",
+        "about": "Where this comes from",
+    }
+
+
+def _contents(
+    diagnosis: Diagnosis, headings: dict[str, str], pictures: dict[str, list[Panel]]
+) -> list[tuple[str, str]]:
+    """Identifiers and headings of the sections that the page has."""
+    missing = {
+        name
+        for name, content in (
+            ("learned", diagnosis.learned),
+            ("response", pictures["response"]),
+            ("coefficients", diagnosis.coefficients),
+            ("tests", diagnosis.tests),
+            ("warnings", diagnosis.warnings),
+        )
+        if not content
+    }
+    return [(name, words) for name, words in headings.items() if name not in missing]
+
+
+@cache
+def _script() -> str:
+    """The page's script."""
+    return files("camid.diagnosis.report").joinpath("templates", "plots.js").read_text(encoding="utf-8")
 
 
 def load() -> None:

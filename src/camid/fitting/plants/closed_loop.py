@@ -52,6 +52,7 @@ class ClosedLoop(PlantKind):
         "plants driven by an open-loop input, and this one has a controller",
         "write the plant, and let identify or diagnose estimate it in its loop",
     )
+    shown_sign: ClassVar[float] = -1.0
     residual_of: ClassVar[str] = "control"
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated", "simulated_input")
     hidden_places: ClassVar[frozenset[str]] = frozenset({"sensor"})
@@ -173,6 +174,10 @@ class ClosedLoop(PlantKind):
     def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
         """The residual of the control is an input already."""
         return residual
+
+    def force_seen(self, problem: Problem, model: Model, force: Array) -> Array:
+        """The controller makes up for the force as it is."""
+        return force
 
     def position_errors(
         self, problem: Problem, models: tuple[Model, Model], rows: Sequence[NDArray[np.bool_]]

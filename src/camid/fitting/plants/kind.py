@@ -21,7 +21,7 @@ from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.run import run, steps_of
-from camid.fitting.equivalent_input import equivalent_input
+from camid.fitting.equivalent_input import equivalent_input, force_through_filter
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identification_task import IdentificationTask
@@ -62,6 +62,8 @@ class PlantKind:
         How the plant is identified, whatever method is asked for; None where that has a choice.
     residual_of : str
         What recorded and simulated values are of: the ``output`` or the ``control``.
+    shown_sign : float
+        -1 where :meth:`equivalent_input` makes up for a force.
     simulated_columns : tuple of str
         What ``simulate`` adds to the recorded columns.
     hidden_places : frozenset of str
@@ -90,6 +92,7 @@ class PlantKind:
     why_no_other_orders: ClassVar[tuple[str, str] | None] = None
     method: ClassVar[str | None] = "output error"
     residual_of: ClassVar[str] = "output"
+    shown_sign: ClassVar[float] = 1.0
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated",)
     hidden_places: ClassVar[frozenset[str]] = frozenset()
     why_hidden: ClassVar[str] = ""
@@ -296,6 +299,10 @@ class PlantKind:
     def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
         """Input that would have caused the residual of a recording, shape (N,)."""
         return equivalent_input(self.seen_plant(problem, model), problem.chain(model, 0).declared(), residual)
+
+    def force_seen(self, problem: Problem, model: Model, force: Array) -> Array:
+        """A force at the plant's input, shape (N,), as :meth:`equivalent_input` shows it."""
+        return force_through_filter(self.seen_plant(problem, model), problem.chain(model, 0).declared(), force)
 
     def seen_plant(self, problem: Problem, model: Model) -> TransferFunction:
         """From the input to what the sensor sees, for small motions."""

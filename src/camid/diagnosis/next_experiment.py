@@ -1,0 +1,25 @@
+"""What to record next where something is left out that has no name."""
+
+from __future__ import annotations
+
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.effects.separating_experiment import OTHERWISE, SeparatingExperiment
+
+# What separates the effects of a place, where none of them is likelier than the others.
+OF_PLACE = {
+    "actuator": (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.REVERSED_INPUT),
+    "plant": (SeparatingExperiment.FREE_DECAY, SeparatingExperiment.HELD_POSITIONS),
+    "disturbance": (SeparatingExperiment.REPEATED_INPUT,),
+    "sensor": (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE),
+    "noise": (SeparatingExperiment.NO_INPUT,),
+}
+NO_INPUT_OF_PLACE = {**OF_PLACE, "actuator": (), "disturbance": (SeparatingExperiment.NO_INPUT,)}
+
+
+def next_experiments(diagnosis: Diagnosis) -> list[str]:
+    """Advice, a sentence or two each, the most telling first; none where effects are named or nothing is missing."""
+    if diagnosis.findings or diagnosis.verdict == "adequate":
+        return []
+    table = OF_PLACE if diagnosis.improved.input_column else NO_INPUT_OF_PLACE
+    advised = [experiment.value for experiment in table.get(diagnosis.location.place or "", ())]
+    return advised if OTHERWISE in advised else [*advised, OTHERWISE]
