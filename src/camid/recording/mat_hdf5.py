@@ -13,6 +13,7 @@ import numpy as np
 
 from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
+from camid.recording.reader_process import read_apart
 from camid.recording.size_limits import refuse_hdf5, refuse_unpacking_mat
 from camid.recording.table import Table
 from camid.recording.units import is_unit
@@ -26,6 +27,17 @@ KINDS = {"b": "made of truth values", "c": "complex", "S": "text", "U": "text", 
 def read_mat(path: Path) -> dict[str, Any]:
     """Variables of a MAT file of version 4, 5 to 7.2, or 7.3; structures are dictionaries."""
     need("reading a MAT file", "formats", "pymatreader", "h5py")
+    return dict(read_apart("MAT", path))
+
+
+def variables_of(path: Path) -> dict[str, Any]:
+    """Variables of a MAT file, read in this process.
+
+    Raises
+    ------
+    InputError
+        If what is packed in it is too large, or leads elsewhere.
+    """
     import h5py
     import pymatreader
 
@@ -46,6 +58,17 @@ def read_mat(path: Path) -> dict[str, Any]:
 def read_hdf5(path: Path) -> dict[str, Any]:
     """Datasets of an HDF5 file, read at once; groups are dictionaries, and so are compound datasets."""
     need("reading an HDF5 file", "formats", "h5py")
+    return dict(read_apart("HDF5", path))
+
+
+def datasets_of(path: Path) -> dict[str, Any]:
+    """Datasets of an HDF5 file, read in this process.
+
+    Raises
+    ------
+    InputError
+        If what is packed in it is too large, or leads elsewhere.
+    """
     import h5py
 
     def unit(node: Any) -> str:

@@ -10,9 +10,9 @@ from typing import Any
 
 from camid.errors import InputError, nearest_match, need
 from camid.recording.options import Reading
+from camid.recording.reader_process import read_apart
 from camid.recording.table import Table
 from camid.recording.units import is_unit, with_bracketed_unit
-from camid.recording.workbook_process import read_cells
 
 Rows = list[list[Any]]
 
@@ -20,8 +20,16 @@ Rows = list[list[Any]]
 def read_workbook(path: Path) -> dict[str, Rows]:
     """Cells of each sheet that is not empty, by its name; an empty cell is an empty text."""
     need("reading a spreadsheet", "formats", "python_calamine", hint="or save the sheet as CSV")
-    sheets = read_cells(path)
+    sheets = read_apart("spreadsheet", path)
     return {n: rows for n, rows in sheets.items() if any(_filled(row) for row in rows)}
+
+
+def cells_of(path: Path) -> dict[str, Rows]:
+    """Cells of each sheet, by its name, in this process."""
+    from python_calamine import CalamineWorkbook
+
+    workbook = CalamineWorkbook.from_path(str(path))
+    return {n: workbook.get_sheet_by_name(n).to_python(skip_empty_area=False) for n in workbook.sheet_names}
 
 
 def tables_of_sheets(sheets: dict[str, Rows], name: str, wanted: Sequence[str], reading: Reading) -> list[Table]:
