@@ -29,7 +29,7 @@ export PYTHONDONTWRITEBYTECODE :=
 export STARTED := $(shell date +%s)
 
 .DEFAULT_GOAL := all
-.PHONY: all env development docs test test-slow test-workflow test-faults test-slurm test-versions lint style types format check bench slurm lock clean help
+.PHONY: all env development docs test test-slow test-workflow test-faults test-slurm test-versions lint style types format check bench slurm studio lock clean help
 
 all: env ## set up, then draw every figure (snakemake -c2 all)
 	@installed=$$(date +%s); \
@@ -65,7 +65,10 @@ test: development ## run the tests, in minutes
 test-slow: development ## run the tests with large samples, many seeds and the whole catalogue
 	$(PYTEST) -m slow
 
-test-workflow: development ## run the whole workflow in fresh copies, and what it promises
+# The page of the studio is driven in a Chromium, which the system has to have.
+test-workflow: development studio ## run the whole workflow in fresh copies, what it promises, the notebook and the studio
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-browser.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-notebook.lock
 	$(BIN)/python -m pytest -m workflow
 
 test-faults: development ## kills, full disks, damaged data, wrong clocks, hostile files: half an hour, counts printed
@@ -114,6 +117,9 @@ $(BENCHMARK_ENVIRONMENT)/.installed: requirements-benchmark.lock pyproject.toml
 slurm: env ## let Snakemake send its jobs to Slurm (snakemake --profile workflow/profiles/slurm)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-slurm.lock
 
+studio: env ## install what `camid studio` needs besides (then: .venv/bin/camid studio)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-studio.lock
+
 COMPILE := uv pip compile --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-annotate \
   --custom-compile-command "make lock"
 
@@ -123,7 +129,10 @@ lock: ## renew the hashed locks (needs uv)
 	  --output-file requirements-development.lock
 	$(COMPILE) --extra benchmark pyproject.toml --output-file requirements-benchmark.lock
 	$(COMPILE) --extra slurm --constraint requirements.lock pyproject.toml --output-file requirements-slurm.lock
+	$(COMPILE) --extra studio --constraint requirements-development.lock pyproject.toml --output-file requirements-studio.lock
+	$(COMPILE) --extra browser --constraint requirements-development.lock pyproject.toml --output-file requirements-browser.lock
 	$(COMPILE) --extra faults --constraint requirements-development.lock pyproject.toml --output-file requirements-faults.lock
+	$(COMPILE) --extra notebook --constraint requirements-development.lock pyproject.toml --output-file requirements-notebook.lock
 
 clean: ## remove what the workflow computed; the committed figures stay
 	rm -rf results .snakemake

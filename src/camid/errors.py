@@ -47,6 +47,7 @@ EXTRAS = {
         "python_calamine": "python-calamine",
     },
     "control": {"control": "python-control"},
+    "studio": {"nicegui": "NiceGUI"},
 }
 
 

@@ -158,3 +158,12 @@ def test_too_few_samples_are_said():
     assert "too few samples" in found.said()[1]
     assert found.short_table().rows
     assert found.figure() is not None
+
+
+def test_recordings_of_other_periods_are_refused(tmp_path):
+    table = rig.recording(count=300)
+    for name, part in (("first.csv", table), ("second.csv", table.iloc[::2])):
+        part.to_csv(tmp_path / name, index=False)
+    files = [tmp_path / "first.csv", tmp_path / "second.csv"]
+    with pytest.raises(InputError, match=r"second\.csv: its period is .* ms, that of .*first\.csv .*by themselves$"):
+        camid.residuals(files, rig.simulation())

@@ -263,3 +263,19 @@ def test_what_is_known_can_be_said_on_the_command_line(bench, capsys):
     said = capsys.readouterr().out
     for word in ("--latency", "plant.free", "--initial-state estimate", "several recordings", "camid order"):
         assert word in said
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "said"), [(EOFError, 2, "a file ends too soon"), (KeyboardInterrupt, 130, "interrupted")]
+)
+def test_a_module_that_is_cut_short_is_no_interruption(bench, capsys, monkeypatch, raised, code, said):
+    """Python leaves a compiled module cut short on a full disk; click takes the EOFError of its import for Ctrl-D."""
+
+    def fail(*_, **__):
+        raise raised("marshal data too short")
+
+    monkeypatch.setattr("camid.commands.identify.identify", fail)
+    assert main(IDENTIFY) == code
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") - error.startswith("\n") == 1

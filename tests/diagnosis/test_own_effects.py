@@ -213,6 +213,11 @@ def actuating(body):
         (force_values("return None"), "def force_values", "'force_values' returns nothing"),
         (force_values("return [1.0 / 0.0]"), "1.0 / 0.0", "ZeroDivisionError"),
         (with_other(GUESS, "        return None\n"), "def candidates", "'candidates' gives no guesses"),
+        (
+            with_other(GUESS, "        yield from ()\n"),
+            "def candidates",
+            "'candidates' yields no guess for this recording; without one it is not looked for",
+        ),
         (with_other(GUESS, "        yield 3.0\n"), "def candidates", "'candidates' yields a float"),
         (
             with_other(GUESS, "        while True:\n            yield cls(coefficient=0.1)\n"),

@@ -337,6 +337,13 @@ LEARNED = LearnedPart(
 )
 
 
+def test_a_name_that_is_not_simulated_is_marked():
+    resembling = replace(written_diagnoses.finding(), simulated=False)
+    assert f"  {summary.NOT_SIMULATED}" in summary.finding_lines(resembling, {})
+    assert f"  {summary.NOT_SIMULATED}" not in summary.finding_lines(written_diagnoses.finding(), {})
+    assert resembling.to_mapping()["simulated"] is False
+
+
 def test_a_law_without_a_name_is_shown_and_not_claimed(capsys):
     diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED])
     for text in texts(diagnosis, capsys):

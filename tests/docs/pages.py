@@ -140,6 +140,9 @@ class Session:
 
         Where an earlier page ran the same command of camid on the same files, its lines and files are taken.
         """
+        if command.startswith("cd "):
+            self.folder = (self.folder / shlex.split(command)[1]).resolve(strict=True)
+            return []
         if not command.startswith("camid "):
             return self._run(command)
         before = self._files()
@@ -152,7 +155,7 @@ class Session:
             lines, written = _DONE[command, named]
             for name, content in written.items():
                 path = self.folder / name
-                path.parent.mkdir(exist_ok=True)
+                path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(content)
         return lines
 

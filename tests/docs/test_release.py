@@ -106,6 +106,16 @@ def test_the_sdist_holds_the_package_and_its_examples_alone(built):
     }
 
 
+def test_the_wheel_writes_the_example(installed, tmp_path):
+    done = run(installed, tmp_path, "example", "first")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "first" / "README.md").is_file()
+    for path in (tmp_path / "first").iterdir():
+        assert path.read_bytes() == (ROOT / "examples" / path.name).read_bytes()
+    again = run(installed, tmp_path, "identify", "first/slide.csv", "--simulation", "first/slide.yaml")
+    assert again.returncode == 0, again.stderr
+
+
 def test_the_wheel_identifies_diagnoses_and_tracks_outside_of_the_tree(installed, folder):
     where = subprocess.run(
         [installed, "-P", "-c", "import camid; print(camid.__file__)"],
@@ -144,6 +154,10 @@ CALLS = {
         ("bode", "slide.yaml", "--output", "bode.csv"),
         r"a frequency response needs python-control: pip install 'camid\[control\]'",
     ),
+    "studio": (
+        ("studio", "--no-browser", "--folder", "kept"),
+        r"camid studio needs NiceGUI: pip install 'camid\[studio\]'",
+    ),
 }
 
 
@@ -173,7 +187,7 @@ def test_extras_are_those_of_the_package():
         declared = tomllib.load(file)["project"]["optional-dependencies"]
     distributions = {"cv2": "opencv-python-headless", "python_calamine": "python-calamine"}
     for extra, modules in EXTRAS.items():
-        required = {re.split(r"[<>=\[]", r)[0] for r in declared[extra]}
+        required = {re.split(r"[<>=\[]", r)[0] for r in declared[extra]} - {"camid"}  # other extras of its own
         assert {distributions.get(m, m) for m in modules} == required
 
 

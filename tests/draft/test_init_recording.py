@@ -78,6 +78,16 @@ def test_a_free_decay_of_an_encoder_without_names_and_with_its_rate(capsys):
     assert camid.identify("decay.csv", "drafted.yaml").nrmse < 0.05
 
 
+def test_positions_of_a_marker_are_no_input(capsys):
+    """What moves most is the output, although the other coordinate is rougher."""
+    time, swing, _ = decay()
+    late = {"y": 0.02 * np.sin(2.0 * np.arange(len(time))), "x_std": 0.002, "y_std": 0.003}
+    pd.DataFrame({"t": time, "x": swing, **late}).to_csv("tracked.csv", index=False)
+    found, text = drafted(capsys, "tracked.csv")
+    assert (found.input_column, found.output_column) == (None, "x")
+    assert "input: null  # a guess: all columns are positions of a marker: taken for a free decay" in text
+
+
 def test_runs_side_by_side_with_a_period_in_a_cell(capsys):
     first, second = rig.recording(), rig.recording(seed=4)
     table = pd.DataFrame({"uA": first["u"], "uB": second["u"], "yA": first["y"], "yB": second["y"]})

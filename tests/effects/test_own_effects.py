@@ -121,6 +121,11 @@ def test_a_change_in_the_file_is_compiled_again(write):
         (with_other("    @classmethod\n", ""), "def candidates", "'candidates' is no class method"),
         (with_other("    @compiled\n", ""), "def force", "'force' is not compiled; write @compiled above it"),
         (with_other("def force(time,", "def force(self, time,"), "def force", "'force' takes other arguments"),
+        (
+            with_other("def force(time, position, velocity,", "def force(time, velocity, position,"),
+            "def force",
+            "'force' has 'velocity' in the place of another argument; they come by their place",
+        ),
         (with_other("def force(", "def push("), "class Fading", "it does nothing"),
         (RIGHT + "    force = 3.0\n", "class Fading", "'force' is not compiled"),
         (RIGHT + RIGHT.replace("Fading(", "Again("), "class Again", "'fading' is taken by"),

@@ -13,7 +13,8 @@ import camid
 from camid.cli import main
 from camid.diagnosis.results_folder import write_diagnosis
 from camid.experiment_design.results_folder import input_text, write_design
-from camid.experiment_design.words import sentence
+from camid.experiment_design.words import described, sentence
+from camid.number_text import SPACE
 from tests.experiment_design.test_design import believed
 from tests.support.mass_on_spring import effect
 
@@ -62,7 +63,7 @@ def test_two_simulations_as_hypotheses_and_json(bench, capsys):
     assert main(command) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((bench / "next/design.json").read_text(encoding="utf-8"))
-    assert {h["id"] for h in printed["hypotheses"]} == {"friction", "drag"}
+    assert {h["id"] for h in printed["hypotheses"]} == {"friction.yaml", "drag.yaml"}
     assert printed["evidence"]["delta_bic"] > 50.0
     assert not (bench / "next/design.png").exists()
 
@@ -141,3 +142,24 @@ def test_the_same_bytes_again(diagnosis, design, tmp_path):
         write_design(design, tmp_path / name)
     for path in (tmp_path / "one").iterdir():
         assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
+
+
+def test_simulations_of_one_structure_are_refused(bench, capsys):
+    with open("stiffer.yaml", "w", encoding="utf-8") as file:
+        YAML().dump(believed(effect("coulomb-friction", force=0.3)), file)
+    assert main(["design", "friction.yaml", "stiffer.yaml", "--output", "next", *QUICK]) == 2
+    said = capsys.readouterr().err
+    assert "friction.yaml and stiffer.yaml are the same law with other values" in said
+    assert not (bench / "next").exists()
+
+
+def test_the_folder_of_a_diagnosis_is_no_folder_for_a_design(bench, capsys):
+    assert main(["design", "diagnosis", "--output", "diagnosis"]) == 2
+    assert "this folder holds a diagnosis; name another one for the design" in capsys.readouterr().err
+    assert not (bench / "diagnosis/input.csv").exists()
+
+
+def test_what_is_one_is_counted_as_one():
+    assert described("multisine", {"lines": 1, "lowest_frequency": 0.5}) == "multisine (1 line, from 0.5 Hz)".replace(
+        " Hz", f"{SPACE}Hz"
+    )

@@ -125,6 +125,8 @@ def ended(process):
 def camid(arguments, folder, *, memory=None, largest_file=None, prefix=(), environment=None):
     """A camid command in a session of its own, with limits of its address space and of its files in bytes."""
     variables = {**os.environ, "PYTHONPATH": f"{ROOT / 'src'}{os.pathsep}{ROOT}", **(environment or {})}
+    if largest_file is not None:  # Python itself would leave its compiled modules cut short, for all later trials
+        variables["PYTHONDONTWRITEBYTECODE"] = "1"
     process = subprocess.Popen(
         [*prefix, sys.executable, "-m", "camid", *map(str, arguments)],
         cwd=folder,

@@ -88,7 +88,7 @@ def video_seeds(folder):
 
 
 def read_table(path):
-    from camid.recording.recording import read_recordings
+    from camid.recording.read import read_recordings
 
     read_recordings(path, "t", ["u", "y"], holds={"u": "zoh"})
 
@@ -121,7 +121,7 @@ def main(reader, seconds, seed):
     import atheris
 
     with atheris.instrument_imports(include=["camid"]):
-        for module in ("camid.recording.recording", "camid.recording.text", "camid.recording.mat_hdf5"):
+        for module in ("camid.recording.read", "camid.recording.text", "camid.recording.mat_hdf5"):
             importlib.import_module(module)
         importlib.import_module("camid.simulation.file")
         importlib.import_module("camid.simulation.refusals")

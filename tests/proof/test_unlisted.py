@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from ruamel.yaml import YAML
 from scipy.integrate import solve_ivp
 
 from camid.proof.figures import unlisted as figure
@@ -14,7 +15,9 @@ from camid.proof.unlisted import laws, rigs
 from camid.proof.unlisted.campaign import COLUMNS, carrier, curve_error, evaluated, scored
 from camid.proof.unlisted.laws import LAWS
 from camid.proof.unlisted.rigs import Rig
-from camid.proof.unlisted.table import form_is_right, judged, to_markdown
+from camid.proof.unlisted.table import form_is_right, judged, quantities, to_markdown
+from camid.workflow.tolerances import compare
+from tests.support import ROOT
 
 SEED = 411
 
@@ -128,10 +131,19 @@ def test_a_detent_is_recovered_and_nothing_is_learned_where_nothing_is_missing(a
     assert without["learned"] == 0
 
 
+def test_the_committed_answers_meet_what_is_asked():
+    rows = pd.read_csv(ROOT / "paper_figs/unlisted.csv").fillna({"formula": ""})
+    tolerances = YAML(typ="safe").load(ROOT / "config/tolerances.yaml")
+    comparison = compare(quantities(rows), [entry for entry in tolerances if entry["target"] == "unlisted"])
+    assert len(comparison) == 5
+    assert comparison["passed"].all(), comparison
+
+
 def test_table_and_figure_hold_every_law(answers):
     rows = judged(answers)
-    text = to_markdown(rows, "a stamp")
+    text = to_markdown(rows, "a stamp", {"variables_right": "≥ 85"})
     assert "| detent" in text
+    assert "| ≥ 85 %" in text
     assert "| recordings under a law" in text
     assert text.endswith("a stamp\n")
     drawn = figure.draw(rows)

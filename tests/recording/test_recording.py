@@ -269,6 +269,13 @@ def test_a_cell_that_is_no_number_is_named(tmp_path, cell, shown, column):
     assert shown in message
 
 
+def test_a_comment_with_carriage_returns_is_read(tmp_path):
+    """Found by the fuzzer: the csv module refuses them outside of quotes."""
+    path = tmp_path / "recording.csv"
+    path.write_bytes(b"#\r\r\r,s1\n0.00,1,\x1e\x1e6\n")
+    assert "recording.csv" in refusal(path)
+
+
 def test_a_short_row_is_an_empty_cell(tmp_path):
     message = refusal(csv_file(tmp_path, HEADER, *ROWS, "0.4,5"))
     assert "line 6, column 'y': an empty cell" in message

@@ -6,12 +6,21 @@ for key in ["seed", "recordings"]:
     UNLISTED[key] = int(config.get(f"unlisted_{key}", UNLISTED[key]))
 
 
+# A case is the same whatever the number of cases: answers of a smaller run are part of a larger one.
+UNLISTED_SPANS = [
+    (first, min(first + UNLISTED["span"], UNLISTED["recordings"]) - 1)
+    for first in range(0, UNLISTED["recordings"], UNLISTED["span"])
+]
+
+
 rule unlisted_answers:
     output:
-        # A shard holds other cases if there are more of them.
-        f"results/unlisted/{UNLISTED['seed']}/{UNLISTED['recordings']}/{CONCEALED_SHARD}.parquet",
+        f"results/unlisted/{UNLISTED['seed']}/{{first}}_to_{{last}}.parquet",
     log:
-        "results/logs/unlisted_answers_{shard}_of_{shards}.log",
+        "results/logs/unlisted_answers_{first}_to_{last}.log",
+    wildcard_constraints:
+        first=r"\d+",
+        last=r"\d+",
     params:
         code=script_code(
             "unlisted_answers.py",
@@ -20,20 +29,19 @@ rule unlisted_answers:
             "camid.commands.simulate",
         ),
         seed=UNLISTED["seed"],
-        recordings=UNLISTED["recordings"],
     message:
-        "Diagnosing rigs under unlisted laws, shard {wildcards.shard} of {wildcards.shards}."
+        "Diagnosing rigs under unlisted laws, {wildcards.first} to {wildcards.last}."
     script:
         "../scripts/unlisted_answers.py"
 
 
 rule unlisted:
     input:
-        answers=expand(
-            f"results/unlisted/{UNLISTED['seed']}/{UNLISTED['recordings']}/{CONCEALED_SHARD}.parquet",
-            shard=range(UNLISTED["shards"]),
-            shards=UNLISTED["shards"],
-        ),
+        answers=[
+            f"results/unlisted/{UNLISTED['seed']}/{first}_to_{last}.parquet"
+            for first, last in UNLISTED_SPANS
+        ],
+        tolerances="config/tolerances.yaml",
         working_copy=BIRTH_MARK,
     output:
         png=report(

@@ -1,4 +1,4 @@
-"""Diagnose one shard of the rigs under laws outside the catalogue, and of those with nothing missing."""
+"""Diagnose a span of the rigs under laws outside the catalogue, and of those with nothing missing."""
 
 from typing import TYPE_CHECKING
 
@@ -11,10 +11,9 @@ if TYPE_CHECKING:
 
 
 def main() -> None:
-    """Diagnose one shard of the rigs."""
+    """Diagnose a span of the rigs."""
     wildcards, parameters = snakemake.wildcards, snakemake.params
-    share = int(wildcards.shard), int(wildcards.shards)
-    table = campaign(parameters.seed, parameters.recordings, *share)
+    table = campaign(parameters.seed, int(wildcards.first), int(wildcards.last))
     write_dataset(table, snakemake.output[0], {"seed": int(parameters.seed)})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+
+# Share by which periods may differ: that of two clocks, which moves the largest lag by less than a sample.
+SAME_PERIOD = 0.01
 
 
 @dataclass(frozen=True, repr=False)
@@ -132,12 +135,13 @@ def residual_correlations(
     Raises
     ------
     InputError
-        If recording and model do not fit together, or the residual is not finite.
+        If recording and model do not fit together, periods differ, or the residual is not finite.
     """
     refuse_unknown_clock(simulation)
     fitted = states_accuracy(simulation)
     reopened = _reopened(simulation) if fitted else simulation
     recordings, experiments, _ = experiments_of(recording, reopened, progress)
+    _refuse_other_periods(recordings)
     if progress:
         progress("testing the residual")
     try:
@@ -174,6 +178,19 @@ def residual_correlations(
         ),
         tuple(remarks),
     )
+
+
+def _refuse_other_periods(recordings: Sequence[Recording]) -> None:
+    """A lag in samples is one time in all recordings, or their correlations must not be added."""
+    first = recordings[0]
+    for other in recordings[1:]:
+        if abs(other.period / first.period - 1.0) > SAME_PERIOD:
+            raise InputError(
+                f"its period is {1e3 * other.period:g} ms, that of {first.source} {1e3 * first.period:g} ms, and a lag "
+                "is a number of samples",
+                where=other.source,
+                hint="test recordings of other periods by themselves",
+            )
 
 
 def _reopened(simulation: Simulation) -> Simulation:

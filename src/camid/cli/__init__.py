@@ -17,6 +17,7 @@ from camid.cli import (
     compare,
     design,
     diagnose,
+    example,
     identify,
     init,
     join,
@@ -25,11 +26,16 @@ from camid.cli import (
     residuals,
     simulate,
     step,
+    studio,
     track,
 )
 from camid.errors import InputError
 
 INTERRUPTED = 130
+CUT_SHORT = (
+    "a file ends too soon, most likely one of Python's own that a full disk cut short; "
+    "remove the folders __pycache__ of Python's packages and try again"
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -43,6 +49,7 @@ for command in (
     compare.compare,
     design.design,
     diagnose.diagnose,
+    example.example,
     identify.identify,
     init.init,
     join.join,
@@ -51,6 +58,7 @@ for command in (
     residuals.residuals,
     simulate.simulate,
     step.step,
+    studio.studio,
     track.track,
 ):
     cli.add_command(command)
@@ -86,6 +94,11 @@ def main(arguments: list[str] | None = None) -> int:
     except MemoryError:
         click.echo("camid: error: there is not enough memory; cut the recording, or leave out columns", err=True)
         return 2
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt) as error:
+        if isinstance(
+            error.__cause__ or error.__context__, EOFError
+        ):  # click takes it for the end of a terminal's input
+            click.echo(f"camid: error: {CUT_SHORT}", err=True)
+            return 2
         click.echo("camid: interrupted; no file is half-written", err=True)
         return INTERRUPTED

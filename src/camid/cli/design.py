@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from camid.cli.shared import own_effects_option, progress_display
-from camid.errors import need
+from camid.cli.shared import own_effects_option, progress_display, warn
+from camid.errors import InputError, need
 
 
 @click.command(short_help="Compute the experiment that tells the remaining hypotheses apart.")
@@ -71,6 +71,8 @@ def design(
     if picture:
         need("design.png", "plots", hint="or say --no-picture")
     check_folder(output, FILES, [*source, *recording, *effects])
+    if (output / "diagnosis.json").exists():
+        raise InputError("this folder holds a diagnosis", where=str(output), hint="name another one for the design")
     with progress_display(as_json) as progress:
         from camid.commands.design import design as run
 
@@ -90,6 +92,8 @@ def design(
             effects=effects,
         )
         written = write_design(result, output, picture=picture)
+    for sentence in result.warnings:
+        warn(sentence)
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
         return

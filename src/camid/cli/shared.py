@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from camid.errors import InputError
+from camid.studio import progress
 
 if TYPE_CHECKING:
     from camid.simulation.model import Simulation
@@ -18,7 +20,10 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress_display(quiet: bool) -> Iterator[Callable[[str], None] | None]:
-    """A spinner with the current step on the error stream; nothing for machines."""
+    """A spinner with the current step on the error stream; nothing for machines, but lines for those that ask."""
+    if os.environ.get(progress.VARIABLE) == progress.LINES:
+        yield lambda sentence: click.echo(f"{progress.PREFIX}{' '.join(sentence.split())}", err=True)
+        return
     if quiet or not sys.stderr.isatty():
         yield None
         return

@@ -131,7 +131,7 @@ def _designed(
         raise
     except (NotApplicable, ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         raise InputError(f"no design: {error}", hint="check the simulations and the units") from None
-    return replace(found, source=known.source)
+    return replace(found, source=known.source, warnings=[*found.warnings, *known.warnings])
 
 
 def _is_diagnosis(path: Path) -> bool:

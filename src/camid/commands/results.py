@@ -47,6 +47,10 @@ class Drawable(ABC):
         """Models that are drawn before this result."""
         return []
 
+    def _simulated_beside(self) -> list[ModelSource]:
+        """Those of them that can be simulated."""
+        return self._beside()
+
     def _held_out(self) -> tuple[float, float] | None:
         return None
 
@@ -71,7 +75,7 @@ class Drawable(ABC):
         part = self._held_out() if held_out is None and recording is None else held_out
         source = self._recording() if recording is None else recording
         with own_effects(self._own_files()):
-            return compare(source, *self._beside(), self, *others, held_out=part, zoom=zoom)
+            return compare(source, *self._simulated_beside(), self, *others, held_out=part, zoom=zoom)
 
     def bode(
         self,
@@ -184,6 +188,10 @@ class DiagnosisResult(Diagnosis, Drawable):
 
     def _beside(self) -> list[ModelSource]:
         return [self.believed]
+
+    def _simulated_beside(self) -> list[ModelSource]:
+        # Frames cannot be placed by a latency or a clock that was left open; the improved simulation knows both.
+        return [] if "estimate" in (self.believed.latency, self.believed.skew) else self._beside()
 
     def _own_files(self) -> Sequence[str]:
         return self.own_files

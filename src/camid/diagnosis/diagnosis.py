@@ -100,6 +100,8 @@ class Finding:
     separating_experiment : str or None
     comparison : Comparison or None
         What the weights are made from; not part of diagnosis.json.
+    simulated : bool
+        Whether the improved simulation holds it; a law without a name that it only resembles may stand in its place.
     """
 
     identifier: str
@@ -113,6 +115,7 @@ class Finding:
     alternatives: list[tuple[str, float]] = field(default_factory=list)
     separating_experiment: str | None = None
     comparison: Comparison | None = None
+    simulated: bool = True
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
@@ -124,6 +127,7 @@ class Finding:
             "weight": self.weight,
             "alternatives": [{"id": name, "weight": weight} for name, weight in self.alternatives],
             "separating_experiment": self.separating_experiment,
+            "simulated": self.simulated,
         }
 
 

@@ -125,9 +125,7 @@ def explanation(
     if location.place and verdict != "adequate":
         sentences.append(f"The mismatch sits at the {location.place}.")
     if learned:
-        curves = " and ".join(f"a {within_sentence(part.name)}" for part in learned)
-        inexact = ": what the laws above have inexactly, or something that has no name here" if found else ""
-        sentences.append(f"The improved simulation {'also ' if found else ''}holds {curves}{inexact}.")
+        sentences.append(_held(found, learned))
         sentences.append(f"What is left beside it is {'still structured' if structured else 'noise'}.")
     elif verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
@@ -163,6 +161,23 @@ def _named(found: Sequence[Finding], fit: NormalisedErrors) -> str:
     names = [headline(finding) for finding in found]
     listed = f"{'; '.join(names[:-1])}; and {names[-1]}" if len(names) > 1 else names[0]
     return f"The simulation leaves out: {listed}. On rows that were not fitted the error {_falls(fit)}."
+
+
+def _held(found: Sequence[Finding], learned: Sequence[LearnedPart]) -> str:
+    """What the improved simulation holds of laws without a name, and in whose place."""
+    laws = " and ".join(
+        f"a {within_sentence(part.name)}{'' if part.curve is None else ' as a formula'}" for part in learned
+    )
+    replaced = [within_sentence(finding.title) for finding in found if not finding.simulated]
+    if replaced:
+        names = " and ".join(replaced)
+        return f"The improved simulation holds {laws}, in the place of {names}, which only resembles the law."
+    if not found:
+        return f"The improved simulation holds {laws}."
+    return (
+        f"The improved simulation also holds {laws}: what the laws above have inexactly, or something that has no "
+        f"name here."
+    )
 
 
 def _falls(fit: NormalisedErrors) -> str:

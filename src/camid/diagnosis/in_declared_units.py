@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         Undetectable,
     )
     from camid.diagnosis.effect_signals import EffectSignals
-    from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+    from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
 
     Shown = TypeVar("Shown", ParameterEstimate, Quantity)
 NUMBERS_OF_COEFFICIENT = ("nominal", "refitted", "refitted_deviation", "improved", "improved_deviation")
@@ -155,6 +155,16 @@ def learned_shown(part: LearnedPart, units: DeclaredUnits) -> LearnedPart:
         unit=units.text(part.unit),
         formula=None if part.formula is None else formula_shown(part.formula, part, units),
         rivals=[formula_shown(formula, part, units) for formula in part.rivals],
+        curve=None if part.curve is None else _curve(part.curve, part, units),
+    )
+
+
+def _curve(curve: Curve, part: LearnedPart, units: DeclaredUnits) -> Curve:
+    return replace(
+        curve,
+        knots=units.shown(curve.knots, part.knot_unit),
+        values=units.shown(curve.values, part.unit),
+        standard_deviations=units.shown(curve.standard_deviations, part.unit),
     )
 
 

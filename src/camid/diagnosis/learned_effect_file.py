@@ -174,7 +174,7 @@ def effect_file(diagnosis: Diagnosis) -> str | None:
 def _with_what_resembles_it(part: LearnedPart, diagnosis: Diagnosis) -> LearnedPart:
     """A force with the forces of effects that only resemble a part of it: beside them it is what they lack."""
     form = FORMS[part.variables]
-    if part.place != "plant" or form.times:
+    if part.place != "plant" or form.times or part.curve is not None:  # a formula stands for all of it already
         return part
     plant, knots, total = diagnosis.improved.plant, np.array(part.knots), np.zeros(len(part.knots))
     doubtful = {f.identifier for f in diagnosis.findings if f.weight < HEADLINE_WEIGHT and f.place == "plant"}
@@ -232,9 +232,9 @@ def _law_of(part: LearnedPart, words: Sequence[str]) -> _Law:
     if entry["formula"]:
         numbers = {name: float(number["value"]) for name, number in entry.get("formula_parameters", {}).items()}
         units = {name: str(number["unit"]) for name, number in entry.get("formula_parameters", {}).items()}
-        program = program_of(str(entry["formula"]), numbers, np.array(part.knots))
-        # What stands for named effects, too, is another curve than the learned one.
-        if program is not None and (entry.get("formula_replaces") or _carries(program, part)):
+        program = program_of(str(entry["formula"]), numbers, np.array(part.learned.knots))
+        # A formula in the place of the curve may stand for named effects, too.
+        if program is not None and (part.curve is not None or entry["formula_replaces"] or _carries(program, part)):
             return _formula_law(program, part, words, units)
     return _curve_law(part, words)
 

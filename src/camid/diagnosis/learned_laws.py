@@ -62,13 +62,12 @@ def with_learned_laws(
     """
 
     def holds(found: Decision, before: Decision) -> bool:
-        errors = [simulated_error(problem, d.improved.model, judging) for d in (found, before)]
-        return errors[0] < errors[1]
+        return _errs_less(problem, found, before, judging)
 
     first = _with_another_law(problem, decision, holds, watch)
     if first is decision:
         return decision
-    left = _structure(problem, first)
+    left = structure_left(problem, first)
     if left == 0.0:
         return first
     # Where no name completes the account, it would only stand for a part of what no curve carries.
@@ -77,13 +76,31 @@ def with_learned_laws(
         found = _with_effect_beside(problem, complete, left, known, watch)
         if found is None:
             break
-        complete, left = found, _structure(problem, found)
+        complete, left = found, structure_left(problem, found)
         if left == 0.0 and holds(complete, first):
             return complete
     return _with_another_law(problem, first, holds, watch)
 
 
-def _structure(problem: Problem, decision: Decision) -> float:
+def with_laws_alone(problem: Problem, base: Fitted, judging: Sequence[NDArray[np.bool_]], watch: Watch) -> Decision:
+    """Laws without a name alone beside the coefficients, up to two; none where they err more on rows not fitted."""
+
+    def holds(found: Decision, before: Decision) -> bool:
+        return _errs_less(problem, found, before, judging)
+
+    first = _with_another_law(problem, Decision(base, base), holds, watch)
+    if not first.laws or structure_left(problem, first) == 0.0:
+        return first
+    return _with_another_law(problem, first, holds, watch)
+
+
+def _errs_less(problem: Problem, found: Decision, before: Decision, judging: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether a decision errs less than another on rows that were not fitted."""
+    errors = [simulated_error(problem, d.improved.model, judging) for d in (found, before)]
+    return errors[0] < errors[1]
+
+
+def structure_left(problem: Problem, decision: Decision) -> float:
     """Share of what a decision leaves that a fault at some place explains; zero where that may be chance."""
     left = places(problem, decision.improved)
     return max((test.share for test in left if test.p_value < STRUCTURE_P_VALUE), default=0.0)
@@ -105,7 +122,7 @@ def _with_another_law(
         return decision
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure.
-        if _structure(problem, best) == 0.0:
+        if structure_left(problem, best) == 0.0:
             break
         finer = _learned(problem, decision.improved, best.laws[-1].law.refined(), coefficients)
         if finer is None or finer.log_evidence < best.laws[-1].log_evidence + LEAST_GAIN:
@@ -132,13 +149,7 @@ def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> LearnedL
     likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
     found = [_learned(problem, fitted, blank[name], coefficients) for name in likely]
     best = max((law for law in found if law is not None), key=lambda law: law.log_evidence, default=None)
-    if best is None:
-        return None
-    # Where the noise has a colour, or more than this law is missing, a direction in which it varies more says less.
-    inflation = best.fitted.inflation(fitted.residual - best.fitted.residual)
-    freedom = len(fitted.residual) - len(fitted.packing.names)
-    gain = best.log_evidence + 0.5 * freedom * float(np.log(fitted.cost))
-    return best if gain / inflation >= LEAST_EVIDENCE else None
+    return best if best is not None and best.gain_on(fitted) >= LEAST_EVIDENCE else None
 
 
 def _learned(problem: Problem, fitted: Fitted, law: LearnedEffect, coefficients: bool) -> LearnedLaw | None:
@@ -163,7 +174,7 @@ def _with_effect_beside(
         return None
     effect = ranked[0].fitted.model.effects[-1]
     fitted = fit(problem, decision.fitted.model.plus(effect), steps=ALL_STEPS)
-    laws = _relearned(problem, fitted, decision.laws, _coefficients_hold(decision))
+    laws = relearned(problem, fitted, decision.laws, decision)
     before, after = decision.improved.cost, (laws[-1].fitted if laws else fitted).cost
     if before - after < LEAST_EXPLAINED * structured * before:
         return None
@@ -189,10 +200,11 @@ def _called_for(problem: Problem, fitted: Fitted, watch: Watch) -> list[Hypothes
     return found
 
 
-def _relearned(
-    problem: Problem, fitted: Fitted, laws: Sequence[LearnedLaw], coefficients: bool
+def relearned(
+    problem: Problem, fitted: Fitted, laws: Sequence[LearnedLaw], decision: Decision
 ) -> tuple[LearnedLaw, ...]:
     """The same laws learned again, one after the other, beside another model; those that still have evidence."""
+    coefficients = _coefficients_hold(decision)
     found: tuple[LearnedLaw, ...] = ()
     for law in laws:
         again = _learned(problem, found[-1].fitted if found else fitted, law.law.blank(), coefficients)

@@ -78,6 +78,15 @@ class Formula:
 
 
 @dataclass(frozen=True)
+class Curve:
+    """A learned curve: knots, values and their standard deviations."""
+
+    knots: list[float]
+    values: list[float]
+    standard_deviations: list[float]
+
+
+@dataclass(frozen=True)
 class LearnedPart:
     """A law without a name that the improved simulation holds for what the laws of the findings leave.
 
@@ -98,6 +107,8 @@ class LearnedPart:
         Formulas that say as much and cannot be told apart.
     description : str
         The law in words; empty where nothing is known.
+    curve : Curve or None
+        The learned curve that a formula was compared with, where the values are those of the formula.
     """
 
     identifier: str
@@ -114,6 +125,12 @@ class LearnedPart:
     formula: Formula | None = None
     rivals: list[Formula] = field(default_factory=list)
     description: str = ""
+    curve: Curve | None = None
+
+    @property
+    def learned(self) -> Curve:
+        """The curve that was learned, whatever the improved simulation holds."""
+        return self.curve or Curve(self.knots, self.values, self.standard_deviations)
 
     @property
     def name(self) -> str:
@@ -149,6 +166,7 @@ class LearnedPart:
             "knots": self.knots,
             "values": self.values,
             "standard_deviations": self.standard_deviations,
+            "values_from": "curve" if self.curve is None else "formula",
             **self.formula_mapping(),
             "parameters": {
                 "variables": {"value": self.variables, "std": None, "unit": ""},
@@ -165,4 +183,5 @@ class LearnedPart:
             "weight": 0.0,
             "alternatives": [{"id": UNLISTED, "weight": 1.0}],
             "separating_experiment": None,
+            "simulated": True,
         }

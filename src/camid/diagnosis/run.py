@@ -22,9 +22,10 @@ from camid.diagnosis.evidence import (
     tests_of,
 )
 from camid.diagnosis.explanation import explained
-from camid.diagnosis.formula.account import with_formulas, with_words
+from camid.diagnosis.formula.account import with_words
 from camid.diagnosis.hypothesis_search import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
+from camid.diagnosis.laws_alone import with_laws
 from camid.diagnosis.learned_laws import with_learned_laws
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
@@ -32,7 +33,7 @@ from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, share_left
 from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.simplest_effects import simplest
-from camid.diagnosis.verdict import beside_others, findings, learned_parts, verdict_of
+from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -292,17 +293,22 @@ def _diagnosis(
 ) -> Diagnosis:
     """What is said of a decision."""
     believed, problem, judging = setting.believed, setting.problem, setting.judging
-    base, final = decision.base, decision.improved
+    held, learned = with_laws(problem, decision, judging, setting.known, watch, setting.believed.units)
+    base, final = decision.base, held.improved
     left, fits = _left(setting, replace(decision, laws=()), residue)
     beside_laws = left
     named = residue
     if decision.laws:
-        residue = _residue(setting, decision, final, before)
+        residue = _residue(setting, decision, decision.improved, before)
         beside_laws, fits = _left(setting, decision, residue)
+    if held is not decision:
+        residue = _residue(setting, held, final, before)
+        _, fits = _left(setting, held, residue)
     without = errors_without(problem, decision, judging)
     found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left, beside_laws)
+    if held is not decision:
+        found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
-    learned = with_formulas(problem, decision, learned_parts(decision), judging, setting.known, watch, believed.units)
     verdict = verdict_of(bool(found or learned), bool(named.reasons))
     location = _location(problem, base, found, before, named)
     watch.say("working out what the recording could not have shown")

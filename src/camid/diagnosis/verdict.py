@@ -109,6 +109,25 @@ def findings(
     return sorted(result, key=lambda f: -f.evidence["share"])
 
 
+def as_simulated(found: Sequence[Finding], decision: Decision, known: int) -> list[Finding]:
+    """Findings as the improved simulation of another decision holds them: with its values, or not at all.
+
+    Parameters
+    ----------
+    found : sequence of Finding
+    decision : Decision
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+    """
+    count = len(decision.fitted.model.effects)
+    pairs = zip(decision.improved.model.effects, effect_deviations(decision.improved), strict=True)
+    held = {effect.identifier: parameters_of(effect, row) for effect, row in list(pairs)[known:count]}
+    return [
+        replace(f, parameters=held[f.identifier]) if f.identifier in held else replace(f, simulated=False)
+        for f in found
+    ]
+
+
 def different_inputs(problem: Problem) -> int:
     """How many of the recordings are experiments of their own: a repetition of an input says nothing new of a law."""
     kinds: list[Array] = []

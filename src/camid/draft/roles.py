@@ -222,7 +222,12 @@ def _pair(names: list[str], natures: dict[str, Nature], layout: Layout) -> tuple
     order = sorted(names, key=like_input, reverse=True)
     if len(order) == 1:
         return None, order[0], {"input": "no other column is left: taken for a free decay"}
-    source, outputs = order[0], order[1:]
+    tracked = [n for n in names if f"{n}_std" in layout.columns]
+    if len(tracked) == len(names):
+        moved = max(tracked, key=lambda n: float(np.nanstd(layout.columns[n])))
+        return None, moved, {"input": "all columns are positions of a marker: taken for a free decay"}
+    source = next(n for n in order if n not in tracked)
+    outputs = [n for n in order if n != source]
 
     def like_output(name: str) -> float:
         return 3.0 * (says(name, "output") - says(name, "reference")) - natures[name].roughness

@@ -136,6 +136,10 @@ def _compile(kind: type[Effect], name: str) -> None:
     code = part.function.__code__
     if code.co_argcount != len(ARGUMENTS) or code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS):
         _refuse(kind, f"'{name}' takes other arguments", f"write def {name}({', '.join(ARGUMENTS)}), no self", name)
+    swapped = [n for n, m in zip(code.co_varnames, ARGUMENTS, strict=False) if n != m and n in ARGUMENTS]
+    if swapped:
+        hint = f"they come by their place: def {name}({', '.join(ARGUMENTS)})"
+        _refuse(kind, f"'{name}' has '{swapped[0]}' in the place of another argument", hint, name)
     raising = _line_that_raises(code)
     if raising is not None:
         raise InputError(

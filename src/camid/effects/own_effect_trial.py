@@ -86,6 +86,9 @@ def _guesses(kind: type[Effect], situation: Situation) -> list[Effect]:
         raise
     if len(found) > MOST_GUESSES:
         raise _wrong(kind, "candidates", f"yields more than {MOST_GUESSES} guesses", "yield one for each shape")
+    if not found:
+        hint = "without one it is not looked for: yield one at least, or let 'invisible' say why it cannot be seen"
+        raise _wrong(kind, "candidates", "yields no guess for this recording", hint)
     return found
 
 

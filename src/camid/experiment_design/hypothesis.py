@@ -95,6 +95,19 @@ class Hypothesis:
         """How many parameters are fitted."""
         return len(self.known) or len(Packing.of(self.problem, self.model).names)
 
+    @property
+    def structure(self) -> tuple[object, ...]:
+        """All that says which law it is, without the values of what is fitted."""
+        problem, model = self.problem, self.model
+        free = problem.structure.free
+        fixed = [float(c) for c, is_free in zip(model.coefficients, free, strict=False) if not is_free]
+        names = stable_names(Packing.of(problem, model).names, model.effects)
+        choices = [
+            (e.identifier, *(e.values[p.name] for p in e.parameters if p.choices or p.sequence or p.is_name))
+            for e in model.effects
+        ]
+        return type(problem.kind), tuple(names), tuple(fixed), str(choices), str(problem.acquisition)
+
     def at(self, played: Played) -> tuple[Problem, Model]:
         """What is fitted of an experiment, all of its rows, and the model that it starts from."""
         rows = len(played.signal)

@@ -23,9 +23,12 @@ Array = NDArray[np.float64]
 
 # Rows of simulations that a design may cost: some ten seconds of a plant of second order with friction.
 SIMULATED_ROWS = 4e6
-# Experiments that are checked by a fit.
+# Experiments that are checked by a fit, and rows of simulations that checks beside the first may take; a fit evaluates
+# the rival and each of its derivatives about so often.
 CHECKED = 4
-# Evidence below which names stay together whatever is played.
+CHECKED_ROWS = 8e6
+EVALUATIONS = 6.0
+# Evidence below which names stay together whatever is played (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
 NO_EVIDENCE = 2.0
 # Times as long as was allowed for which the growth of the evidence is carried on.
 LONGEST = 20.0
@@ -98,7 +101,19 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     if names:
         chosen, pairs = _checked(task, best[:checked], watch)
     others = {c.kind: c.score for c in best}
-    return replace(_said(task, chosen, pairs, others), looked_at=search.looked_at, seconds=perf_counter() - started)
+    said = _said(task, chosen, pairs, others)
+    seconds = perf_counter() - started
+    return replace(said, looked_at=search.looked_at, seconds=seconds, warnings=_same_laws(said.expectations))
+
+
+def _same_laws(expectations: Sequence[Expectation]) -> list[str]:
+    """Sentences for names that no experiment within the limits tells apart, whichever of them is right."""
+    lost = {(e.identifier, e.rival) for e in expectations if e.seconds is None and abs(e.evidence) < NO_EVIDENCE}
+    pairs = sorted({tuple(sorted(pair)) for pair in lost if pair[::-1] in lost})
+    return [
+        f"{one} and {other} are the same law within these limits: no experiment that was looked at tells them apart"
+        for one, other in pairs
+    ]
 
 
 def information(found: Response) -> float:
@@ -111,13 +126,23 @@ def _checked(task: Task, best: Sequence[Candidate], watch: Watch) -> tuple[Candi
     """The one of the best experiments that says most after real fits, and its pairs."""
     judge = task.judge
     found: list[tuple[float, int, list[Pair]]] = []
+    spent = 0.0
     for i, candidate in enumerate(best):
+        spent += _rows_of_a_check(task, candidate)
+        if found and spent > CHECKED_ROWS:
+            break
         if found and watch.no_time_for("fits of more experiments"):
             break
         pairs = refitted(task.hypotheses, candidate.played, task.noise, pairs_of(candidate.found, task.noise))
         found.append((judge.score(pairs, len(candidate.played.signal)), i, pairs))
     _, index, pairs = max(found, key=lambda item: (item[0], -item[1]))
     return best[index], pairs
+
+
+def _rows_of_a_check(task: Task, candidate: Candidate) -> float:
+    """About how many rows the fits of all rivals to one experiment simulate."""
+    pairs = pairs_of(candidate.found, task.noise)
+    return EVALUATIONS * len(candidate.played.signal) * sum(2.0 + task.hypotheses[p.rival].count for p in pairs)
 
 
 def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, float]) -> Design:

@@ -104,6 +104,8 @@ class Search:
         turn = 0
         while families and not self._over(FIRST_LOOK):
             for family in families:
+                if best and self._over(1.0):  # long experiments: one family may cost as much as all may
+                    break
                 numbers = samplers[family.name].random(1)[0]
                 setting, position = settings[turn % len(settings)], starts[turn % len(starts)]
                 self._keep(best, self.member(family, numbers, setting, position))

@@ -54,6 +54,8 @@ class Known:
     conditions : dict
         How the recordings were made, as in diagnosis.json; empty where there are none.
     source : str
+    warnings : tuple of str
+        What a design cannot take into account.
     """
 
     hypotheses: list[Hypothesis]
@@ -63,6 +65,7 @@ class Known:
     experiments: int
     conditions: Mapping[str, Any]
     source: str
+    warnings: tuple[str, ...] = ()
 
     @property
     def columns(self) -> Columns:
@@ -136,6 +139,17 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
         int(conditions["experiments"]),
         conditions,
         source,
+        _unlisted_law(content["effects"]),
+    )
+
+
+def _unlisted_law(effects: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """A sentence where a diagnosis holds a law without a name, which has no rival that could be simulated."""
+    if not any(str(effect["id"]).startswith("learned-") for effect in effects):
+        return ()
+    return (
+        "the diagnosis holds a law without a name: nothing is designed to tell it from names, and what is predicted is "
+        "without it",
     )
 
 
@@ -151,7 +165,7 @@ def known_from_simulations(
     """
     simulations = [load_simulation(source) for source in sources]
     names = [
-        Path(source).stem if isinstance(source, str | Path) else f"simulation {i}"
+        Path(source).name if isinstance(source, str | Path) else f"simulation {i}"
         for i, source in enumerate(sources, 1)
     ]
     if len(set(names)) < len(names):
@@ -168,6 +182,7 @@ def known_from_simulations(
             hypothesis_of(s, name, period, weight=1.0 / len(names), question=GIVEN)
             for s, name in zip(simulations, names, strict=True)
         ]
+        _refuse_one_structure(kept)
         return Known(kept, None, np.ones(1), 0, 0, {}, source)
     fits = [_fitted(simulation, recordings) for simulation in simulations]
     best = min(fits, key=lambda fitted: fitted.cost)
@@ -192,9 +207,29 @@ def known_from_simulations(
             misfit=misfit,
         )
         hypotheses.append(replace(found, model=replace(fitted.model, initial=(None,))))
+    _refuse_one_structure(hypotheses)
     noise, whitening = conditions.noise, np.array(conditions.whitening)
     rows, experiments = conditions.rows, conditions.experiments
     return Known(hypotheses, noise, whitening, rows, experiments, conditions.to_mapping(), source)
+
+
+def _refuse_one_structure(hypotheses: Sequence[Hypothesis]) -> None:
+    """Refuse simulations that differ in the values of what is fitted alone: any recording makes them the same.
+
+    Raises
+    ------
+    InputError
+        If two have one structure.
+    """
+    for i, one in enumerate(hypotheses):
+        for other in hypotheses[:i]:
+            if one.structure == other.structure:
+                raise InputError(
+                    f"{other.identifier} and {one.identifier} are the same law with other values, which every "
+                    f"recording decides",
+                    where=one.simulation.source,
+                    hint="name one of them, and its coefficients are determined",
+                )
 
 
 def _fitted(simulation: Simulation, recordings: Sequence[RecordingSource]) -> Fitted:

@@ -28,8 +28,6 @@ NUMBERS = {
     "lines": ("lines", ""),
     "position": ("from", "y"),
 }
-# Evidence that decides nothing (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
-NO_EVIDENCE = 2.0
 
 
 def described(kind: str, numbers: dict[str, Any], columns: Columns | None = None) -> str:
@@ -47,7 +45,8 @@ def described(kind: str, numbers: dict[str, Any], columns: Columns | None = None
         shown = plain(value, 3, unit)
         if key == "position" and columns is not None:
             shown = plain(float(columns.outputs.cells(np.array(value))), 3, columns.output_unit)
-        parts.append(f"{shown} {words}" if key in {"levels", "lines"} else f"{words} {shown}")
+        counted = words if value != 1 else words.removesuffix("s")
+        parts.append(f"{shown} {counted}" if key in {"levels", "lines"} else f"{words} {shown}")
     return f"{kind} ({', '.join(parts)})" if parts else kind
 
 
@@ -119,8 +118,6 @@ def print_design(design: Design, written: list[Path]) -> None:
         f"{plain(limits.duration, 4, 's')}; {design.looked_at} experiments looked at",
         soft_wrap=True,
     )
-    for warning in design.warnings:
-        console.print(f"warning: {printable(warning)}", style="yellow", soft_wrap=True)
     for path in written:
         console.print(f"written to {printable(str(path))}", soft_wrap=True)
 

@@ -70,6 +70,15 @@ class LearnedLaw:
         assert isinstance(law, LearnedEffect)
         return law
 
+    def gain_on(self, fitted: Fitted) -> float:
+        """Logarithm of the evidence for the law against a model without it that was fitted itself.
+
+        Where the noise has a colour, or more than this law is missing, a direction in which it varies more says less.
+        """
+        freedom = len(fitted.residual) - len(fitted.packing.names)
+        gain = self.log_evidence + 0.5 * freedom * float(np.log(max(fitted.cost, 1e-300)))
+        return gain / self.fitted.inflation(fitted.residual - self.fitted.residual)
+
 
 @dataclass(frozen=True)
 class _Curve:

@@ -276,7 +276,7 @@ def _names_in_comment(comment: str, body: str, separator: str) -> tuple[str, ...
     _, first = next(_rows(StringIO(body, newline=""), separator), (1, []))
     count = len(first) - (1 if len(first) > 1 and first[-1] == "" else 0)
     for candidate in dict.fromkeys((separator, ",", ";", "\t", " ")):
-        _, cells = next(_rows([comment], candidate), (1, []))
+        _, cells = next(_rows([comment.replace("\r", " ")], candidate), (1, []))
         if len(cells) == count and all(c and c[-1] not in ",;" and not _is_number(c, ".") for c in cells):
             return tuple(cells)
     return ()

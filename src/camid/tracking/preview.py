@@ -90,13 +90,13 @@ def _images(track: Track, options: Options, wanted: list[int]) -> list[NDArray[n
     found = {}
     for frame in options.source(Path(track.source)).frames(options.start, options.end):
         if frame.number in wanted:
-            found[frame.number] = _rgb(frame.picture)
+            found[frame.number] = rgb_image(frame.picture)
             if len(found) == len(wanted):
                 break
     return [found[number] for number in wanted]
 
 
-def _rgb(picture: Picture) -> NDArray[np.uint8]:
+def rgb_image(picture: Picture) -> NDArray[np.uint8]:
     """The picture for a screen, shape (height, width, 3)."""
     if picture.keep is not None:
         return np.asarray(picture.keep.to_ndarray(format="rgb24"), np.uint8)

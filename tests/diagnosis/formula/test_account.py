@@ -12,12 +12,11 @@ from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.formula.account import with_formulas
 from camid.diagnosis.report import learned_pictures, summary
 from camid.diagnosis.report.panel import look_of_the_project
-from camid.diagnosis.verdict import learned_parts
 from camid.diagnosis.watch import Watch
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.learned_law import blank_laws, learn
 from camid.identification.from_recordings import experiments_of
-from camid.simulation.file import load_simulation
+from camid.simulation.file import load_simulation, write_simulation
 from tests.diagnosis.test_learned_laws import believed, rig
 
 
@@ -45,6 +44,31 @@ def test_a_formula_stands_for_a_name_that_only_resembles_the_law():
     assert "formula</text>" in panel.svg
 
 
+def test_the_formula_is_what_the_improved_simulation_holds(tmp_path):
+    recording = rig(lambda y, v: 0.9 * y / (1.0 + (y / 0.4) ** 2), 11)
+    diagnosis = camid.diagnose(recording.drop(columns="clean"), believed())
+    (part,) = diagnosis.learned
+    entries = diagnosis.to_mapping()["effects"]
+    assert part.formula.replaces
+    assert [e["simulated"] for e in entries] == [e["id"] not in part.formula.replaces for e in entries]
+    (held,) = diagnosis.improved.effects
+    assert (held.identifier, held.parameters["formula"]) == ("learned-force", part.formula.text)
+    assert (held.parameters["values"], entries[-1]["values_from"]) == (part.values, "formula")
+    # Knots carry the formula, but for the straight line that the spring holds.
+    numbers = part.formula.parameters
+    knots = np.array(part.knots)
+    law = numbers["a"].value * knots / (1.0 + (knots / numbers["c"].value) ** 2)
+    bend = law - part.formula.held["slope"] * knots - part.formula.held["constant"]
+    assert np.max(np.abs(bend - part.values)) < 2e-3 * np.ptp(law)
+    assert "in the place of" in diagnosis.explanation
+    path = tmp_path / "improved.yaml"
+    write_simulation(diagnosis.improved, path)
+    simulated = camid.simulate(recording.drop(columns="clean"), path)["simulated"]
+    again = camid.identify(recording.drop(columns="clean"), path, method="output-error")
+    assert np.std(simulated - recording["clean"]) < 0.01 * np.std(recording["clean"])
+    assert len(again.simulation.effects) == 1
+
+
 def test_a_law_outside_of_the_dictionary_has_no_formula():
     diagnosis = diagnosed(lambda y, v: 0.25 * np.sin(2.4 * y * abs(y)), 12)
     assert diagnosis.learned
@@ -64,7 +88,7 @@ def test_a_curve_of_noise_has_no_formula(name):
     law = learn(problem, base, blank_laws(problem, base)[name])
     decision = Decision(base, base, laws=(law,))
     judging = [np.ones(len(e.output), bool) for e in problem.experiments]
-    (part,) = with_formulas(problem, decision, learned_parts(decision), judging, 0, Watch())
+    _, (part,) = with_formulas(problem, decision, judging, 0, Watch())
     assert part.formula is None
     assert part.rivals == []
     assert "no short formula" in part.description
@@ -81,10 +105,10 @@ def test_without_time_the_curve_stands_alone():
     decision = Decision(base, base, laws=(law,))
     judging = [np.ones(len(e.output), bool) for e in problem.experiments]
     watch = Watch(limit=0.0)
-    (part,) = with_formulas(problem, decision, learned_parts(decision), judging, 0, watch)
+    _, (part,) = with_formulas(problem, decision, judging, 0, watch)
     assert (part.formula, part.description) == (None, "")
     assert watch.left_out == ["a formula for a law without a name"]
-    (part,) = with_formulas(problem, decision, learned_parts(decision), judging, 0, Watch())
+    _, (part,) = with_formulas(problem, decision, judging, 0, Watch())
     assert part.formula.form == "absolute value"
     assert "even" in part.description
     assert "grows as the power" in part.description

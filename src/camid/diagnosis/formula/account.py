@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.formula.candidates import Candidate
-from camid.diagnosis.formula.choice import Choice, chosen, exponent_of
-from camid.diagnosis.formula.groups import groups_of, values_of
+from camid.diagnosis.formula.choice import LARGEST_ERROR, Choice, chosen, exponent_of
+from camid.diagnosis.formula.groups import Group, groups_of, values_of
+from camid.diagnosis.formula.in_place import in_place
 from camid.diagnosis.formula.text import formula_of, unit_text
 from camid.diagnosis.formula.words import described, loop_area, missing_from
 from camid.diagnosis.in_declared_units import formula_shown, learned_shown
-from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
+from camid.diagnosis.verdict import learned_parts
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.fitting.problem import Problem
@@ -31,20 +35,17 @@ NEAR_ZERO = 2e-3
 def with_formulas(
     problem: Problem,
     decision: Decision,
-    parts: Sequence[LearnedPart],
     judging: Sequence[NDArray[np.bool_]],
     known: int,
     watch: Watch,
     units: DeclaredUnits = IN_U_AND_Y,
-) -> list[LearnedPart]:
-    """The learned laws with their formulas, where short ones say as much, and in words.
+) -> tuple[Decision, list[LearnedPart]]:
+    """The learned laws in words, and with a formula in the place of a curve where a short one says as much.
 
     Parameters
     ----------
     problem : Problem
     decision : Decision
-    parts : sequence of LearnedPart
-        One for each of its laws.
     judging : sequence of ndarray of bool
         Rows of each recording that are not fitted.
     known : int
@@ -52,31 +53,70 @@ def with_formulas(
     watch : Watch
     units : DeclaredUnits
         Of the words; formulas are in SI units.
+
+    Returns
+    -------
+    Decision
+        With the likeliest formula in the place of all that it stands for, and so on with what is left.
+    list of LearnedPart
+        One for each of its laws.
     """
-    result = list(parts)
-    if not parts or watch.no_time_for("a formula for a law without a name"):
-        return result
+    if not decision.laws or watch.no_time_for("a formula for a law without a name"):
+        return decision, learned_parts(decision)
     watch.say("looking for a formula")
-    first = len(decision.fitted.model.effects)
-    carried: set[int] = set()
-    for group in groups_of(problem, decision, known):
-        if group.index in carried:
-            continue
-        try:
-            choice = chosen(problem, decision, group, judging)
-        except (ValueError, ArithmeticError, np.linalg.LinAlgError):
-            continue
-        said = _with_formula(problem, decision, choice, result[group.index - first], units)
-        result[group.index - first] = said
-        for index in group.laws[:-1]:
-            part = result[index - first]
-            result[index - first] = replace(part, description="described with the other law over the same variable")
-        if said.formula is not None and choice.best is not None:
-            carried |= {i for i in choice.best.replaced if i >= first}
-            for index in carried:
-                needless = f"not needed beside the formula for the {said.name[0].lower()}{said.name[1:]}"
-                result[index - first] = replace(result[index - first], formula=None, rivals=[], description=needless)
-    return result
+    said: dict[str, LearnedPart] = {}
+    choices = _choices(problem, decision, judging, known, said)
+    while offered := [choice for choice in choices if choice.candidates]:
+        reference = offered[0].candidates[0]
+        best = min(offered, key=lambda choice: choice.candidates[0].fit.criterion_beyond(reference.fit))
+        variables, candidate = best.group.variables, best.candidates[0]
+        part = _part_of(decision, best.group)
+        words = _with_formula(problem, decision, best, part, units)
+        found = in_place(problem, decision, best.group, candidate, known, _formulas(said))
+        if _errs_no_more(problem, found, decision, judging):
+            decision = found
+            curve = Curve(part.knots, part.values, part.standard_deviations)
+            words = replace(words, curve=curve, description=f"{words.description}; {_held(words)}")
+        said[variables] = words
+        choices = _choices(problem, decision, judging, known, said)
+    for choice in choices:
+        said[choice.group.variables] = _with_formula(problem, decision, choice, _part_of(decision, choice.group), units)
+    return decision, _in_words(decision, said)
+
+
+def _choices(
+    problem: Problem,
+    decision: Decision,
+    judging: Sequence[NDArray[np.bool_]],
+    known: int,
+    said: Mapping[str, LearnedPart],
+) -> list[Choice]:
+    """The formulas for laws over variables for which there is none yet."""
+    found = []
+    for group in groups_of(problem, decision, known, tuple(said)):
+        with suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
+            found.append(chosen(problem, decision, group, judging))
+    return found
+
+
+def _part_of(decision: Decision, group: Group) -> LearnedPart:
+    """The last law of a group as it was learned."""
+    return learned_parts(decision)[group.index - len(decision.fitted.model.effects)]
+
+
+def _in_words(decision: Decision, said: Mapping[str, LearnedPart]) -> list[LearnedPart]:
+    """The laws of a decision with what was found of them, the last one over each variable."""
+    result: list[LearnedPart] = []
+    for part in reversed(learned_parts(decision)):
+        words = said.get(part.variables)
+        if words is None:
+            result.append(part)
+        elif any(part.variables == other.variables for other in result):
+            result.append(replace(part, description="described with the other law over the same variable"))
+        else:
+            found = {name: getattr(words, name) for name in ("formula", "rivals", "description", "curve")}
+            result.append(replace(part, **found))
+    return result[::-1]
 
 
 def with_words(effects: Sequence[Effect], parts: Sequence[LearnedPart]) -> list[Effect]:
@@ -117,6 +157,25 @@ def _with_formula(
     return replace(part, formula=formula, rivals=formulas if len(formulas) > 1 else [], description="; ".join(words))
 
 
+def _held(part: LearnedPart) -> str:
+    """What the improved simulation holds of the formulas that say as much as a curve."""
+    name = "the formula" if part.formula is not None else "the likeliest of them"
+    return (
+        f"the improved simulation holds {name} in the place of {' and '.join(['the curve', *part.drawn[0].replaces])}"
+    )
+
+
+def _errs_no_more(problem: Problem, found: Decision, before: Decision, judging: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether a decision errs about as little as another on rows that were not fitted."""
+    errors = [simulated_error(problem, each.improved.model, judging) for each in (found, before)]
+    return errors[0] <= LARGEST_ERROR * errors[1]
+
+
+def _formulas(said: Mapping[str, LearnedPart]) -> tuple[str, ...]:
+    """What the laws that are formulas already depend on."""
+    return tuple(variables for variables, part in said.items() if part.curve is not None)
+
+
 def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Candidate) -> Formula:
     """A candidate in the units of the recording, and its values where the learned law can be compared with them."""
     group, law = choice.group, choice.law
@@ -124,7 +183,8 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
     gone = {*group.laws, *candidate.replaced}
     kept = [i for i in range(len(final.model.effects)) if i not in gone]
     values = candidate.form.values(law.grid)
-    held = law.absorbed.part_of(values)
+    absorbed = candidate.absorbed
+    held = absorbed.part_of(candidate.form.values(absorbed.grid))
     for i in group.named:
         values = values - values_of(problem, final, i, group.variables, law.grid)
         if i in kept:
@@ -134,7 +194,7 @@ def _formula(problem: Problem, decision: Decision, choice: Choice, candidate: Ca
     carried = np.zeros(len(law.grid))
     for i in (*group.laws[:-1], *candidate.replaced):
         carried += values_of(problem, final, i, group.variables, law.grid)
-    names = [name for name, there in (("constant", law.absorbed.constant), ("slope", law.absorbed.line)) if there]
+    names = [name for name, there in (("constant", absorbed.constant), ("slope", absorbed.line)) if there]
     formula = formula_of(candidate.form, candidate.fit.covariance, group.variables)
     return replace(
         formula,

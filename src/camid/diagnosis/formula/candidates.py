@@ -16,7 +16,7 @@ from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.formula_fit import FormulaFit, fit_formula
-from camid.fitting.linearised_law import LawTable, LinearisedLaw, fine_grid
+from camid.fitting.linearised_law import Absorbed, LawTable, LinearisedLaw, fine_grid
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
@@ -40,6 +40,8 @@ class Candidate:
         Effects found in whose place it stands, beside the learned laws.
     at_bound : bool
         Whether a threshold, scale or exponent went as far as it may, so that the form is another.
+    absorbed : Absorbed
+        What the coefficients held of it in the fit.
     constant : Effect, optional
         A constant force or offset that was fitted beside it, as it was before the fit.
     """
@@ -48,6 +50,7 @@ class Candidate:
     fit: FormulaFit
     replaced: tuple[int, ...]
     at_bound: bool
+    absorbed: Absorbed
     constant: Effect | None = None
 
 
@@ -145,7 +148,7 @@ def through_the_chain(
     low, high = form.bounds(visited)
     away = np.minimum(fit.vector - low, high - fit.vector)[len(form.amplitudes) :]
     at_bound = bool(np.any(away < ON_BOUND * (high - low)[len(form.amplitudes) :]))
-    return Candidate(form.with_vector(fit.vector), fit, named, at_bound, constant)
+    return Candidate(form.with_vector(fit.vector), fit, named, at_bound, linear.absorbed, constant)
 
 
 def in_order(candidates: list[Candidate]) -> list[Candidate]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import Decision
+from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
@@ -37,14 +39,14 @@ class Group:
     others: tuple[int, ...]
 
 
-def groups_of(problem: Problem, decision: Decision, known: int) -> list[Group]:
-    """The learned laws of a decision by what they depend on."""
+def groups_of(problem: Problem, decision: Decision, known: int, done: Sequence[str] = ()) -> list[Group]:
+    """The learned laws of a decision by what they depend on, but for those over variables that are done."""
     model = decision.improved.model
     plant = problem.structure.plant(model.coefficients)
     count = len(decision.fitted.model.effects)
     learned: dict[str, list[int]] = {}
     for i, effect in enumerate(model.effects):
-        if i >= count and isinstance(effect, LearnedEffect):
+        if i >= count and isinstance(effect, LearnedEffect) and effect.values["variables"] not in done:
             learned.setdefault(str(effect.values["variables"]), []).append(i)
     groups = []
     for variables, indices in learned.items():
@@ -57,9 +59,15 @@ def groups_of(problem: Problem, decision: Decision, known: int) -> list[Group]:
             if static_values(model.effects[i], variables, law.knots, plant, period) is not None
         ]
         # A constant stays beside a formula, which is zero at zero as the learned law is.
-        others = [i for i in range(known, len(model.effects)) if i not in indices and not model.effects[i].is_constant]
+        free = [i for i in range(known, len(model.effects)) if not _stays(model.effects[i], done)]
+        others = [i for i in free if i not in indices]
         groups.append(Group(variables, indices[-1], tuple(indices), tuple(named), tuple(others)))
     return groups
+
+
+def _stays(effect: Effect, done: Sequence[str]) -> bool:
+    """Whether no formula may take the place of an effect: a constant, or a law that is a formula already."""
+    return effect.is_constant or (isinstance(effect, LearnedEffect) and effect.values["variables"] in done)
 
 
 def values_of(problem: Problem, fitted: Fitted, index: int, variables: str, at: Array) -> Array:

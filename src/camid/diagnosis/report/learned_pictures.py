@@ -31,11 +31,12 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
     """A panel for each law, from the knots and values that diagnosis.json holds."""
     for part in diagnosis.learned:
         title = part.name
-        caption = "The band is two standard deviations. Beyond its ends the recording says nothing: the plant is alone."
+        beyond = "the plant is alone" if part.curve is None else "the formula goes on"
+        caption = f"The band is two standard deviations. Beyond its ends the recording says nothing: {beyond}."
         if part.drawn:
             caption += " Formulas are drawn without the straight line that the plant's coefficients hold."
             if part.drawn[0].replaces:
-                caption += " Both hold what named effects of the same variable carry of the law."
+                caption += " Both hold what named effects of the same variable carried of the law."
         if part.description:
             caption += f" In words: {part.description}."
         yield Panel(title, caption, inline_svg(_curve(part), title))
@@ -44,13 +45,14 @@ def learned_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
 def _curve(part: LearnedPart) -> Axes:
     from camid import plotting as style
 
-    knots, values = np.array(part.knots), np.array(part.values)
+    learned = part.learned
+    knots, values = np.array(learned.knots), np.array(learned.values)
     over, across = AXES[part.variables]
     heights = values - knots if part.identifier == "learned-curve" else values
     if part.drawn and part.drawn[0].replaces:
         # The whole law, with what named effects hold of it.
         heights = heights + np.interp(knots, part.drawn[0].points, part.drawn[0].carried)
-    band = SIGNIFICANCE * np.array(part.standard_deviations)
+    band = SIGNIFICANCE * np.array(learned.standard_deviations)
     axes = new_panel(top=28.0)
     axes.fill_between(knots, heights - band, heights + band, color=style.BLUE, alpha=0.25, linewidth=0, label="± 2 σ")
     axes.plot(knots, heights, "-o", color=style.BLUE, linewidth=2.0, markersize=3.5, label="learned")

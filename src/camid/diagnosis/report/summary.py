@@ -40,6 +40,8 @@ SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 
+# What is said of a name that only resembles the law that stands in its place.
+NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
 # Where a law without a name carries what the named ones leave, or all.
 LEARNED_REST = "something is named, a law without a name was learned for what that leaves"
 LEARNED_ALL = "what is left out has no name; a law was learned for it"
@@ -182,8 +184,8 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
             value = estimate_text(parameter)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for part in diagnosis.learned:
-        range_shown = span((part.knots[0], part.knots[-1]), part.knot_unit)
-        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.values)), unit=part.unit)}"
+        range_shown = span((part.learned.knots[0], part.learned.knots[-1]), part.knot_unit)
+        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.learned.values)), unit=part.unit)}"
         over = part.variables.rpartition(" over ")[2]
         table.add_row(part.name, "–", part.place, f"{over} {range_shown}", values, "–")
     return table
@@ -210,6 +212,20 @@ def _table_of_coefficients(diagnosis: Diagnosis) -> Table:
         values += [with_deviation(c.improved, c.improved_deviation)] if bent else []
         table.add_row(c.name, *values, c.unit)
     return table
+
+
+def finding_lines(finding: Finding, own_titles: Mapping[str, str]) -> list[str]:
+    """What a name cannot be told from, whether the improved simulation holds it, and what would decide."""
+    lines = []
+    if finding.alternatives:
+        relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
+        others = alternatives_text(finding, own_titles)
+        lines.append(f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}")
+    if not finding.simulated:
+        lines.append(f"  {NOT_SIMULATED}")
+    if finding.separating_experiment:
+        lines.append(f"  what would: {finding.separating_experiment}")
+    return lines
 
 
 def learned_lines(part: LearnedPart) -> list[str]:
@@ -246,13 +262,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     if explained := diagnosis.improved.units.explained:
         console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     for finding in diagnosis.findings:
-        if finding.alternatives:
-            relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
-            others = alternatives_text(finding, diagnosis.own_titles)
-            line = f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}"
+        for line in finding_lines(finding, diagnosis.own_titles):
             console.print(line, soft_wrap=True)
-        if finding.separating_experiment:
-            console.print(f"  what would: {finding.separating_experiment}", soft_wrap=True)
     for part in diagnosis.learned:
         for line in learned_lines(part):
             console.print(printable(line), soft_wrap=True)

@@ -78,15 +78,14 @@ COLUMNS = [
 ]
 
 
-def campaign(seed: int, recordings: int, shard: int, shards: int) -> pd.DataFrame:
-    """Answers on the cases of one of ``shards`` jobs that share them out.
+def campaign(seed: int, first: int, last: int) -> pd.DataFrame:
+    """Answers on the cases of a span of numbers, with a law outside the catalogue and with nothing missing.
 
     Parameters
     ----------
     seed : int
-    recordings : int
-        With a law outside the catalogue, and as many with nothing missing.
-    shard, shards : int
+    first, last : int
+        Numbers of its first and last case.
 
     Returns
     -------
@@ -100,7 +99,7 @@ def campaign(seed: int, recordings: int, shard: int, shards: int) -> pd.DataFram
         ``formula_variables``, ``curve_error`` (:func:`curve_error`), ``refitted`` and ``improved`` (errors on the
         second recording, shares of its standard deviation), ``recovered``, ``seconds`` and ``failure``.
     """
-    rows = [scored(seed, number, missing) for number in range(shard, recordings, shards) for missing in (True, False)]
+    rows = [scored(seed, number, missing) for number in range(first, last + 1) for missing in (True, False)]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
