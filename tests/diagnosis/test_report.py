@@ -14,7 +14,7 @@ from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import beside, panel, pictures, summary
 from camid.diagnosis.report import page as report
-from camid.diagnosis.results_folder import FILES
+from camid.diagnosis.results_folder import FILES, write_diagnosis
 from camid.effects import known_effects
 from camid.number_text import SPACE
 from camid.recording.options import Reading
@@ -76,9 +76,16 @@ def test_every_verdict_has_its_sections(pages, verdict):
     # Four before and after, and four of the missing force; what is a force over time has a picture of its own.
     assert page.tags.count("figure") == 8 + (verdict == "partly-explained")
     assert "bench/run_07.csv, 2044 rows, 1544 of them fitted" in page.text
+    assert "Made by camid 0.1.0" in page.text
     for unseen in diagnosis.undetectable:
         assert summary.title_of(unseen.identifier) in page.text
     assert "0.0041 u s²/y²" in page.text
+
+
+def test_a_page_is_known_for_ours_when_it_is_written_anew(tmp_path):
+    diagnosis = written_diagnoses.diagnosis("explained")
+    first, again = ((write_diagnosis(diagnosis, tmp_path / "found")[3]).read_bytes() for _ in range(2))
+    assert first == again
 
 
 def test_a_finding_is_told_in_full(pages):
