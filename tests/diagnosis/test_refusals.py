@@ -179,9 +179,8 @@ def test_no_file_is_written_if_one_cannot_be_made(tmp_path, monkeypatch):
 def test_a_full_disk_is_said_with_what_was_written_before(tmp_path, monkeypatch):
     """The third file fails: the first two are whole, the others are those of before."""
     folder = tmp_path / "found"
-    folder.mkdir()
-    for name in FILES:
-        (folder / name).write_text("older result")
+    write_diagnosis(written_diagnoses.diagnosis("adequate"), folder)
+    older = {name: (folder / name).read_bytes() for name in FILES}
     written = Path.write_bytes
 
     def full(path, data):
@@ -196,12 +195,12 @@ def test_a_full_disk_is_said_with_what_was_written_before(tmp_path, monkeypatch)
     assert "No space left on device" in str(caught.value)
     assert "written before: diagnosis.json, improved.yaml" in str(caught.value)
     assert sorted(p.name for p in folder.iterdir()) == sorted(FILES)
-    assert [(folder / name).read_text() == "older result" for name in FILES] == [False, False, True, True]
+    assert [(folder / name).read_bytes() == older[name] for name in FILES] == [False, False, True, True]
 
 
 def test_no_report_of_an_earlier_diagnosis_stays(tmp_path):
-    (tmp_path / "found").mkdir()
-    (tmp_path / "found" / "learned_effect.py").write_text("what an earlier diagnosis learned")
+    write_diagnosis(written_diagnoses.diagnosis("adequate"), tmp_path / "found")
+    (tmp_path / "found" / "learned_effect.py").write_text("# what an earlier camid diagnose learned\n")
     for report, expected in ((True, FILES), (False, FILES[:3])):
         written = write_diagnosis(written_diagnoses.diagnosis("explained"), tmp_path / "found", report=report)
         assert [p.name for p in written] == list(expected)

@@ -60,7 +60,7 @@ SAID = {
     "bomb.parquet": "more than 8 MiB of data",
     "circle.h5": "groups without end",
     "elsewhere.h5": "y: a link to another file",
-    "far.xlsx": "cannot be read as spreadsheet (it does not fit into memory)",
+    "far.xlsx": "cannot be read as spreadsheet (its reader ends without an answer, as for want of memory)",
     "many-columns.csv": "line 1: 50,000 columns",
     "one-line.csv": "line 2: a line of more than 1,000,000 characters",
     "open-quote.csv": "line 2: a line of more than 1,000,000 characters",

@@ -30,7 +30,7 @@ def test_a_reader_that_ends_its_process_is_said(file, tmp_path, monkeypatch):
     ends.write_text("#!/bin/sh\nkill -SEGV $$\n")
     ends.chmod(0o700)
     monkeypatch.setattr(reader_process.sys, "executable", str(ends))
-    assert "r.h5: cannot be read as HDF5 (it ends the process that reads it)" in refusal(file)
+    assert "r.h5: cannot be read as HDF5 (its reader ends without an answer" in refusal(file)
 
 
 def test_a_reader_that_does_not_end_is_said(file, monkeypatch):

@@ -51,7 +51,7 @@ def read_apart(kind: str, path: Path) -> Any:
     if done.returncode == TOO_LARGE:
         raise ValueError("it does not fit into memory")
     if done.returncode != READ:
-        raise ValueError("it ends the process that reads it")
+        raise ValueError("its reader ends without an answer, as for want of memory")
     refused, content = pickle.loads(done.stdout)
     if refused:
         problem, where, hint = content
