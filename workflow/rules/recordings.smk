@@ -44,7 +44,7 @@ for name, recording in BENCHMARK_RECORDINGS.items():
             f"results/recordings/{recording.file}",
         log:
             f"results/logs/recording_file_{name}.log",
-        priority: 100 if name == "silverbox" else 0
+        priority: {"silverbox": 100, "emps": 50}.get(name, 0)
         params:
             code=script_code("recording_file.py"),
             name=name,
