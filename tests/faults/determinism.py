@@ -35,14 +35,14 @@ def campaign(project, reference, seconds, folder, random):
         wrong = None if code == 0 and not different else f"{code}, {different}: {printed[-200:]}"
         workflow.add("same bytes", wrong)
     commands = Count("threads of BLAS", "`camid identify`, `camid diagnose`", "the same bytes")
-    work = bench(folder / "work")
     for command, output in (("identify", "model.yaml"), ("diagnose", "diagnosis")):
         found = []
         for threads in ("1", "2", "4"):
-            arguments = [command, "recording.csv", "--simulation", "S.yaml", "--output", f"{threads}-{output}"]
+            # The same name in another folder: the report says the command that made it.
+            work = bench(folder / f"work-{threads}-{command}")
+            arguments = [command, "recording.csv", "--simulation", "S.yaml", "--output", output]
             code, printed = ended(camid(arguments, work, environment=variables(threads, None)))
-            found.append(contents(work / f"{threads}-{output}") if code == 0 else {"": printed})
-            found[-1] = {name.removeprefix(f"{threads}-"): content for name, content in found[-1].items()}
+            found.append(contents(work / output) if code == 0 else {"": printed})
             wrong = None if found[-1] == found[0] and code == 0 else f"{command}, {threads} threads: {printed[-200:]}"
             commands.add("same bytes", wrong)
     assert os.path.isdir(project.folder)

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camid.errors import InputError
+from camid.recording.files import read_tables
 from camid.recording.options import Reading
 from camid.recording.read import read_recordings
 from camid.recording.units import Conversion, unit_in_header, with_bracketed_unit
@@ -151,3 +152,10 @@ def test_frames_with_dates():
     for time in (pd.date_range(START, periods=COUNT, freq="20ms"), pd.to_timedelta(T, unit="s")):
         (found,) = read(pd.DataFrame({"t": time, "u": U, "y": Y}))
         np.testing.assert_allclose(found.time, T, atol=1e-9)
+
+
+def test_columns_that_cannot_be_told_apart_by_name(tmp_path):
+    """Found by the fuzzer: a header in brackets over rows of other lengths leaves columns without names."""
+    (tmp_path / "r.csv").write_bytes(b"t [\t\t\t1870tm\t\t\t%\t\tms] y[ ,m\nm\nm]2\n")
+    with pytest.raises(InputError, match="several columns are"):
+        read_tables(tmp_path / "r.csv", ("t", "y"), Reading())

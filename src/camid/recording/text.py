@@ -163,6 +163,10 @@ def _numbers(text: Text, columns: int, before: int) -> NDArray[np.float64] | Non
 def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
     import pandas as pd
 
+    twice = next((n for i, n in enumerate(names) if n in names[:i]), None)
+    if twice is not None:
+        called = f"called '{twice}'" if twice else "without a name"
+        raise InputError(f"several columns are {called}", where=name, hint="give each column a name of its own")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
