@@ -65,7 +65,7 @@ test: development ## run the tests, in minutes
 test-slow: development ## run the tests with large samples, many seeds and the whole catalogue
 	$(PYTEST) -m slow
 
-# The page of the studio is driven in a Chromium, which the system has to have.
+# The page of the studio and the report are looked at in a Chromium, which the system has to have.
 test-workflow: development studio ## run the whole workflow in fresh copies, what it promises, the notebook and the studio
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-browser.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-notebook.lock
