@@ -24,7 +24,7 @@ from camid.effects import (
     stiffness,
 )
 from camid.engine.mechanics import Chain, NotApplicable
-from camid.engine.run import move, run
+from camid.engine.run import ROUGH, move, run
 from camid.fitting.initial_motion import companion_state
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
@@ -206,6 +206,26 @@ def test_several_effects_at_once():
         return mapped(given, [-0.8, 0.8], lambda u, m: np.clip(u, -0.8, 0.8))
 
     assert largest_error(PLANT, effects, terms, 0.02, "zoh", pieces=pieces) < ERROR
+
+
+@pytest.mark.parametrize(
+    ("fast", "terms"),
+    [
+        (actuator.ActuatorLag(time_constant=0.0005), {"lag": 0.0005}),
+        (modes.ExtraMode(natural_frequency=1500.0, damping=0.4), {"mode": (1500.0, 0.4)}),
+    ],
+    ids=lambda given: type(given).__name__,
+)
+def test_dynamics_far_faster_than_the_frames_do_not_upset_friction(fast, terms):
+    """Forty radians a frame, where a few Runge–Kutta steps would be unstable."""
+    effects = (fast, friction.CoulombFriction(force=0.1))
+    terms = terms | {"level": lambda t, y, speed: 0.1}
+    assert largest_error(PLANT, effects, terms, 0.02, "zoh", 30) < 10.0 * ERROR
+    signal, time = signal_of(300), 0.02 * np.arange(300)
+    fine, rough = (
+        run(Chain(PLANT, Acquisition(0.02, "zoh"), effects, steps=steps), signal, time) for steps in (None, ROUGH)
+    )
+    assert np.max(np.abs(rough - fine)) < 1e-2 * np.std(fine)
 
 
 @pytest.mark.parametrize("hold", ["zoh", "foh"])

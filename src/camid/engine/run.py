@@ -28,6 +28,9 @@ STEP_SMOOTH = 0.25
 STEP_EVENTS = 0.25
 # How much shorter steps are for linear parts beside a plant of equations, whose doubts do not measure their error.
 FINER_BESIDE = 2.5
+# Steps in radians of the fastest pole of the dynamics beside, before and after the plant: a Runge-Kutta step of 2.8 is
+# unstable. The second one is for rough simulations.
+STEP_STIFF, STEP_STIFF_ROUGH = 1.5, 2.2
 FEWEST_STEPS = 2
 FEWEST_STEPS_EVENTS = 3
 MOST_STEPS = 400
@@ -160,7 +163,7 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     sizes = np.array([s for _, s in impulses], dtype=float)
     steps = chain.steps or _first_steps(chain, acquisition, mechanics)
     if chain.steps == ROUGH:
-        steps = min(steps, MOST_ROUGH_STEPS)
+        steps = min(steps, max(MOST_ROUGH_STEPS, _stable_steps(chain, acquisition, STEP_STIFF_ROUGH)))
     affordable = max(MOST_NODES // max(len(signal), 1), steps)
     most_steps = steps if chain.steps is not None else min(MOST_FINER * steps, MOST_STEPS, affordable)
     most_doubt = MOST_DOUBT
@@ -236,10 +239,7 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
     fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
     if chain.equations is not None:
         # Their steps are not exact for the linear parts of the chain either.
-        parts = [
-            p for e in chain.effects for p in (e.before_plant(), e.beside_plant(), e.after_plant()) if p is not None
-        ]
-        fastest = max([fastest, *(FINER_BESIDE * float(np.max(np.abs(p.poles()), initial=0.0)) for p in parts)])
+        fastest = max(fastest, FINER_BESIDE * _fastest_part(chain))
     fastest += sum(e.frequency(chain.plant) for e in chain.effects)
     if chain.input_log is not None:
         samples = ceil(acquisition.period / chain.input_log.period - 1e-9)
@@ -250,4 +250,16 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
     bent = any(_overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects)
     if bent and chain.input_log is None:
         steps = max(steps, INPUT_STEPS, ceil(acquisition.period * fastest / STEP_INPUT))
+    steps = max(steps, _stable_steps(chain, acquisition, STEP_STIFF))
     return min(max(steps, FEWEST_STEPS_EVENTS if events else FEWEST_STEPS), MOST_STEPS)
+
+
+def _fastest_part(chain: Chain) -> float:
+    """Largest absolute value of the poles of the dynamics before, beside and after the plant, in rad/s."""
+    parts = [p for e in chain.effects for p in (e.before_plant(), e.beside_plant(), e.after_plant()) if p is not None]
+    return max((float(np.max(np.abs(p.poles()), initial=0.0)) for p in parts), default=0.0)
+
+
+def _stable_steps(chain: Chain, acquisition: Acquisition, longest: float) -> int:
+    """Steps per period with which no part of the chain is unstable, each at most so many radians long."""
+    return min(ceil(acquisition.period * _fastest_part(chain) / longest), MOST_STEPS)
