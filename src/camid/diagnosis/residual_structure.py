@@ -56,17 +56,20 @@ def reasons_for_structure(
 def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
     """Whether errors on rows that were not fitted are larger than on those that were, beyond chance.
 
-    Isolated values do not count: a sensor makes them.
+    Isolated values do not count, because a sensor makes them; nor does what only the running median shows, whose
+    square scatters more than that of noise.
     """
     simulated = problem.simulate(final.model)
-    errors = without_outliers(
-        np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)])
+    raw = np.concatenate(
+        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
     )
-    residual = without_outliers(final.residual)
+    errors, residual = without_outliers(raw), without_outliers(final.residual)
     noise = max(float(np.mean(residual**2)), 1e-300)
     if float(np.mean(errors**2)) < LARGER_ERROR_RATIO * noise:
         return False
-    ratio = float(np.mean(errors**2)) / (noise + _variance_of_prediction(problem, final, validation))
+    uncertain = _variance_of_prediction(problem, final, validation)
+    ratio = float(np.mean(errors**2)) / (noise + uncertain)
+    ratio = min(ratio, float(np.mean(raw**2)) / (max(float(np.mean(final.residual**2)), 1e-300) + uncertain))
     if ratio > FAILED_ERROR_RATIO and final.model.effects:
         return True
     spectrum = np.abs(np.fft.rfft(residual, 2 * len(residual))) ** 2
