@@ -37,6 +37,9 @@ MOST_THOROUGH = 6
 # Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
 BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
 
+# Share of the suggested size from which a fit starts again that ended worse than without the effect.
+SMALLER_SIZE = 0.1
+
 
 @dataclass(frozen=True)
 class SearchEffort:
@@ -106,7 +109,15 @@ def hypotheses(
         if watch.no_time_for(candidate.effect.identifier):
             return None
         effect = _start_of(candidate)
-        return _fitted(problem, effect.identifier, base.model.plus(effect), effort.steps, base)
+        found = _fitted(problem, effect.identifier, base.model.plus(effect), effort.steps, base)
+        if found is not None and found.fitted.cost < base.cost:
+            return found
+        # Worse than without it: the size that the screening suggests lies beyond where it says something.
+        small = _smaller(effect)
+        again = (
+            None if small is None else _fitted(problem, effect.identifier, base.model.plus(small), effort.steps, base)
+        )
+        return again if found is None or (again is not None and again.beyond(found) < 0.0) else found
 
     def fitted_from(model: Model) -> Hypothesis | None:
         identifier = model.effects[-1].identifier
@@ -318,6 +329,15 @@ def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
 def _start_of(candidate: ScreenedEffect) -> Effect:
     """The effect in the size that the screening suggests."""
     return candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
+
+
+def _smaller(effect: Effect) -> Effect | None:
+    """The effect in a smaller size; None if it has no size."""
+    try:
+        small = effect.scaled(SMALLER_SIZE)
+    except ValueError:
+        return None
+    return None if np.array_equal(small.vector, effect.vector) else small
 
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:

@@ -7,7 +7,7 @@ best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -38,6 +38,11 @@ ALIKE = 0.1
 # Candidates that are simulated again where what they do is known roughly, and numbers that are kept for that.
 SIMULATED_AGAIN = 20
 MOST_KEPT = 20_000_000
+# Factor between the size of a guess and the one that fits best beyond which it is simulated again in that size, how
+# often, and the gain from which it is: what has a threshold does something else at another size.
+OTHER_SIZE = 3.0
+MOST_SIZES = 3
+LEAST_GAIN = 10.0
 
 # An effect and the number of its guess.
 _Key = tuple[str, int]
@@ -237,11 +242,33 @@ def screen(
         likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
         fresh = [key for key in listed if key not in known or key in likely]
         found = [(key, result) for key, result in zip(fresh, pool.map(simulated, fresh), strict=True) if result]
+        resized = partial(_resized, problem, base, judge)
+        judged = [screened for _, (screened, _) in found]
+        judged += [rough for key, rough in roughly.items() if key not in likely]
+        judged = list(pool.map(resized, judged))
     if signatures is not None and kept:
         signatures.keep(problem, base, {k: (listed[k], change) for k, (_, change) in found if change is not None})
-    judged = [screened for _, (screened, _) in found]
-    judged += [rough for key, rough in roughly.items() if key not in likely]
     return sorted(judged, key=lambda c: -c.gain)
+
+
+def _resized(
+    problem: Problem, base: Fitted, judge: Callable[[Effect, Array], ScreenedEffect], screened: ScreenedEffect
+) -> ScreenedEffect:
+    """The candidate in the size that fits, where its guess was far from that and says less."""
+    best = screened
+    for _ in range(MOST_SIZES):
+        if best.gain < LEAST_GAIN or not best.factor > 0.0 or 1.0 / OTHER_SIZE < best.factor < OTHER_SIZE:
+            break
+        try:
+            effect = best.effect.scaled(best.factor)
+        except ValueError:  # out of bounds
+            break
+        change = signature(problem, base, effect)
+        again = None if change is None else judge(effect, change)
+        if again is None or again.gain <= best.gain:
+            break
+        best = again
+    return best
 
 
 def _listed(effects: Iterator[Effect]) -> Iterator[tuple[_Key, Effect]]:

@@ -127,12 +127,12 @@ class EndStop(AgainstMotion):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Several positions on both sides, soft and hard."""
+        """Several positions on both sides, from near the middle on, soft and hard."""
         stiffness = abs(static_stiffness(situation.plant)) or situation.largest("signal") / situation.largest(
             "position"
         )
         position = situation.position
-        for share in (0.5, 0.75, 0.92):
+        for share in (0.1, 0.5, 0.75, 0.92):
             for edge in (np.max(position), np.min(position)):
                 if share * edge != 0.0:
                     for factor in (0.3, 10.0):
