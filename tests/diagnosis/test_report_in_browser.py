@@ -10,24 +10,12 @@ from dataclasses import replace
 import pytest
 
 from camid.diagnosis.report import page as report
-from camid.diagnosis.report import summary
-from tests.diagnosis.test_report import HOSTILE
 from tests.support import written_diagnoses
 
 BROWSER = next(
     (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
 )
 # Without one these tests fail: they belong to those of the workflow, whose machine has a browser.
-
-
-@pytest.fixture(scope="module")
-def pages():
-    return {verdict: report.render(written_diagnoses.diagnosis(verdict)) for verdict in summary.VERDICT_WORDS}
-
-
-@pytest.fixture(scope="module")
-def hostile():
-    return report.render(written_diagnoses.diagnosis("partly-explained", **HOSTILE))
 
 
 MEASURE = """<script>

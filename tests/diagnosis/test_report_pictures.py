@@ -14,6 +14,7 @@ from camid.diagnosis.diagnosis import Finding, Location, ParameterEstimate
 from camid.diagnosis.effect_signals import EffectSignals
 from camid.diagnosis.next_experiment import next_experiments
 from camid.diagnosis.report import effect_pictures, noise_pictures, panel, pictures
+from camid.diagnosis.report import page as report
 from camid.diagnosis.report.words import with_titles
 from camid.effects import known_effects
 from camid.effects.friction import CoulombFriction
@@ -21,6 +22,7 @@ from camid.effects.hysteresis import Hysteresis
 from camid.effects.plant_force import force_along
 from camid.fitting.equivalent_input import equivalent_input, force_through_filter
 from tests.support import written_diagnoses
+from tests.support.report_page import Page
 
 PERIOD = written_diagnoses.PERIOD
 SHOWN = written_diagnoses.signals(7)
@@ -261,3 +263,60 @@ def test_the_law_is_drawn_over_it(rubbing):
         "law",
         "law, smoothed alike",
     ]
+
+
+@pytest.mark.parametrize(
+    ("location", "framed"),
+    [
+        (Location("plant", state=("velocity", -1.0, 1.0)), ["Missing force against velocity"]),
+        (Location("plant"), ["Missing force against velocity", "Missing force against position"]),
+        (Location("sensor", state=("position", 0.0, 1.0)), ["Residual against output"]),
+        (Location("disturbance"), []),
+    ],
+)
+def test_the_pictures_of_the_located_place_are_framed(location, framed):
+    drawn = pictures.draw(written_diagnoses.diagnosis("unexplained", location=location))["structure"]
+    assert [p.title for p in drawn if p.located] == framed
+
+
+def test_a_free_decay_has_no_picture_against_its_input():
+    diagnosis = written_diagnoses.diagnosis("explained", input_column=None)
+    signals = diagnosis.signals
+    still = type(signals)(**{**vars(signals), "signal": np.zeros(len(signals.time))})
+    drawn = pictures.draw(written_diagnoses.diagnosis("explained", input_column=None, signals=still))["structure"]
+    assert [p.title.split(" against ")[1] for p in drawn] == ["position", "output"]  # velocity is drawn with the law
+    assert "no input" in Page(report.render(diagnosis)).text
+
+
+def test_medians_show_the_law_through_outliers():
+    random = np.random.default_rng(np.random.SeedSequence(3))
+    x = random.uniform(-1.0, 1.0, 4000)
+    y = np.sign(x) + 0.1 * random.standard_normal(4000)
+    y[::40] = 50.0
+    centres, quartiles = panel.quartiles_of_bins(x, y)
+    away = np.abs(centres) > 0.1
+    assert away.sum() >= 16
+    assert np.abs(quartiles[away, 1] - np.sign(centres[away])).max() < 0.06
+    assert np.all(np.diff(quartiles, axis=1) > 0.0)
+    levels, _ = panel.quartiles_of_bins(np.tile([-1.0, 0.5], 100), np.ones(200))
+    assert levels.tolist() == [-1.0, 0.5]
+
+
+def test_thinning_keeps_the_extremes():
+    time = np.arange(50_000.0)
+    values = np.sin(time)
+    values[12_345] = 9.0
+    thin_time, thin = panel.thinned(time, values)
+    assert len(thin) <= panel.LARGEST_LINE
+    assert thin.max() == 9.0
+    assert thin_time[thin.argmax()] == 12_345.0
+    assert np.all(np.diff(thin_time) >= 0.0)
+
+
+def test_drawing_leaves_the_settings_of_matplotlib_alone():
+    import matplotlib as mpl
+
+    with mpl.rc_context({"font.size": 3.0, "text.usetex": True}):
+        before = dict(mpl.rcParams)
+        pictures.draw(written_diagnoses.diagnosis("explained"))
+        assert dict(mpl.rcParams) == before

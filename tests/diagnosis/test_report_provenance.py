@@ -13,9 +13,9 @@ from camid.cli import main
 from camid.commands.diagnose import diagnose
 from camid.diagnosis.provenance import FILE_TIME, FIRST_STAMP, recorded_file
 from camid.diagnosis.report import page
-from tests.diagnosis.test_report import Page
 from tests.support import linear_rig as rig
 from tests.support import written_diagnoses
+from tests.support.report_page import Page
 
 MODIFIED = 1_750_000_000  # 2025-06-15 15:06:40 UTC
 

@@ -1,0 +1,205 @@
+"""What the terminal and the page say of a diagnosis: verdict, units, errors, laws without a name, and formulas."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from camid.diagnosis.diagnosis import NormalisedErrors, Undetectable
+from camid.diagnosis.in_declared_units import in_declared_units
+from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+from camid.diagnosis.report import page as report
+from camid.diagnosis.report import pictures, summary
+from camid.number_text import SPACE
+from camid.recording.options import Reading
+from camid.recording.units import Conversion
+from tests.support import written_diagnoses
+from tests.support.report_page import Page
+
+
+@pytest.mark.parametrize("verdict", summary.VERDICT_WORDS)
+def test_summary(capsys, verdict):
+    diagnosis = written_diagnoses.diagnosis(verdict, input_column="[red]u", warnings=["[bold]look"])
+    summary.print_summary(diagnosis, [])
+    shown = capsys.readouterr().out
+    assert summary.VERDICT_WORDS[verdict][1].upper() in shown
+    assert diagnosis.explanation in shown
+    assert "warning: [bold]look" in shown
+    assert "2 of which would not have shown" in shown
+    if diagnosis.findings:
+        assert "cannot be told apart from: Hysteresis (Bouc-Wen) (11" in shown
+        assert "[red]u" in shown
+
+
+def texts(diagnosis, capsys):
+    """What the terminal and the page say, without line breaks that mean nothing."""
+    summary.print_summary(diagnosis, [])
+    printed = " ".join(capsys.readouterr().out.split())
+    return printed, Page(report.render(diagnosis)).text
+
+
+def test_scaled_columns_are_not_the_units_of_their_values(capsys):
+    reading = Reading(input=Conversion(unit="V", scale=35.15), output=Conversion(unit="mm"))
+    diagnosis = written_diagnoses.diagnosis("partly-explained", input_column="vir", output_column="way")
+    diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, reading=reading))
+    printed, page = texts(diagnosis, capsys)
+    assert f"0.1500 ± 0.0021{SPACE}u" in diagnosis_table(diagnosis)
+    assert "velocity from −2500 to 2500 mm/s" in page
+    assert "4.1·10⁻⁹ u s²/mm²" in page
+    for text in (printed, page):
+        assert "u = 35.15 · vir" in text
+    shown = in_declared_units(diagnosis)
+    drawn = "".join(p.svg for panels in pictures.draw(shown).values() for p in panels)
+    assert "vir" not in drawn
+    assert "way, mm" in drawn
+    np.testing.assert_allclose(shown.signals.recorded, 1e3 * diagnosis.signals.recorded)
+    np.testing.assert_array_equal(shown.signals.equivalent_input, diagnosis.signals.equivalent_input)
+
+
+def test_a_declared_unit_is_written_and_the_name_of_a_column_where_none_is(capsys):
+    diagnosis = written_diagnoses.diagnosis("partly-explained", input_column="vir", output_column="way")
+    diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, reading=Reading(input=Conversion(unit="V"))))
+    printed, page = texts(diagnosis, capsys)
+    assert f"0.1500 ± 0.0021{SPACE}V" in diagnosis_table(diagnosis)
+    assert "0.0041 V s²/way²" in page
+    assert "vir in V. Units are written with the names of columns: way stands for the unit of column way." in page
+    assert "in units" not in printed
+
+
+def diagnosis_table(diagnosis):
+    """Values of all parameters as the terminal shows them."""
+    return [summary.estimate_text(p) for f in in_declared_units(diagnosis).findings for p in f.parameters.values()]
+
+
+def test_an_adequate_simulation_with_a_remainder_says_so_in_its_title(capsys):
+    diagnosis = written_diagnoses.diagnosis("adequate", output_column="way", known_remainder=0.0123)
+    for text in texts(diagnosis, capsys):
+        assert "nothing beyond the declared remainder of 0.0123 way" in text
+        assert "leaves nothing out" not in text
+        assert "depends on nothing" not in text
+        assert "owhere" not in text
+
+
+def test_errors_are_root_mean_squares_alone(capsys):
+    """Shares of squares, which do not add up beside root mean squares, stay in diagnosis.json."""
+    pair = [written_diagnoses.finding(), written_diagnoses.second_finding()]
+    squares = [replace(f, evidence=f.evidence | {"share": 0.0953, "share_together": 0.78}) for f in pair]
+    for text in texts(written_diagnoses.diagnosis("explained", findings=squares), capsys):
+        assert "24.2 %" in text.replace(SPACE, " ")
+        assert "10.2 %" in text.replace(SPACE, " ")
+        assert "9.53" not in text
+        assert "78.0" not in text
+
+
+def test_a_name_without_half_of_the_weight_is_no_headline(capsys):
+    faint = replace(written_diagnoses.finding(), weight=0.1, alternatives=[("unlisted", 0.9)])
+    for text in texts(written_diagnoses.diagnosis("partly-explained", findings=[faint]), capsys):
+        assert "something is named" not in text
+        assert "has no name that is likely" in text
+
+
+def test_wrong_coefficients_are_not_plainly_adequate(capsys):
+    fit = NormalisedErrors(2.01, 0.0612, 0.0612, 0.0604, (24.0, 34.0))
+    for text in texts(written_diagnoses.diagnosis("adequate", fit=fit), capsys):
+        assert "oefficients were wrong" in text.lower() or "COEFFICIENTS WERE WRONG" in text
+    page = report.render(written_diagnoses.diagnosis("adequate", fit=fit))
+    assert '<body class="corrected">' in page
+
+
+def test_an_effect_without_a_number_that_would_have_shown_is_not_called_invisible(capsys):
+    seen = Undetectable("absolute-value", "68 times as visible as needed", shows=True)
+    diagnosis = written_diagnoses.diagnosis("adequate", undetectable=[seen])
+    assert summary.sorted_undetectable(diagnosis.undetectable) == ([seen], [])
+    assert "would not have shown" not in Page(report.render(diagnosis)).text
+
+
+LEARNED = LearnedPart(
+    "learned-force",
+    "plant",
+    "Learned force",
+    "damping over position",
+    [-1.5, 0.0, 1.5],
+    [0.31, 0.0, 0.33],
+    [0.02, 0.0, 0.03],
+    "y",
+    "u s/y",
+    123.0,
+    0.04,
+)
+
+
+def test_a_name_that_is_not_simulated_is_marked():
+    resembling = replace(written_diagnoses.finding(), simulated=False)
+    assert f"  {summary.NOT_SIMULATED}" in summary.finding_lines(resembling, {})
+    assert f"  {summary.NOT_SIMULATED}" not in summary.finding_lines(written_diagnoses.finding(), {})
+    assert resembling.to_mapping()["simulated"] is False
+
+
+def test_a_law_without_a_name_is_shown_and_not_claimed(capsys):
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED])
+    for text in texts(diagnosis, capsys):
+        assert "Learned" in text
+    entry = diagnosis.to_mapping()["effects"][-1]
+    assert (entry["id"], entry["weight"], entry["alternatives"]) == (
+        "learned-force",
+        0.0,
+        [{"id": "unlisted", "weight": 1.0}],
+    )
+    assert (entry["knots"], entry["values"], entry["standard_deviations"]) == (
+        LEARNED.knots,
+        LEARNED.values,
+        LEARNED.standard_deviations,
+    )
+    assert "Learned damping over the position" in report.render(diagnosis)
+
+
+FORMULA = Formula(
+    "square",
+    "f = d(y)·v, d(y) = a·y²",
+    {"a": Quantity(0.14, 0.01, "u s/y^3")},
+    ["cogging"],
+    {"constant": 0.1},
+    [-1.5, 0.0, 1.5],
+    [0.315, 0.0, 0.315],
+    [0.0, 0.0, 0.0],
+)
+
+
+def test_a_formula_is_shown_with_its_numbers(capsys):
+    law = replace(LEARNED, formula=FORMULA, description="even")
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[law])
+    text = "f = d(y)·v, d(y) = a·y², a = 0.140 ± 0.010 u s/y³"
+    summary.print_summary(diagnosis, [])
+    printed = capsys.readouterr().out
+    assert f"formula: {text}" in printed
+    assert "in words: even" in printed
+    page = report.render(diagnosis)
+    assert f"Formula: <code>{text}</code>" in page
+    assert "In words: even." in page
+    entry = diagnosis.to_mapping()["effects"][-1]
+    assert (entry["formula"], entry["formula_replaces"], entry["formula_rivals"]) == (
+        "f = d(y)·v, d(y) = a·y², a = 0.140 ± 0.010 u s/y^3",
+        ["cogging"],
+        [],
+    )
+
+
+def test_formulas_that_cannot_be_told_apart_are_all_shown(capsys):
+    other = replace(FORMULA, form="absolute value", expression="f = d(y)·v, d(y) = a·|y|")
+    diagnosis = written_diagnoses.diagnosis("partly-explained")
+    diagnosis = replace(diagnosis, learned=[replace(LEARNED, rivals=[FORMULA, other])])
+    summary.print_summary(diagnosis, [])
+    printed, page = capsys.readouterr().out, report.render(diagnosis)
+    entry = diagnosis.to_mapping()["effects"][-1]
+    assert entry["formula"] is None
+    assert entry["formula_rivals"] == [FORMULA.text, other.text]
+    for formula in (FORMULA, other):
+        text = formula.text.replace("y^3", "y³")
+        assert f"formula, one of 2: {text}" in printed
+        assert f"One of the formulas that cannot be told apart: <code>{text}</code>" in page
+
+
+@pytest.mark.parametrize(("structured", "left"), [(True, "something remains"), (False, "what is left is noise")])
+def test_what_a_learned_law_leaves_is_said(structured, left):
+    diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED], structured=structured)
+    assert left in summary.verdict_words(diagnosis)[2]
