@@ -21,6 +21,11 @@ EDGE, AT_AN_EDGE = 0.05, 0.7
 FEWEST_REPEATED = 1
 # Chance of so few repeated frames in fast motion below which it is the sensor's step that repeats them.
 LEAST_CHANCE_OF_LOSS = 1e-3
+# A marker that moves by less than this many standard deviations of the noise between two frames hardly moves.
+STILL = 3.0
+# Share of the frames that a codec repeats although the marker moves, and the likelihood of loss against such a codec
+# below which it is the codec that repeats them.
+REPEATED_IN_MOTION, LEAST_RATIO_OF_LOSS = 0.05, 0.1
 # Values that differ by less than this share of their range are the same.
 SAME_VALUE = 1e-10
 # Digits smaller than this share of a lattice's step do not hide it.
@@ -141,7 +146,7 @@ class DroppedFrames(Effect):
         inside = (values > np.min(values)) & (values < np.max(values))
         repeated = np.append(False, values[1:] == values[:-1]) & inside
         count = int(np.sum(repeated))
-        if count < FEWEST_REPEATED or _repeats_where_slow(values, repeated):
+        if count < FEWEST_REPEATED or _repeats_where_slow(values, repeated) or _repeats_where_still(values, repeated):
             return None
         share = count / len(values)
         fineness = resolution(values) if step is None else step
@@ -163,6 +168,25 @@ def _repeats_where_slow(values: Array, repeated: NDArray[np.bool_]) -> bool:
     inner = repeated[2:-1]
     fast, count = int(np.sum(inner & (speed > np.median(speed)))), int(np.sum(inner))
     return count > 0 and tail((0.5 * count - fast) / (0.5 * sqrt(count))) < LEAST_CHANCE_OF_LOSS
+
+
+def _repeats_where_still(values: Array, repeated: NDArray[np.bool_]) -> bool:
+    """Whether values repeat because the pictures do: a codec sends nothing new of a marker that hardly moves.
+
+    What a frame would have shown is interpolated between two before and two after it. A lost frame does not care
+    whether the marker moves, so that as many of them are still as of all rows; the frames that a codec repeats are
+    nearly all still. Where all rows are, nothing tells them apart, and no codec is blamed.
+    """
+    if len(values) < FEWEST_ROWS:
+        return False
+    way = np.abs(4.0 * values[3:-1] - 2.0 * values[1:-3] - values[:-4] - values[4:]) / 6.0
+    moves = way > STILL * noise_beside_motion(values) * sqrt(22.0) / 6.0  # 22 = 4² + 2² + 1² + 1²
+    # As if one more frame moved and one more did not.
+    share = (np.count_nonzero(moves) + 1.0) / (len(moves) + 2.0)
+    inner = repeated[2:-2]
+    moving, still = int(np.sum(inner & moves)), int(np.sum(inner & ~moves))
+    ratio = moving * log(share / REPEATED_IN_MOTION) + still * log((1.0 - share) / (1.0 - REPEATED_IN_MOTION))
+    return bool(share > REPEATED_IN_MOTION and ratio < log(LEAST_RATIO_OF_LOSS))
 
 
 def _repeated(situation: Situation) -> NDArray[np.bool_]:
