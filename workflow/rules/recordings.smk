@@ -13,6 +13,8 @@ DIAGNOSED = {
     )
     for name, recording in BENCHMARK_RECORDINGS.items()
 }
+# The longest diagnoses begin first, or one would keep a core busy when all else is done. So do the files they wait for.
+DIAGNOSIS_PRIORITY = {"silverbox": 100, "emps": 50}
 RECORDING_FIGURES = expand(
     "paper_figs/recording_{name}.{format}",
     name=BENCHMARK_RECORDINGS,
@@ -44,7 +46,7 @@ for name, recording in BENCHMARK_RECORDINGS.items():
             f"results/recordings/{recording.file}",
         log:
             f"results/logs/recording_file_{name}.log",
-        priority: {"silverbox": 100, "emps": 50}.get(name, 0)
+        priority: DIAGNOSIS_PRIORITY.get(name, 0)
         params:
             code=script_code("recording_file.py"),
             name=name,
@@ -73,32 +75,37 @@ rule recording_track:
         " > {log:q} 2>&1"
 
 
-rule recording_diagnosis:
-    input:
-        recording=lambda wildcards: DIAGNOSED[wildcards.recording],
-        simulation="config/simulations/{recording}.yaml",
-    output:
-        diagnosis="results/recordings/{recording}/diagnosis.json",
-        improved="results/recordings/{recording}/improved.yaml",
-        residuals="results/recordings/{recording}/residuals.csv",
-        report="results/recordings/{recording}/report.html",
-    log:
-        "results/logs/recording_{recording}.log",
-    params:
-        code=CODE("camid.cli.diagnose"),
-        camid=CAMID,
-        folder=lambda wildcards, output: str(Path(output.diagnosis).parent),
-    message:
-        "Diagnosing the recording {wildcards.recording}."
-    shell:
-        "{params.camid} diagnose {input.recording:q} --simulation {input.simulation:q} --output {params.folder:q}"
-        " --time-limit 0 > {log:q} 2>&1"
+for name in BENCHMARK_RECORDINGS:
+
+    rule:
+        name:
+            f"recording_diagnosis_{name}"
+        input:
+            recording=DIAGNOSED[name],
+            simulation=f"config/simulations/{name}.yaml",
+        output:
+            diagnosis=f"results/recordings/{name}/diagnosis.json",
+            improved=f"results/recordings/{name}/improved.yaml",
+            residuals=f"results/recordings/{name}/residuals.csv",
+            report=f"results/recordings/{name}/report.html",
+        log:
+            f"results/logs/recording_{name}.log",
+        priority: DIAGNOSIS_PRIORITY.get(name, 0)
+        params:
+            code=CODE("camid.cli.diagnose"),
+            camid=CAMID,
+            folder=f"results/recordings/{name}",
+        message:
+            f"Diagnosing the recording {name}."
+        shell:
+            "{params.camid} diagnose {input.recording:q} --simulation {input.simulation:q} --output {params.folder:q}"
+            " --time-limit 0 > {log:q} 2>&1"
 
 
 rule recording_diagnosis_again:
     input:
         recording=lambda wildcards: DIAGNOSED[wildcards.recording],
-        improved=rules.recording_diagnosis.output.improved,
+        improved="results/recordings/{recording}/improved.yaml",
     output:
         diagnosis="results/recordings/{recording}_again/diagnosis.json",
     log:
