@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 MOST_PANELS = 4
 # Rows up to which every recorded one is a dot of its own.
 MOST_DOTS = 400
+DOTS = {"marker": "o", "markersize": 2.2, "linestyle": "", "markerfacecolor": "white", "markeredgewidth": 0.5}
 
 
 def draw(result: Comparison) -> Figure:
@@ -32,10 +33,10 @@ def draw(result: Comparison) -> Figure:
         upper.tick_params(labelbottom=False)
         rows = _rows(signal, result.zoom)
         dots = np.count_nonzero(rows) <= MOST_DOTS
-        look = {"marker": "o", "markersize": 2.8, "linestyle": "", "markerfacecolor": "white", "markeredgewidth": 0.6}
+        # On top and thinner than the models, so that neither hides the other where they lie upon each other.
         upper.plot(
-            signal.time[rows], signal.recorded[rows], color=style.BLACK, label="recorded", zorder=2.0,
-            **(look if dots else {"linewidth": 2.4, "alpha": 0.35}),
+            signal.time[rows], signal.recorded[rows], color=style.BLACK, label="recorded", zorder=3.0,
+            **(DOTS if dots else {"linewidth": 0.6}),
         )  # fmt: skip
         for index, name in enumerate(result.models):
             if name not in signal.simulated:
