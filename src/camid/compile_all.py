@@ -42,7 +42,8 @@ def effects() -> None:
     from camid.effects.compiled_part import Compiled
     from camid.effects.pendulum import SineRestoringForce
 
-    for kind in (*known_effects().values(), SineRestoringForce):
+    finer = [law for kind in known_effects().values() for law in kind.finer_laws]
+    for kind in (*known_effects().values(), *finer, SineRestoringForce):
         for name in dir(kind):
             part = getattr(kind, name)
             if isinstance(part, Compiled):

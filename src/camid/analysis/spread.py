@@ -106,7 +106,8 @@ def _with_parameter(simulation: Simulation, index: int, name: str, change: float
     effects, effect = [*simulation.effects], simulation.effects[index]
     moved: dict[str, Any] = dict(effect.parameters)
     kind = declarable_effects().get(effect.identifier)
-    bounds = next(((p.lower, p.upper) for p in (kind.parameters if kind else ()) if p.name == name), (-np.inf, np.inf))
+    known = kind.with_keys(effect.parameters).parameters if kind else ()
+    bounds = next(((p.lower, p.upper) for p in known if p.name == name), (-np.inf, np.inf))
     moved[name] = float(np.clip(moved[name] + change, *bounds))
     effects[index] = replace(effect, parameters=moved)
     return replace(simulation, effects=tuple(effects))

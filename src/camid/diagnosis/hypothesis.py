@@ -40,10 +40,15 @@ class Hypothesis:
 def prior_penalty(problem: Problem, effect: Effect) -> float:
     """Twice the logarithm of how many different effects a search for one amounts to, and of a general law's prior odds.
 
-    Rigs have dry friction more often than they have one of the laws of which it is the special case.
+    Rigs have dry friction more often than they have one of the laws of which it is the special case; what makes a law
+    of these more general still has the same odds again.
     """
     penalty = 2.0 * float(np.log(trials(type(effect), problem)))
-    return penalty + general_law_penalty() if effect.simplified() is not None else penalty
+    special = effect.simplified()
+    while special is not None:
+        penalty += general_law_penalty()
+        special = special.simplified()
+    return penalty
 
 
 def general_law_penalty() -> float:
@@ -116,6 +121,12 @@ def _is_constant(*names: str) -> bool:
 
 def _special_case(hypothesis: Hypothesis) -> str | None:
     """Name of the special case of a hypothesis's effect."""
-    effect = next((e for e in hypothesis.fitted.model.effects if e.identifier == hypothesis.identifier), None)
+    effect = _effect(hypothesis)
     special = None if effect is None else effect.simplified()
-    return None if special is None else special.identifier
+    # A finer law of the same name is no other name.
+    return None if special is None or special.identifier == hypothesis.identifier else special.identifier
+
+
+def _effect(hypothesis: Hypothesis) -> Effect | None:
+    """The effect of a hypothesis."""
+    return next((e for e in hypothesis.fitted.model.effects if e.identifier == hypothesis.identifier), None)

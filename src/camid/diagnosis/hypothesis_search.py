@@ -148,7 +148,10 @@ def hypotheses(
         thorough = [
             new if new is not None and new.beyond(old) < 0.0 else old for old, new in zip(near, again, strict=True)
         ]
-    return in_order([*thorough, *ranked[len(near) :]])
+    found = in_order([*thorough, *ranked[len(near) :]])
+    if watch.no_time_for("finer laws"):
+        return found
+    return best_of_each([*found, *finer_laws(problem, found[: len(near)])])
 
 
 def is_far_off(problem: Problem, fitted: Fitted) -> bool:
@@ -280,6 +283,45 @@ def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hyp
         if relative.identifier not in {e.identifier for e in others}
     ]
     return [h for h in found if h is not None]
+
+
+def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Laws with more detail of the likeliest effect that has such, fitted, each from the one before it.
+
+    They are called for where the likeliest of all leaves structure, or may be a finer law of another name.
+    """
+    found: list[Hypothesis] = []
+    for hypothesis in ranked:
+        structured = len(ranked[0].fitted.noise.whitening) > 1
+        starts = _finer_starts(problem, hypothesis)
+        if not starts or not (structured or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
+            continue
+        while starts:
+            fitted = _until_white(problem, starts)
+            found += fitted
+            starts = _finer_starts(problem, fitted[0]) if fitted else []
+        break
+    return found
+
+
+def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
+    """Fits of the effect that models hold last, up to the first that leaves white noise, the best first."""
+    found: list[Hypothesis] = []
+    for model in starts:
+        fitted = _fitted(problem, model.effects[-1].identifier, model, ALL_STEPS)
+        found += [] if fitted is None else [fitted]
+        if fitted is not None and len(fitted.fitted.noise.whitening) == 1:
+            break
+    return in_order(found)
+
+
+def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
+    """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last."""
+    model = hypothesis.fitted.model
+    effect, others = model.effects[-1], model.effects[:-1]
+    laws = effect.finer(problem.situations(model).of(type(effect)))
+    present = {e.identifier for e in others}
+    return [replace(model, effects=(*others, law)) for law in laws if law.identifier not in present]
 
 
 def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:

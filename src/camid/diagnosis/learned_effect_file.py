@@ -181,7 +181,8 @@ def _with_what_resembles_it(part: LearnedPart, diagnosis: Diagnosis) -> LearnedP
     for declared in diagnosis.improved.effects:
         kind = known_effects().get(declared.identifier)
         if kind is not None and declared.identifier in doubtful:
-            total += static_force(kind(**declared.parameters), form.over, knots, plant)
+            law = kind.with_keys(declared.parameters)(**declared.parameters)
+            total += static_force(law, form.over, knots, plant)
     return replace(part, values=(np.array(part.values) + motion_sign(plant) * total).tolist())
 
 

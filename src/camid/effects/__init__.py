@@ -2,6 +2,7 @@
 
 from camid.effects import (
     actuator,
+    bristle_friction,
     damping,
     disturbance,
     drift,
@@ -31,6 +32,7 @@ __all__ = [
     "Parameter",
     "Situation",
     "actuator",
+    "bristle_friction",
     "compiled",
     "damping",
     "disturbance",

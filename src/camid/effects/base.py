@@ -7,7 +7,7 @@ docs/adding_an_effect.md shows how one is added.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -116,6 +116,8 @@ class Effect:
         Whether it depends on the time, so that another recording of the same rig says nothing of it.
     bends_coefficients : bool
         Of an effect without parameters, whether coefficients that are re-estimated without it mean nothing.
+    finer_laws : tuple of type of Effect
+        Laws of the same name with more parameters: subclasses without an identifier of their own.
 
     Raises
     ------
@@ -151,6 +153,7 @@ class Effect:
     colours_noise: ClassVar[bool] = False
     of_one_recording: ClassVar[bool] = False
     bends_coefficients: ClassVar[bool] = False
+    finer_laws: ClassVar[tuple[type[Effect], ...]] = ()
     # Compiled parts; see :class:`Compiled` for their arguments.
     force: ClassVar[Compiled | None] = None
     """Force against the motion, in units of u."""
@@ -158,7 +161,7 @@ class Effect:
     """Dry friction at a speed ≥ 0, in units of u; at speed zero what holds a body that sticks."""
     memory_after: ClassVar[Compiled | None] = None
     """Inner state, zero at first, that the force depends on: what becomes of ``memory`` over a displacement, which
-    replaces ``position``."""
+    replaces ``position``, at a mean velocity."""
     switch: ClassVar[Compiled | None] = None
     """Function whose change of sign marks a kink of the force."""
     actuated: ClassVar[Compiled | None] = None
@@ -176,6 +179,9 @@ class Effect:
             # A user's own are known where they are asked for alone: camid.effects.own_effects.
             if is_of_the_package(cls):
                 make_known(cls)
+        elif "parameters" in vars(cls) and hasattr(cls, "identifier"):
+            known = next(base for base in cls.__mro__[1:] if "identifier" in vars(base))
+            known.finer_laws = (*known.finer_laws, cls)
 
     def __init__(self, **values: Any) -> None:
         known = [p.name for p in self.parameters]
@@ -192,6 +198,12 @@ class Effect:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
+
+    @classmethod
+    def with_keys(cls, keys: Iterable[str]) -> type[Effect]:
+        """The law of this name that has such parameters: this one, or one of :attr:`finer_laws`."""
+        wanted = set(keys)
+        return next((law for law in (cls, *cls.finer_laws) if wanted <= {p.name for p in law.parameters}), cls)
 
     # -- parameters ------------------------------------------------------------------------------------------------
 
@@ -260,6 +272,18 @@ class Effect:
         """Other effects that do nearly the same, in the shape in which they do.
 
         A search that has fitted this one starts them from there, too: their own first guesses may lead elsewhere.
+        """
+        return ()
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """First guesses of a finer law beside values that are known of it."""
+        yield cls(**values)
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """Laws with more detail, started from this one, that a search tries where this one leaves structure.
+
+        ``situation`` is that of the fitted model which holds this one.
         """
         return ()
 

@@ -28,17 +28,19 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
                 where=declared.where,
                 hint=_where_to_find_it(declared.identifier),
             )
-        if kind.listed and any(type(e) is kind for e in found):
+        if kind.listed and any(e.identifier == kind.identifier for e in found):
             raise InputError(
                 f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one"
             )
+        kind = kind.with_keys(declared.parameters)
         names = [p.name for p in kind.parameters]
+        keys = list(dict.fromkeys([*names, *(p.name for law in kind.finer_laws for p in law.parameters)]))
         for name in declared.parameters:
             if name not in names:
                 raise InputError(
                     f"{declared.identifier} has no parameter '{name}'",
                     where=declared.where,
-                    hint=nearest_match(name, names) if names else "it has none",
+                    hint=nearest_match(name, keys) if names else "it has none",
                 )
         for parameter in kind.parameters:
             _refuse_value(declared, parameter)

@@ -22,7 +22,6 @@ from camid.effects.situation import Situation
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
 
-
 class CoulombFriction(Effect):
     """Dry friction of constant size, which also holds the body at rest."""
 
@@ -45,6 +44,10 @@ class CoulombFriction(Effect):
         """Small, and large enough that the body sticks at times."""
         for share in (GUESS, 0.1, 0.3):
             yield cls(force=share * situation.largest("signal"))
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """With pre-sliding displacement (camid.effects.bristle_friction)."""
+        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
 
 class StribeckFriction(Effect):
@@ -76,6 +79,10 @@ class StribeckFriction(Effect):
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
         return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """With pre-sliding displacement (camid.effects.bristle_friction)."""
+        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the fall of friction with speed, which pushes the body."""

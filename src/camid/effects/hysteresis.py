@@ -58,6 +58,11 @@ class Hysteresis(AgainstMotion):
         """Coulomb friction of the saturated force."""
         return CoulombFriction(force=self.values["strength"])
 
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """Coulomb friction with pre-sliding displacement, whose loop is nearly the same."""
+        values = {"force": self.values["strength"], "presliding": 1.0 / self.values["shape"]}
+        return tuple(start for law in CoulombFriction.finer_laws for start in law.starts(situation, **values))
+
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the unsaturated hysteretic spring."""
         return sqrt(mobility(plant) * self.values["strength"] * self.values["shape"])

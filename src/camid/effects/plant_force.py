@@ -84,8 +84,10 @@ def force_along(effect: Effect, plant: TransferFunction, motion: Sequence[Array]
         memory = [0.0] * len(time)
         if effect.memory_after is not None:
             held = 0.0
-            for k, way in enumerate(np.diff(motion[1], prepend=motion[1][0]).tolist()):
-                held = effect.memory_after.at(time[k], way, way, 0.0, held, values=values)
+            ways, elapsed = np.diff(motion[1], prepend=motion[1][0]), np.diff(motion[0], prepend=motion[0][0])
+            speeds = np.divide(ways, elapsed, out=np.zeros(len(ways)), where=elapsed > 0.0).tolist()
+            for k, way in enumerate(ways.tolist()):
+                held = effect.memory_after.at(time[k], way, speeds[k], 0.0, held, values=values)
                 memory[k] = held
         force -= effect.force.along(time, position, velocity, signal, memory, values=values)
     if effect.friction_level is not None:

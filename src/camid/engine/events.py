@@ -97,17 +97,19 @@ def runge_kutta(
         share = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         for i in range(size):
             work[4, i] = state[i] + (share * step * work[stage - 1, i] if stage > 0 else 0.0)
-        now = time + share * step * m.time_unit
+        elapsed = share * step * m.time_unit
+        now = time + elapsed
         if m.equations.forced:
             project(m.equations, work[4, :size])
-        remember(m.forces, now, dot(m.position, work[4, :size]) - origin, memory, remembered)
+        remember(m.forces, now, elapsed, dot(m.position, work[4, :size]) - origin, memory, remembered)
         signal = first + share * (last - first)
         _slope(m, now, work[4, :size], signal, remembered, direction, stuck, work[stage, :size])
     for i in range(size):
         result[i] = state[i] + step / 6.0 * (work[0, i] + 2.0 * work[1, i] + 2.0 * work[2, i] + work[3, i])
     if m.equations.function != 0:
         project(m.equations, result)
-    remember(m.forces, time + step * m.time_unit, dot(m.position, result) - origin, memory, remembered)
+    elapsed = step * m.time_unit
+    remember(m.forces, time + elapsed, elapsed, dot(m.position, result) - origin, memory, remembered)
 
 
 @kernel

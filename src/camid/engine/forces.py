@@ -224,14 +224,15 @@ def force_in(m: Mechanics, time: float, state: Array, signal: float, memory: Arr
 
 
 @kernel(forceinline=True)
-def remember(f: Forces, time: float, displacement: float, memory: Array, result: Array) -> None:
-    """Inner states after a displacement of the body."""
+def remember(f: Forces, time: float, elapsed: float, displacement: float, memory: Array, result: Array) -> None:
+    """Inner states after a displacement of the body that took ``elapsed`` seconds."""
     data = f.data
     stride = f.stride
+    speed = displacement / elapsed if elapsed > 0.0 else 0.0
     for i in range(f.functions.shape[1]):
         result[i] = memory[i]
         if f.functions[2, i] != 0:
-            result[i] = call(f.functions[2, i], time, displacement, displacement, 0.0, memory[i], data + i * stride)
+            result[i] = call(f.functions[2, i], time, displacement, speed, 0.0, memory[i], data + i * stride)
 
 
 @kernel(forceinline=True)

@@ -162,19 +162,19 @@ def smooth_step(
     position = half_position + force_half[0] * force_1
     halfway = half_velocity + force_half[1] * force_1
     if remembers:
-        remember(forces, at_half, position - origin, memory, remembered)
+        remember(forces, at_half, 0.5 * step, position - origin, memory, remembered)
     force_2 = force_at(forces, at_half, position, halfway, middle, remembered, direction)
     position = half_position + force_half[0] * force_2
     halfway = half_velocity + force_half[1] * force_2
     if remembers:
-        remember(forces, at_half, position - origin, memory, remembered)
+        remember(forces, at_half, 0.5 * step, position - origin, memory, remembered)
     force_3 = force_at(forces, at_half, position, halfway, middle, remembered, direction)
     middle_position = position
     change = 2.0 * force_3 - force_1
     position = whole_position + force_carried[0] * force_1 + force_half[0] * change
     velocity = whole_velocity + force_carried[1] * force_1 + force_half[1] * change
     if remembers:
-        remember(forces, finish, position - origin, memory, remembered)
+        remember(forces, finish, step, position - origin, memory, remembered)
     force_4 = force_at(forces, finish, position, velocity, last, remembered, direction)
     both = force_2 + force_3
     ending = 0.0
@@ -188,5 +188,5 @@ def smooth_step(
         following[i] = total
         ending += position_row[i] * total
     if remembers:
-        remember(forces, finish, ending - origin, memory, remembered)
+        remember(forces, finish, step, ending - origin, memory, remembered)
     return middle_position, halfway, max(abs(force_1), abs(force_3)), abs(force_3 - force_2)
