@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from camid.diagnosis.hypothesis import Hypothesis, general_law_penalty, members_of
-from camid.effects import known_effects
+from camid.diagnosis.hypothesis import Hypothesis, general_law_penalty, members_of, prior_penalty
+from camid.effects import bristle_friction, known_effects
 
 
 def hypothesis(effect, cost):
@@ -20,6 +20,8 @@ STRIBECK = known_effects()["stribeck-friction"](coulomb=1.0, breakaway=2.0, velo
 HYSTERESIS = known_effects()["hysteresis"](strength=1.0, shape=2.0)
 LOAD = known_effects()["load-dependent-friction"](force=1.0, coefficient=0.1)
 DRAG = known_effects()["quadratic-drag"](coefficient=1.0)
+DAHL = bristle_friction.CoulombBristleFriction(force=1.0, presliding=0.5)
+LUGRE = bristle_friction.StribeckBristleFriction(coulomb=1.0, breakaway=2.0, velocity=3.0, presliding=0.5)
 WITHOUT = SimpleNamespace(cost=110.0)
 
 
@@ -54,3 +56,21 @@ def test_a_constant_that_is_estimated_stands_for_a_bias():
         found = [m.identifier for m in members_of(ranked, WITHOUT, named, constant=constant)]
         assert found == ["coulomb-friction", "asymmetric-friction"]
     assert len(members_of([hypothesis(DRAG, 10.0)], WITHOUT, {"quadratic-drag"}, constant=True)) == 1
+
+
+def test_bristles_are_no_other_name():
+    """Friction with bristles is friction: what has that for its special case is more general than it."""
+    lead, hysteresis = members_of([hypothesis(DAHL, 10.0), hypothesis(HYSTERESIS, 12.0)], WITHOUT)
+    assert (lead.identifier, lead.special, lead.general, lead.sibling) == ("coulomb-friction", False, False, False)
+    assert (hysteresis.general, hysteresis.sibling) == (True, False)
+    lead, dahl = members_of([hypothesis(LUGRE, 10.0), hypothesis(DAHL, 12.0)], WITHOUT)
+    assert lead.identifier == "stribeck-friction"
+    assert dahl.special
+
+
+@pytest.mark.parametrize(
+    ("effect", "depth"), [(COULOMB, 0), (STRIBECK, 1), (HYSTERESIS, 1), (DAHL, 1), (LUGRE, 2)], ids=str
+)
+def test_each_step_to_a_more_general_law_has_the_same_prior_odds(effect, depth):
+    problem = SimpleNamespace(output=[0.0])
+    assert prior_penalty(problem, effect) == pytest.approx(depth * general_law_penalty())

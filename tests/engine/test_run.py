@@ -13,6 +13,7 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
 from camid.effects import (
     actuator,
+    bristle_friction,
     damping,
     disturbance,
     drift,
@@ -45,6 +46,19 @@ def bouc_wen(h, k):
         "memory": lambda v, m: k * (v - 0.5 * abs(v) * m - 0.5 * v * abs(m)),
         "kinks": (lambda t, y, v: v,),
     }
+
+
+def bristles(level, rest, displacement):
+    """Friction whose level depends on the speed, with pre-sliding displacement."""
+    return {
+        "force": lambda t, y, v, u, m: rest * m,
+        "memory": lambda v, m: (v - rest / level(abs(v)) * abs(v) * m) / displacement,
+        "kinks": (lambda t, y, v: v,),
+    }
+
+
+def lugre(coulomb, breakaway, velocity, displacement):
+    return bristles(lambda v: coulomb + (breakaway - coulomb) * exp(-((v / velocity) ** 2)), breakaway, displacement)
 
 
 def stop(p, k):
@@ -98,7 +112,17 @@ EVENTS = [
     *((stiffness.EndStop(position=p, stiffness=k), stop(p, k)) for p, k in ((0.6, 1.0), (0.6, 100.0), (-0.5, 10.0))),
     *((hysteresis.Hysteresis(strength=h, shape=k), bouc_wen(h, k)) for h, k in ((0.1, 1.0), (0.3, 20.0), (0.2, 200.0))),
 ]
-FORCES = [*FRICTION, *SMOOTH, *VELOCITY, *EVENTS]
+BRISTLES = [
+    *(
+        (bristle_friction.CoulombBristleFriction(force=f, presliding=d), bristles(lambda v, f=f: f, f, d))
+        for f, d in ((0.1, 0.2), (0.4, 0.05), (0.3, 0.005))
+    ),
+    *(
+        (bristle_friction.StribeckBristleFriction(coulomb=c, breakaway=b, velocity=v, presliding=d), lugre(c, b, v, d))
+        for c, b, v, d in ((0.1, 0.3, 2.0, 0.1), (0.2, 0.35, 0.5, 0.02))
+    ),
+]
+FORCES = [*FRICTION, *SMOOTH, *VELOCITY, *EVENTS, *BRISTLES]
 
 
 def name(case):

@@ -40,6 +40,9 @@ VELOCITIES = (1.0, 0.3)
 # First guesses of a pre-sliding displacement, in standard deviations of the position.
 BENDS = (0.05, 0.25)
 
+# How much finer the integrator's steps are where the level changes with the speed: over a step it is that of the mean.
+FINER = 1.4
+
 PRESLIDING = Parameter("presliding", "y", "pre-sliding displacement δ: the bristles' bend at break-away", 1e-300)
 
 
@@ -168,7 +171,7 @@ class StribeckBristleFriction(_Bristles, StribeckFriction):
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the bristles, and of the fall of friction with speed."""
         bristles = sqrt(mobility(plant) * self.values["breakaway"] / self.values["presliding"])
-        return bristles + super().frequency(plant)
+        return FINER * (bristles + super().frequency(plant))
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """None."""
