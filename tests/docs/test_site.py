@@ -27,6 +27,7 @@ def test_the_catalogue_has_every_effect(generator):
         if kind.__module__.startswith("camid."):
             assert f"{{#{identifier}}}" in text
             assert all(f"| `{p.name}` |" in text for p in kind.parameters)
+            assert all(law.equation and f"`{law.parameters[-1].name}`" in text for law in kind.finer_laws)
 
 
 def test_claims_and_ablations_are_all_shown(generator):

@@ -123,6 +123,11 @@ def catalogue() -> str:
                     unit = " or ".join(p.choices) if p.choices else p.unit or "–"
                     lines.append(f"| `{p.name}` | {unit} | {p.meaning} |")
                 parts.append("\n".join(lines))
+            for law in kind.finer_laws:
+                more = [p for p in law.parameters if p not in kind.parameters]
+                keys = " and ".join(f"`{p.name}` ({p.unit}), {p.meaning}" for p in more)
+                parts.append(f"With {keys}: {law.title[0].lower()}{law.title[1:]} ({law.reference}).")
+                parts.append(f'<div class="equation">{equation(law.equation.replace(chr(10), " "))}</div>')
             if kind.identifier in drawn:
                 parts.append(f"![{kind.title}: output with and without it](effects/{kind.identifier}.png)")
             parts.append(f"Source: {kind.reference}")

@@ -180,7 +180,7 @@ class Effect:
             if is_of_the_package(cls):
                 make_known(cls)
         elif "parameters" in vars(cls) and hasattr(cls, "identifier"):
-            known = next(base for base in cls.__mro__[1:] if "identifier" in vars(base))
+            known = next(base for base in cls.__mro__[1:] if issubclass(base, Effect) and "identifier" in vars(base))
             known.finer_laws = (*known.finer_laws, cls)
 
     def __init__(self, **values: Any) -> None:

@@ -51,15 +51,15 @@ class _Bristles(Effect):
 
     uses_velocity = False
     friction_level = None
-    _least = PRESLIDING.lower
+    _least: float = PRESLIDING.lower
 
     @compiled
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return velocity
 
     def along(self, situation: Situation) -> Self:
-        """The same law, to be fitted to a motion: what bends less than its smallest part is friction without bristles."""
-        self._least = LEAST_SHARE * float(np.std(situation.position)) or PRESLIDING.lower
+        """The same law, to be fitted to a motion: a bend of less than a small part of that is none."""
+        self._least = max(LEAST_SHARE * float(np.std(situation.position)), PRESLIDING.lower)
         return self
 
     @classmethod
@@ -77,20 +77,19 @@ class _Bristles(Effect):
 
     def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
         """Those of the parameters, and the least displacement that the motion can show."""
-        least = {"presliding": self._least}
-        return [(least.get(p.name, p.lower), p.upper) for p in self.numeric()]
+        return [(self._least if p == PRESLIDING else p.lower, p.upper) for p in self.numeric()]
 
     def is_plausible(self, span: float) -> bool:
         """Whether the body slides on a way of such a length."""
         return bool(self.values["presliding"] <= LARGEST_SHARE * span)
 
 
-class CoulombBristleFriction(_Bristles, CoulombFriction):
+class CoulombBristleFriction(_Bristles, CoulombFriction):  # type: ignore[misc] # no level holds the body
     """Coulomb friction with pre-sliding displacement (Dahl's law)."""
 
     title = "Coulomb friction with pre-sliding displacement"
     equation = r"f = f_c\,\zeta,\quad \delta\,\dot \zeta = \dot y - |\dot y|\,\zeta"
-    reference = "Dahl (1976), AIAA J. 14, 1675-1682; Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419-425"
+    reference = "Dahl (1976), Solid friction damping of mechanical vibrations, AIAA J. 14, 1675-1682"
     parameters = (*CoulombFriction.parameters, PRESLIDING)
 
     @compiled
@@ -128,7 +127,7 @@ class CoulombBristleFriction(_Bristles, CoulombFriction):
         return tuple(start for values in guesses for start in StribeckBristleFriction.starts(situation, **values))
 
 
-class StribeckBristleFriction(_Bristles, StribeckFriction):
+class StribeckBristleFriction(_Bristles, StribeckFriction):  # type: ignore[misc] # no level holds the body
     """Stribeck friction with pre-sliding displacement (the LuGre law)."""
 
     title = "Stribeck friction with pre-sliding displacement"

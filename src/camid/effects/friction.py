@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import exp
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from camid.effects.situation import Situation
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
 
+
 class CoulombFriction(Effect):
     """Dry friction of constant size, which also holds the body at rest."""
 
@@ -30,7 +31,7 @@ class CoulombFriction(Effect):
     title = "Coulomb friction"
     equation = r"f = f_c\,\mathrm{sgn}(\dot y),\quad |f| \leq f_c\ \mathrm{at\ rest}"
     reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
-    parameters = (Parameter("force", "u", "friction f_c", 0.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("force", "u", "friction f_c", 0.0),)
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "force"
     uses_velocity = True
@@ -58,7 +59,7 @@ class StribeckFriction(Effect):
     title = "Stribeck friction"
     equation = r"f = \left(f_c + (f_s - f_c)\,e^{-(\dot y/v_s)^2}\right)\mathrm{sgn}(\dot y)"
     reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("coulomb", "u", "friction f_c at high speed", 0.0),
         Parameter("breakaway", "u", "friction f_s at rest", 0.0),
         Parameter("velocity", "y/s", "Stribeck velocity v_s", 1e-300),
