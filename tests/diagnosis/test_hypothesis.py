@@ -66,6 +66,8 @@ def test_bristles_are_no_other_name():
     lead, dahl = members_of([hypothesis(LUGRE, 10.0), hypothesis(DAHL, 12.0)], WITHOUT)
     assert lead.identifier == "stribeck-friction"
     assert dahl.special
+    lead, dahl = members_of([hypothesis(HYSTERESIS, 10.0), hypothesis(DAHL, 12.0)], WITHOUT)
+    assert (dahl.special, dahl.left) == (False, pytest.approx(0.02))  # what it leaves is not for want of bristles
 
 
 @pytest.mark.parametrize(

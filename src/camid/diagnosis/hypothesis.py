@@ -95,7 +95,7 @@ def members_of(
             hypothesis.identifier,
             float(hypothesis.beyond(lead)),
             (hypothesis.fitted.cost - (least if sibling and least is not None else lead.fitted.cost)) / mismatch,
-            hypothesis.identifier == special,
+            hypothesis.identifier == special and not _is_finer(hypothesis, lead),
             of == lead.identifier,
             sibling,
         )
@@ -125,6 +125,13 @@ def _special_case(hypothesis: Hypothesis) -> str | None:
     special = None if effect is None else effect.simplified()
     # A finer law of the same name is no other name.
     return None if special is None or special.identifier == hypothesis.identifier else special.identifier
+
+
+def _is_finer(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
+    """Whether a hypothesis is a finer law than the special case of the likeliest, and no special case itself."""
+    effect, general = _effect(hypothesis), _effect(lead)
+    special = None if general is None else general.simplified()
+    return special is not None and type(effect) in type(special).finer_laws
 
 
 def _effect(hypothesis: Hypothesis) -> Effect | None:

@@ -170,6 +170,7 @@ class Effect:
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
+        cls.finer_laws = ()
         if "identifier" in vars(cls):
             place = getattr(cls, "place", None)
             if place not in PLACES:
