@@ -108,16 +108,7 @@ def hypotheses(
     def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
         if watch.no_time_for(candidate.effect.identifier):
             return None
-        effect = _start_of(candidate)
-        found = _fitted(problem, effect.identifier, base.model.plus(effect), effort.steps, base)
-        if found is not None and found.fitted.cost < base.cost:
-            return found
-        # Worse than without it: the size that the screening suggests lies beyond where it says something.
-        small = _smaller(effect)
-        again = (
-            None if small is None else _fitted(problem, effect.identifier, base.model.plus(small), effort.steps, base)
-        )
-        return again if found is None or (again is not None and again.beyond(found) < 0.0) else found
+        return _fitted_first(problem, base, _start_of(candidate), effort.steps)
 
     def fitted_from(model: Model) -> Hypothesis | None:
         identifier = model.effects[-1].identifier
@@ -152,6 +143,17 @@ def hypotheses(
     if watch.no_time_for("finer laws"):
         return found
     return best_of_each([*found, *finer_laws(problem, found[: len(near)])])
+
+
+def _fitted_first(problem: Problem, base: Fitted, effect: Effect, steps: int) -> Hypothesis | None:
+    """A few steps of a fit from an effect beside a base."""
+    found = _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
+    if found is not None and found.fitted.cost < base.cost:
+        return found
+    # Worse than without it: the size that the screening suggests lies beyond where it says something.
+    small = _smaller(effect)
+    again = None if small is None else _fitted(problem, effect.identifier, base.model.plus(small), steps, base)
+    return again if found is None or (again is not None and again.beyond(found) < 0.0) else found
 
 
 def is_far_off(problem: Problem, fitted: Fitted) -> bool:
