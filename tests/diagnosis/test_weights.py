@@ -43,6 +43,11 @@ def test_a_general_law_that_says_no_more_has_a_smaller_prior():
     assert found["hysteresis"] == pytest.approx(3.0 / 7.0 * found["coulomb-friction"])
 
 
+def test_a_general_law_that_is_not_exact_has_its_prior_too():
+    found = of(Member("stribeck-friction", 100.0, -0.001, general=True))
+    assert found["stribeck-friction"] == pytest.approx(0.3 * 3.0 / 7.0 * found["coulomb-friction"])
+
+
 def test_a_class_is_small_and_without_remote_names():
     found = of(*(Member(f"name-{i}", 2.0 * i, 1.0) for i in range(12)))
     assert len(found) == LARGEST_CLASS

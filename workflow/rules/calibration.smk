@@ -6,30 +6,37 @@ CALIBRATION = config["concealed"]["calibration"]
 
 rule calibration_comparisons:
     output:
-        f"results/calibration/{CALIBRATION['seed']}/{CONCEALED_SHARD}.json",
+        f"results/calibration/{CALIBRATION['seed']}/{{recordings}}/{CONCEALED_SHARD}.json",
     log:
-        "results/logs/calibration_comparisons_{shard}_of_{shards}.log",
+        "results/logs/calibration_comparisons_{recordings}_{shard}_of_{shards}.log",
+    wildcard_constraints:
+        recordings="one|two",
     params:
         code=script_code("calibration_comparisons.py", "camid.commands.diagnose"),
         seed=CALIBRATION["seed"],
         number=CALIBRATION["recordings"],
-        shards=CALIBRATION["shards"],
+        second=CALIBRATION["second_recordings"],
     message:
-        "Diagnosing what calibrates the weights, shard {wildcards.shard} of {wildcards.shards}."
+        "Diagnosing {wildcards.recordings} recordings of rigs to calibrate weights, {wildcards.shard} of {wildcards.shards}."
     script:
         "../scripts/calibration_comparisons.py"
 
 
 rule calibration:
     input:
-        expand(
-            rules.calibration_comparisons.output,
-            shard=range(CALIBRATION["shards"]),
-            shards=CALIBRATION["shards"],
-        ),
+        **{
+            recordings: expand(
+                rules.calibration_comparisons.output,
+                recordings=recordings,
+                shard=range(CALIBRATION["shards"]),
+                shards=CALIBRATION["shards"],
+            )
+            for recordings in ["one", "two"]
+        },
     output:
         constants="results/calibration/weights.json",
         reliability="results/calibration/reliability.csv",
+        outside="results/calibration/outside.csv",
     log:
         "results/logs/calibration.log",
     params:

@@ -1,11 +1,13 @@
 """Estimate the constants of the weights, and write how reliable they make them."""
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from camid.proof.calibration import calibrate, read_comparisons, stated_and_true
+from camid.diagnosis.weights import Comparison
+from camid.proof.calibration import calibrate, outside_stated_and_true, read_comparisons, stated_and_true
 from camid.workflow.job import logged
 
 if TYPE_CHECKING:
@@ -14,8 +16,7 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Estimate the constants of the weights, and write how reliable they make them."""
-    rows = [row for file in snakemake.input for row in json.loads(Path(file).read_text(encoding="utf-8"))]
-    comparisons = read_comparisons(rows)
+    comparisons = _read(snakemake.input.one)
     constants = calibrate(comparisons)
     content = {
         "seed": snakemake.params.seed,
@@ -27,6 +28,15 @@ def main() -> None:
     table = stated_and_true(comparisons, constants)
     table.to_csv(snakemake.output.reliability, index=False, lineterminator="\n", float_format="%.4g")
     print(table.to_string())
+    # What several experiments are worth is derived, and held against rigs of which there are two.
+    table = outside_stated_and_true([*comparisons, *_read(snakemake.input.two)])
+    table.to_csv(snakemake.output.outside, index=False, lineterminator="\n", float_format="%.4g")
+    print(table.to_string())
+
+
+def _read(files: Iterable[str]) -> list[tuple[Comparison, set[str]]]:
+    """The comparisons of some shards."""
+    return read_comparisons(row for file in files for row in json.loads(Path(file).read_text(encoding="utf-8")))
 
 
 if __name__ == "__main__":

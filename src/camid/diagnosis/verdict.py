@@ -72,7 +72,7 @@ def findings(
             beside_laws if effect.identifier in decision.certain else left,
             i == strongest,
             effect.place == effects[strongest].place,
-            experiments=different_inputs(problem),
+            experiments=1 if effect.linear_dynamics else different_inputs(problem),
         )
         names, unlisted = weights(comparison)
         own = next((w for name, w in names if name == effect.identifier), 0.0)

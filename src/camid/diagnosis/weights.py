@@ -105,7 +105,8 @@ class Comparison:
     noise : bool
         Whether it is an effect on the noise.
     experiments : int
-        How many experiments with different inputs are explained.
+        How many experiments with different inputs are explained; of linear dynamics one, since what is linear too and
+        imitates them does so with every input.
     """
 
     members: tuple[Member, ...]
@@ -152,7 +153,7 @@ def relative_weight(member: Member, experiments: int = 1, constants: Constants |
     """Weight of a name relative to the likeliest, whose is one.
 
     That the rig has another law than the catalogue's, which the likeliest happens to imitate, has to happen again in
-    every experiment with another input.
+    every experiment with another input. A name's prior odds hold whether its law is exact or not.
     """
     constants = constants or calibrated()
     other_law = constants.other_law**experiments
@@ -160,10 +161,10 @@ def relative_weight(member: Member, experiments: int = 1, constants: Constants |
     prior = GENERAL_LAW / (1.0 - GENERAL_LAW)
     # What a special case leaves is what makes its general law general.
     other = 1.0 if member.special else exp(-max(member.left, 0.0) / constants.law_error)
-    other *= prior if member.sibling else 1.0
-    value = (1.0 - other_law) * exact + other_law * other
+    other *= prior if member.sibling or member.general else 1.0
     # A general law that fits better than its special case, and says no more, is ranked behind it for its prior.
-    return value * prior if member.general and member.gap < 0.0 else value
+    exact *= prior if member.general and member.gap < 0.0 else 1.0
+    return (1.0 - other_law) * exact + other_law * other
 
 
 def weight_outside(comparison: Comparison, constants: Constants) -> float:

@@ -227,6 +227,7 @@ class ActuatorLag(Effect):
     equation = r"\tau\,\dot u' + u' = u"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.3"
     parameters = (Parameter("time_constant", "s", "time constant τ", 0.0),)
+    linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     strength = "time_constant"
 
@@ -298,6 +299,7 @@ class InputHold(Effect):
     )
     reference = "Laroche & Delavigne, section 3.2; Pintelon & Schoukens (2012), System Identification, section 13.2"
     parameters = (Parameter("hold", "", "intersample behaviour of the input", choices=HOLDS),)
+    linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     corrects_declaration = True
     box = "hold"

@@ -85,6 +85,8 @@ class Effect:
         Of an effect at the sensor, whether it acts on what is read, offset included, and not on the position.
     is_constant : bool
         Whether it adds a constant to a signal: what declares it leaves no such constant to be estimated.
+    linear_dynamics : bool
+        Whether input and output stay linear: other linear dynamics that it imitates, it imitates with every input.
     keeps_hold : bool
         Whether a held input is still held after the effect.
     noise_like : bool
@@ -136,6 +138,7 @@ class Effect:
     trials: ClassVar[str] = "shapes"
     listed: ClassVar[bool] = True
     sum_of: ClassVar[tuple[str, ...]] = ()
+    linear_dynamics: ClassVar[bool] = False
     keeps_hold: ClassVar[bool] = False
     acts_on_reading: ClassVar[bool] = False
     is_constant: ClassVar[bool] = False

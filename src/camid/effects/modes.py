@@ -38,6 +38,7 @@ class ExtraMode(Effect):
         Parameter("natural_frequency", "rad/s", "natural frequency ω₁", 1e-300),
         Parameter("damping", "", "damping ratio ξ₁", 0.0, 5.0),
     )
+    linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
     def after_plant(self) -> TransferFunction | None:
@@ -78,6 +79,7 @@ class ParallelMode(Effect):
         Parameter("natural_frequency", "rad/s", "natural frequency ω₂", 1e-300),
         Parameter("damping", "", "damping ratio ξ₂", 0.0, 5.0),
     )
+    linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     strength = "gain"
 

@@ -33,6 +33,7 @@ class Exposure(Effect):
     equation = r"w_k = \frac{1}{\tau}\int_{t_k-\ell-\tau}^{t_k-\ell} y\,\mathrm{d}t"
     reference = "Laroche & Delavigne, equation (6)"
     parameters = (Parameter("exposure", "s", "exposure τ; 0 for an instant sensor", 0.0),)
+    linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     corrects_declaration = True
 
@@ -68,6 +69,7 @@ class Delay(Effect):
     equation = r"w_k = w(t_k - \theta)"
     reference = "Ljung (1999), System Identification, 2nd ed., section 4.2"
     parameters = (Parameter("delay", "s", "delay θ beyond the declared latency"),)
+    linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
     corrects_declaration = True
     strength = "delay"

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # Rows of the recording that a problem is made with, before it gets those of an experiment.
 TEMPLATE_ROWS = 8
+# The question of simulations that are held against each other.
+GIVEN = "given"
 
 
 @dataclass(frozen=True)

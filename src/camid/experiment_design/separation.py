@@ -9,8 +9,8 @@ from math import exp, log
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Member, relative_weight
-from camid.experiment_design.hypothesis import Hypothesis
+from camid.diagnosis.weights import Comparison, Member, calibrated, relative_weight, weight_outside
+from camid.experiment_design.hypothesis import GIVEN, Hypothesis
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
 
 Array = NDArray[np.float64]
@@ -120,12 +120,23 @@ class Judge:
         member = self._member(pair, rows)
         if member.special or member.general:
             return min(0.5 * member.gap, ENOUGH)
-        return min(-log(max(relative_weight(member, self.experiments), exp(-ENOUGH))), ENOUGH)
+        weight = relative_weight(member, self._experiments(pair.true))
+        return min(-log(max(weight, exp(-ENOUGH))), ENOUGH)
+
+    def _experiments(self, true: int) -> int:
+        """How many experiments count of a name; see :class:`camid.diagnosis.weights.Comparison`."""
+        effect = self.hypotheses[true].effect
+        return 1 if effect is not None and effect.linear_dynamics else self.experiments
 
     def weight(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
-        """Weight that the diagnosis would state for a name among all names, if it is right."""
+        """Weight that the diagnosis would state for a name, if it is right and leaves nothing."""
+        experiments = self._experiments(true)
         rivals = [self._member(p, rows) for p in pairs if p.true == true]
-        return 1.0 / (1.0 + sum(relative_weight(m, self.experiments) for m in rivals))
+        among = 1.0 / (1.0 + sum(relative_weight(m, experiments) for m in rivals))
+        if self.hypotheses[true].question == GIVEN:  # one of them is right
+            return among
+        outside = weight_outside(Comparison((), share=1.0, left=0.0, experiments=experiments), calibrated())
+        return among * (1.0 - outside)
 
     def score(self, pairs: Sequence[Pair], rows: int) -> float:
         """What a search maximises: the mean over the names, by their weights, of the evidence against the nearest."""

@@ -17,7 +17,7 @@ from camid.diagnosis.weights import Member, relative_weight
 from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.experiment_design.columns import Columns
-from camid.experiment_design.hypothesis import Hypothesis, hypothesis_of
+from camid.experiment_design.hypothesis import GIVEN, Hypothesis, hypothesis_of
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.prediction import NoiseModel
 from camid.fitting.fit import Fitted
@@ -33,8 +33,6 @@ DIAGNOSIS = "diagnosis.json"
 SCHEMA = 1
 # Names that weigh less are not designed for.
 LEAST_WEIGHT = 0.02
-# The question of simulations that are held against each other.
-GIVEN = "given"
 # How far the travel may reach beyond that of the recordings where nothing is said, as a share of it.
 BEYOND = 0.1
 

@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Comparison, Constants, Member, log_likelihood, weights
+from camid.diagnosis.weights import NOTHING_LEFT, Comparison, Constants, Member, log_likelihood, weights
 from camid.proof.concealed.generator import Case, make
-from camid.proof.rates import reliability
-from camid.proof.sealed_files import RECORDING, SIMULATION, write_case
+from camid.proof.rates import rate, reliability
+from camid.proof.sealed_files import HELD_OUT, RECORDING, SIMULATION, write_case
 
 Array = NDArray[np.float64]
 
@@ -35,23 +35,31 @@ def comparisons_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
     list of dict
         ``index``, ``truth`` (identifiers) and ``comparison`` (:class:`camid.diagnosis.weights.Comparison` as a dict).
     """
+    return [row for case in cases for row in _rows(case, ())]
+
+
+def comparisons_of_two(cases: Iterable[Case]) -> list[dict[str, Any]]:
+    """The same of each recording and a second one with another input, in turn of the same and of twice the amplitude."""
+    return [row for case in cases for row in _rows(case, (HELD_OUT[case.index % len(HELD_OUT)],))]
+
+
+def _rows(case: Case, further: tuple[str, ...]) -> list[dict[str, Any]]:
+    """What the effects of one diagnosis were compared with; ``further`` are recordings that are held out otherwise."""
     import camid
 
-    rows = []
+    made = make(case)
     with tempfile.TemporaryDirectory() as name:
         folders = [Path(name) / folder for folder in ("recordings", "held_out", "truths")]
-        for case in cases:
-            made = make(case)
-            write_case(case.index, made, *folders)
-            files = [folders[0] / str(case.index) / file for file in (RECORDING, SIMULATION)]
-            diagnosis = camid.diagnose(*files, time_limit=None)
-            truth = [effect["id"] for effect in made.truth["effects"]]
-            rows += [
-                {"index": case.index, "truth": truth, "comparison": asdict(finding.comparison)}
-                for finding in diagnosis.findings
-                if finding.comparison is not None
-            ]
-    return rows
+        write_case(case.index, made, *folders)
+        own = [folder / str(case.index) for folder in folders]
+        recordings = [own[0] / RECORDING, *(own[1] / f"{kind}.csv" for kind in further)]
+        diagnosis = camid.diagnose(recordings, own[0] / SIMULATION, time_limit=None)
+    truth = [effect["id"] for effect in made.truth["effects"]]
+    return [
+        {"index": case.index, "truth": truth, "comparison": asdict(finding.comparison)}
+        for finding in diagnosis.findings
+        if finding.comparison is not None
+    ]
 
 
 def read_comparisons(rows: Iterable[Mapping[str, Any]]) -> list[tuple[Comparison, set[str]]]:
@@ -99,6 +107,48 @@ def stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]], constant
         for name, weight in weights(comparison, constants)[0]
     ]
     return reliability(pd.DataFrame(rows))
+
+
+def outside_stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]]) -> pd.DataFrame:
+    """How often physics outside the catalogue, and not the names, is the truth of effects, beside what is stated.
+
+    Parameters
+    ----------
+    comparisons : sequence of (Comparison, set of str)
+
+    Returns
+    -------
+    DataFrame
+        One row per group: ``left`` (nothing; something: more than noise is left), ``strongest`` (of its recordings),
+        ``experiments``, ``effects``, ``stated`` (mean weight), ``true`` (how many), and their ``share`` with the 95 %
+        interval (Wilson) ``from`` and ``to``.
+    """
+    rows = [
+        {
+            "left": "something" if comparison.left > NOTHING_LEFT * comparison.share else "nothing",
+            "strongest": comparison.strongest,
+            "experiments": comparison.experiments,
+            "stated": weights(comparison)[1],
+            "true": not any(name in truth for name, _ in weights(comparison)[0]),
+        }
+        for comparison, truth in comparisons
+        if not comparison.noise
+    ]
+    groups = []
+    for keys, part in pd.DataFrame(rows).groupby(["left", "strongest", "experiments"]):
+        share, low, high = rate(int(part["true"].sum()), len(part))
+        groups.append(
+            {
+                **dict(zip(("left", "strongest", "experiments"), keys, strict=True)),
+                "effects": len(part),
+                "stated": float(part["stated"].mean()),
+                "true": int(part["true"].sum()),
+                "share": share,
+                "from": low,
+                "to": high,
+            }
+        )
+    return pd.DataFrame(groups)
 
 
 def _free(constants: Constants) -> Array:
