@@ -8,6 +8,8 @@ import pytest
 
 from camid.diagnosis.verdict import different_inputs
 from camid.diagnosis.weights import LARGEST_CLASS, LEAST_WEIGHT, Comparison, Constants, Member, weight_outside, weights
+from camid.effects import known_effects
+from camid.effects.base import Effect
 
 CONSTANTS = Constants(0.3, 0.05, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
 LEAD = Member("coulomb-friction", 0.0, 0.0)
@@ -96,6 +98,14 @@ def test_another_experiment_that_leaves_nothing_speaks_against_physics_outside_t
     structured = Constants(**{**vars(CONSTANTS), "outside": 1.0})
     once, twice = (weight_outside(replace(left, experiments=count), structured) for count in (1, 2))
     assert twice > once > 0.5
+
+
+def test_an_effect_with_a_transfer_function_is_linear_dynamics():
+    hooks = ("before_plant", "beside_plant", "after_plant")
+    own = {n for n, e in known_effects().items() if any(getattr(e, h) is not getattr(Effect, h) for h in hooks)}
+    linear = {n for n, e in known_effects().items() if e.linear_dynamics}
+    assert len(own) == 3
+    assert own < linear
 
 
 def test_a_repetition_is_no_other_experiment():

@@ -8,7 +8,7 @@ import pytest
 
 from camid.diagnosis.weights import Comparison, Constants, Member, log_likelihood, weights
 from camid.proof import calibration
-from camid.proof.calibration import calibrate, read_comparisons, stated_and_true
+from camid.proof.calibration import calibrate, outside_stated_and_true, read_comparisons, stated_and_true
 from camid.proof.concealed.generator import plan
 
 TRUE = Constants(0.4, 0.1, -0.5, 0.3, -0.3, 0.8, -2.0, 1.5)
@@ -67,3 +67,22 @@ def test_a_rig_with_a_strong_effect_is_compared():
     ((comparison, _),) = read_comparisons([row])
     assert comparison.members[0].identifier == "cubic-stiffness"
     assert comparison.strongest
+
+
+@pytest.mark.parametrize(("effect", "number", "experiments"), [("cubic-stiffness", 60, 2), ("actuator-lag", 480, 1)])
+def test_two_recordings_are_two_experiments_of_a_law_and_one_of_linear_dynamics(effect, number, experiments):
+    case = next(c for c in plan(7, number) if c.effects == (effect,))
+    ((comparison, _),) = read_comparisons(calibration.comparisons_of_two([case]))
+    assert (comparison.members[0].identifier, comparison.experiments) == (effect, experiments)
+
+
+def test_what_is_outside_the_catalogue_is_counted_beside_what_is_stated():
+    one = Comparison((Member("a", 0.0, 0.0),), share=0.5, left=0.0)
+    two = Comparison((Member("a", 0.0, 0.0),), share=0.5, left=0.2, experiments=2)
+    noise = Comparison((Member("outliers", 0.0, 0.0),), share=0.0, left=0.0, noise=True)
+    table = outside_stated_and_true([(one, {"a"}), (one, {"b"}), (one, {"a"}), (two, set()), (noise, set())])
+    rows = table.set_index(["left", "experiments"])
+    assert rows.loc[("nothing", 1), ["effects", "true"]].tolist() == [3, 1]
+    assert rows.loc[("something", 2), ["effects", "true"]].tolist() == [1, 1]
+    assert rows.loc[("something", 2), "stated"] > rows.loc[("nothing", 1), "stated"]
+    assert rows.loc[("nothing", 1), "from"] < 1 / 3 < rows.loc[("nothing", 1), "to"]

@@ -39,7 +39,7 @@ def comparisons_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
 
 
 def comparisons_of_two(cases: Iterable[Case]) -> list[dict[str, Any]]:
-    """The same of each recording and a second one with another input, in turn of the same and of twice the amplitude."""
+    """The same of each recording and a second one with another input, of the same or twice the amplitude in turn."""
     return [row for case in cases for row in _rows(case, (HELD_OUT[case.index % len(HELD_OUT)],))]
 
 
