@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from ruamel.yaml import YAML
 
 import camid
 from camid.proof.designed_experiment import rigs
 from camid.proof.designed_experiment.campaign import COLUMNS, IDENTIFIERS, is_open, judged, summary, to_markdown
 from camid.proof.designed_experiment.drawing import draw
+from camid.proof.designed_experiment.quantities import TARGET, quantities
+from tests.support import ROOT
 
 # Parameters of the effects that the generator's laws are.
 PARAMETERS = {
@@ -105,3 +108,25 @@ def test_shares_are_counted():
     assert "made by a test" in text
     _, table = draw(rows())
     assert len(table) == 3
+
+
+def test_quantities_are_of_the_rigs_with_a_law_of_the_catalogue():
+    found = quantities(rows()).set_index("quantity")["value"]
+    assert (found["rigs"], found["wrong"], found["longest_design"]) == (3, 1, 10.0)
+    assert found["decided"] == found["decided_without_dry_friction"] == pytest.approx(100 / 3)
+    assert (found["decided_where_promised"], found["decided_by_repetition"]) == (50.0, 0.0)
+    assert found["right"] == pytest.approx(200 / 3)
+
+
+def test_the_committed_table_meets_what_is_asked():
+    shares = pd.read_csv(ROOT / "paper_figs/designed_experiment_shares.csv").set_index(["law", "experiment"])
+    listed = shares.loc[("listed", "designed")]
+    tolerances = YAML(typ="safe").load(ROOT / "config/tolerances.yaml")
+    asked = {entry["quantity"]: entry for entry in tolerances if entry["target"] == TARGET}
+    assert listed["rigs"] >= asked["rigs"]["at_least"]
+    assert listed["wrong"] <= asked["wrong"]["at_most"]
+    assert 100.0 * listed["right"] / listed["rigs"] >= asked["right"]["at_least"]
+    text = (ROOT / "paper_figs/designed_experiment.md").read_text(encoding="utf-8")
+    longest = re.search(r"(\d+) s at most", text)
+    assert longest is not None
+    assert float(longest[1]) <= asked["longest_design"]["at_most"]

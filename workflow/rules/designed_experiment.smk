@@ -29,6 +29,7 @@ rule designed_experiment:
             shard=range(DESIGNED_EXPERIMENT["shards"]),
             shards=DESIGNED_EXPERIMENT["shards"],
         ),
+        tolerances="config/tolerances.yaml",
         working_copy=BIRTH_MARK,
     output:
         markdown="paper_figs/designed_experiment.md",
