@@ -24,6 +24,8 @@ MOST_FROM_NOMINAL = 7
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
 ALL_STEPS = 30
+# Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
+TOLERANCE = 1e-6
 # Thorough fits one after another from the values of another law, and the fall of the cost, as a share, that ends them.
 MOST_FITS = 4
 SETTLED = 1e-3
@@ -356,7 +358,9 @@ def _fitted(
     problem: Problem, identifier: str, start: Model, steps: int, base: Fitted | None = None
 ) -> Hypothesis | None:
     try:
-        result = fit(problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None)
+        result = fit(
+            problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None, tolerance=TOLERANCE
+        )
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
     if not np.isfinite(result.noise.deviance) or not _is_plausible(problem, result):

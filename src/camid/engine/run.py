@@ -143,29 +143,33 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
     NotApplicable
         If an effect has no meaning with this plant.
     """
-    acquisition = chain.declared() if acquisition is None else acquisition
+    return _moved(chain, signal, time, chain.declared() if acquisition is None else acquisition)[0]
+
+
+def _moved(
+    chain: Chain, signal: Array, time: Array, acquisition: Acquisition, negligible: float = LARGEST_CHANGE
+) -> tuple[Motion, int]:
+    """Motion before the sensor, and steps per period that are enough.
+
+    Where a change of the motion is ``negligible``, as a share of its standard deviation, that would not count as none,
+    they begin with few, and half as many steps as those of the motion are enough where it differs by less from that.
+    """
     mechanics, order = mechanics_of(chain, signal)
     period = acquisition.period
     before = chain.initial_state is not None and chain.state_before_record and chain.loop is None
     delay = acquisition.window()[0] if before else 0
-    initial = np.zeros(len(mechanics.input_vector))
-    state = chain.initial_state
-    if state is None and chain.equations is not None:
-        state = chain.equations.start
-    if state is not None:
-        # The states of the dynamics beside and after the plant follow those of the plant; the last one is the integral.
-        state = state[: len(initial) - 1 - order[0]]
-        initial[order[0] : order[0] + len(state)] = state
+    initial = _initial_state(chain, len(mechanics.input_vector), order[0])
     start_time = float(time[0]) - delay * period
     breaks = np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float)
     impulses = sorted(i for e in chain.effects for i in e.impulses())
     times = np.array([t for t, _ in impulses], dtype=float)
     sizes = np.array([s for _, s in impulses], dtype=float)
     steps = chain.steps or _first_steps(chain, acquisition, mechanics)
-    if chain.steps == ROUGH:
+    fewest = steps
+    if chain.steps == ROUGH or negligible > LARGEST_CHANGE:
         steps = min(steps, max(MOST_ROUGH_STEPS, _stable_steps(chain, acquisition, STEP_STIFF_ROUGH)))
     affordable = max(MOST_NODES // max(len(signal), 1), steps)
-    most_steps = steps if chain.steps is not None else min(MOST_FINER * steps, MOST_STEPS, affordable)
+    most_steps = steps if chain.steps is not None else min(MOST_FINER * fewest, MOST_STEPS, affordable)
     most_doubt = MOST_DOUBT
     if any(e.uses_velocity for e in chain.effects):
         most_doubt = MOST_DOUBT_VELOCITY
@@ -173,6 +177,7 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
         most_doubt = MOST_DOUBT_EVENTS
     log = None if chain.input_log is None else (chain.input_log, start_time)
     coarser: Array | None = None
+    enough = 0
     while True:
         step = period / steps
         start, end = grid_input(chain.effects, signal, acquisition, delay, steps, chain.loop, chain.known_force, log)
@@ -181,15 +186,35 @@ def move(chain: Chain, signal: Array, time: Array, acquisition: Acquisition | No
             mechanics, initial, start, end, start_time, step, breaks, times, sizes, feedback
         )
         # A motion that runs away may do so with any step, so that not much is spent on it.
-        if doubt <= most_doubt or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):
+        trusted = doubt <= most_doubt and (steps >= fewest or chain.steps is not None)
+        if trusted or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):
             break
-        if coarser is not None and np.max(np.abs(position[::2] - coarser)) <= LARGEST_CHANGE * np.std(position):
-            break
+        if coarser is not None:
+            change, spread = np.max(np.abs(position[::2] - coarser)), np.std(position)
+            if change <= LARGEST_CHANGE * spread:
+                break
+            if change <= negligible * spread:
+                enough = steps // 2
+                break
         coarser = position
         steps = 2 * steps
     jumps = np.outer(sizes, jump_of(mechanics)) if impulses else np.zeros((0, 3))
     control = None if chain.loop is None else feedback.control
-    return Motion(start_time, step, position, velocity, integral, velocity_end, times, jumps, control)
+    motion = Motion(start_time, step, position, velocity, integral, velocity_end, times, jumps, control)
+    return motion, enough or steps
+
+
+def _initial_state(chain: Chain, size: int, first: int) -> Array:
+    """State at the start of the grid, shape (size,); that of the plant begins at ``first``."""
+    initial = np.zeros(size)
+    state = chain.initial_state
+    if state is None and chain.equations is not None:
+        state = chain.equations.start
+    if state is not None:
+        # The states of the dynamics beside and after the plant follow those of the plant; the last one is the integral.
+        state = state[: size - 1 - first]
+        initial[first : first + len(state)] = state
+    return initial
 
 
 def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -> int:
@@ -201,7 +226,7 @@ def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -
     return steps
 
 
-def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool) -> int:
+def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool, negligible: float = LARGEST_CHANGE) -> int:
     """Steps per period with which a chain is simulated, for other chains that are to be compared with it.
 
     Parameters
@@ -210,12 +235,14 @@ def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool) -> int:
     signal, time : ndarray, shape (N,)
     finest : bool
         Whether they become finer until the motion no longer changes, at the cost of a simulation or more.
+    negligible : float
+        Change of the motion, as a share of its standard deviation, for which they need not become finer.
     """
     acquisition = chain.declared()
     if _exactly(chain, signal, acquisition) is not None:
         return FEWEST_STEPS
     if finest:
-        return round(acquisition.period / move(chain, signal, time, acquisition).step)
+        return _moved(chain, signal, time, acquisition, negligible)[1]
     return _first_steps(chain, acquisition, mechanics_of(chain, signal)[0])
 
 

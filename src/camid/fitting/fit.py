@@ -14,6 +14,7 @@ from camid.engine.mechanics import NotApplicable
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Noise, Problem
+from camid.fitting.updated_derivative import UpdatedDerivative
 
 Array = NDArray[np.float64]
 
@@ -24,8 +25,10 @@ RUNAWAY_RESIDUAL = 1e3
 TOLERANCE = 1e-7
 # Rows of a simulation that takes longer than handing it to a thread.
 ROWS_WORTH_A_THREAD = 3000
-# A rank-one update that misses this share of the change it should explain is not an update.
-LARGEST_MISSED_SHARE = 0.4
+# A simulation with fine steps that leaves this much more than one with few has shown that few mislead.
+MISLED = 1.1
+# Evaluations with fine steps behind a fit with few ones, as a share of all, and at least.
+FINE_SHARE, FEWEST_FINE = 0.5, 5
 
 
 @dataclass(frozen=True)
@@ -175,41 +178,46 @@ def sensitivities(
     return table
 
 
-class _Derivative:
-    """Sensitivities along a fit: differences where they are needed, Broyden's rank-one updates in between.
+class _OutputError:
+    """Recorded minus simulated output over the packed vector, whitened, and its derivative."""
 
-    A fit costs one simulation per parameter; an update costs none (Broyden 1965, Math. Comp. 19, 577–593).
-    """
+    def __init__(
+        self,
+        problem: Problem,
+        packing: Packing,
+        whitening: Array,
+        base: Fitted | None,
+        refreshes: int,
+        tolerance: float,
+    ) -> None:
+        self.tolerance = tolerance
+        self.problem, self.packing, self.whitening, self.base = problem, packing, whitening, base
+        # Steps of the integrator that are enough for derivatives.
+        self.few = problem
+        self.derivative = UpdatedDerivative(self._differences, refreshes, self._first)
+        # About the middle of what was recorded: an offset may be far larger than the motion.
+        worst = RUNAWAY_RESIDUAL * problem.output_spread
+        self.lowest, self.highest = (float(np.mean(problem.output)) + side * worst for side in (-1.0, 1.0))
+        self.latest: list[tuple[Array, Array]] = []
 
-    def __init__(self, problem: Problem, packing: Packing, base: Fitted | None, refreshes: int) -> None:
-        self.problem, self.packing, self.base, self.refreshes = problem, packing, base, refreshes
-        self.vector: Array | None = None
-        self.simulated: Array
-        self.table: Array
+    def with_steps_of(self, problem: Problem) -> None:
+        """Go on with the integrator's steps of another problem, and with the derivative that is known."""
+        self.problem, self.latest = problem, []
 
-    def at(self, vector: Array, simulated: Array) -> Array:
-        """Sensitivities at a point whose simulated output is known, shape (M, p)."""
-        if self.vector is None:
-            self.table = self._first(vector, simulated)
-        else:
-            step = vector - self.vector
-            length = float(step @ step)
-            if length > 0.0:
-                change = simulated - self.simulated
-                missed = change - self.table @ step
-                wrong = float(np.linalg.norm(missed)) > LARGEST_MISSED_SHARE * float(np.linalg.norm(change))
-                if wrong and self.refreshes > 0:
-                    self.refreshes -= 1
-                    self.table = sensitivities(self.problem, self.packing, vector, simulated)
-                else:
-                    self.table = self.table + np.outer(missed, step / length)
-        self.vector, self.simulated = vector.copy(), simulated
-        return self.table
+    def with_derivative_of_its_own(self) -> None:
+        """Take the derivatives with the same steps, and anew."""
+        self.few = self.problem
+        self.derivative.forget()
+
+    def _differences(self, vector: Array, simulated: Array) -> Array:
+        if self.few is not self.problem:
+            simulated = self.few.simulate_fitted(self.packing.unpack(vector))
+        return sensitivities(self.few, self.packing, vector, simulated)
 
     def _first(self, vector: Array, simulated: Array) -> Array:
         """Columns that a fit without the last effect has already, and differences for the others."""
         if self.base is None:
-            return sensitivities(self.problem, self.packing, vector, simulated)
+            return self._differences(vector, simulated)
         names = self.packing.names
         new = len(self.packing.template.effects) - 1
         fresh = [i for i, name in enumerate(names) if name.startswith(f"{new} ") or name.endswith(f" of {new}")]
@@ -219,17 +227,6 @@ class _Derivative:
         if fresh:
             table[:, fresh] = sensitivities(self.problem, self.packing, vector, simulated, fresh)
         return table
-
-
-class _OutputError:
-    """Recorded minus simulated output over the packed vector, whitened, and its derivative."""
-
-    def __init__(self, problem: Problem, packing: Packing, whitening: Array, derivative: _Derivative) -> None:
-        self.problem, self.packing, self.whitening, self.derivative = problem, packing, whitening, derivative
-        # About the middle of what was recorded: an offset may be far larger than the motion.
-        worst = RUNAWAY_RESIDUAL * problem.output_spread
-        self.lowest, self.highest = (float(np.mean(problem.output)) + side * worst for side in (-1.0, 1.0))
-        self.latest: list[tuple[Array, Array]] = []
 
     def _simulated(self, vector: Array) -> Array:
         problem, low, high = self.problem, self.lowest, self.highest
@@ -241,18 +238,45 @@ class _OutputError:
             return np.full(len(problem.output), high)
         return np.clip(np.nan_to_num(rows, nan=high, posinf=high, neginf=low), low, high)
 
-    def residual(self, vector: Array) -> Array:
-        """Shape (M,)."""
+    def simulated(self, vector: Array) -> Array:
+        """The simulated output, shape (M,), the last two of which are kept."""
+        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
+        for point, rows in reversed(self.latest):
+            if np.array_equal(point, vector):
+                return rows
         rows = self._simulated(vector)
         self.latest = [*self.latest[-1:], (vector.copy(), rows)]
-        return self.problem.whitened(self.problem.output - rows, self.whitening)
+        return rows
+
+    def residual(self, vector: Array) -> Array:
+        """Shape (M,)."""
+        return self.problem.whitened(self.problem.output - self.simulated(vector), self.whitening)
 
     def jacobian(self, vector: Array) -> Array:
         """Shape (M, p)."""
-        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
-        known = next((rows for point, rows in reversed(self.latest) if np.array_equal(point, vector)), None)
-        table = self.derivative.at(vector, self._simulated(vector) if known is None else known)
-        return -self.problem.whitened(table, self.whitening)
+        return -self.problem.whitened(self.derivative.at(vector, self.simulated(vector)), self.whitening)
+
+    def cost(self, vector: Array) -> float:
+        """Sum of squares."""
+        residual = self.residual(vector)
+        return float(residual @ residual)
+
+    def least(self, start: Array, steps: int) -> Array:
+        """The vector of least squares near a start, shape (p,)."""
+        from scipy.optimize import least_squares
+
+        found = least_squares(
+            self.residual,
+            start,
+            jac=self.jacobian,
+            bounds=(self.packing.lower, self.packing.upper),
+            x_scale="jac",
+            ftol=self.tolerance,
+            xtol=1e-9,
+            gtol=None,
+            max_nfev=steps,
+        )
+        return np.asarray(found.x)
 
 
 def fit(
@@ -265,6 +289,7 @@ def fit(
     base: Fitted | None = None,
     refreshes: int = 10,
     finest: bool = True,
+    tolerance: float = TOLERANCE,
 ) -> Fitted:
     """Least squares from one start.
 
@@ -283,31 +308,46 @@ def fit(
     refreshes : int
         How often the sensitivities may be recomputed by differences.
     finest : bool
-        Whether the integrator's steps are as fine as the start needs, or only what its plant suggests.
+        Whether the integrator's steps are as fine as what the model leaves needs, or only what its plant suggests.
+    tolerance : float
+        Fall of the sum of squares in a step, as a share, that ends the fit.
 
     Raises
     ------
     NotApplicable
         If an effect has no meaning with this plant.
     """
-    from scipy.optimize import least_squares
-
-    problem = problem.pinned(start, finest=finest)
-    packing = Packing.of(problem, start, fixed)
+    pinned = problem.pinned(start, finest=False)
+    packing = Packing.of(pinned, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
-    output_error = _OutputError(problem, packing, whitening, _Derivative(problem, packing, base, refreshes))
-    found = least_squares(
-        output_error.residual,
-        np.clip(packing.pack(start), packing.lower, packing.upper),
-        jac=output_error.jacobian,
-        bounds=(packing.lower, packing.upper),
-        x_scale="jac",
-        ftol=TOLERANCE,
-        xtol=1e-9,
-        gtol=None,
-        max_nfev=steps,
-    )
-    return evaluate(problem, packing.unpack(found.x), fixed, weighted=len(whitening) > 1)
+    output_error = _OutputError(pinned, packing, whitening, base, refreshes, tolerance)
+    begin = np.clip(packing.pack(start), packing.lower, packing.upper)
+    vector = output_error.least(begin, steps)
+    if finest:
+        vector = _with_fine_steps(problem, output_error, begin, vector, steps)
+    return evaluate(output_error.problem, packing.unpack(vector), fixed, weighted=len(whitening) > 1)
+
+
+def _with_fine_steps(problem: Problem, output_error: _OutputError, begin: Array, vector: Array, steps: int) -> Array:
+    """The vector of least squares with steps of the integrator that are as fine as it needs, shape (p,).
+
+    Few steps lead near to it at a small part of the cost, and their derivatives hold for fine ones.
+    """
+    few, packing = output_error.problem, output_error.packing
+    before = output_error.cost(vector)
+    negligible = problem.negligible(problem.output - output_error.simulated(vector))
+    fine = problem.pinned(packing.unpack(vector), finest=True, negligible=negligible)
+    if fine.steps == few.steps:
+        return vector
+    output_error.with_steps_of(fine)
+    if output_error.cost(vector) > MISLED * before:
+        at_first = problem.pinned(packing.unpack(begin), finest=True, negligible=negligible)
+        output_error.with_steps_of(at_first)
+        if output_error.cost(begin) < output_error.cost(vector):
+            output_error.with_derivative_of_its_own()
+            return output_error.least(begin, steps)
+        output_error.with_steps_of(fine)
+    return output_error.least(vector, max(int(FINE_SHARE * steps), FEWEST_FINE))
 
 
 def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:

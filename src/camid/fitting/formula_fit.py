@@ -14,6 +14,7 @@ from camid.fitting.linearised_law import Absorbed, on_points
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.fitting.updated_derivative import UpdatedDerivative
 
 Array = NDArray[np.float64]
 
@@ -22,8 +23,10 @@ Array = NDArray[np.float64]
 POINTS = 321
 BEYOND = 0.1
 NEAR_ZERO = np.geomspace(2e-3, 2e-2, 6)
-# Evaluations of a fit, the fall of the sum of squares that ends it, and the step of the differences.
-MOST_STEPS = 20
+# Evaluations of a fit, how often its derivatives are computed by differences, the fall of the sum of squares that ends
+# it, and the step of the differences.
+MOST_STEPS = 30
+REFRESHES = 6
 SETTLED = 1e-6
 DIFFERENCE = 1e-5
 # Residual of a simulation that diverged.
@@ -106,17 +109,22 @@ def fit_formula(
     begin = np.clip(begin, *chain.limits)
     if np.max(np.abs(chain.simulated(begin))) >= RUNAWAY:
         raise ValueError("the simulation diverges with this formula")
+    derivative = UpdatedDerivative(chain.derivatives, REFRESHES)
+
+    def jacobian(at: Array) -> Array:
+        return -derivative.at(at, chain.simulated(at))
+
     found = least_squares(
         chain.residual,
         begin,
-        jac=chain.jacobian,
+        jac=jacobian,
         bounds=chain.limits,
         x_scale="jac",
         ftol=SETTLED,
         max_nfev=MOST_STEPS,
     )
     fitted = evaluate(problem, chain.model(found.x))
-    table = chain.derivatives(found.x)
+    table = chain.derivatives(found.x, chain.simulated(found.x))
     return FormulaFit(fitted, found.x[split:], _covariance(fitted, table)[split:, split:], table[:, split:])
 
 
@@ -179,14 +187,9 @@ class _ChainWithFormula:
         """Recorded minus simulated output, shape (M,)."""
         return np.asarray(self.pinned.output - self.simulated(at))
 
-    def jacobian(self, at: Array) -> Array:
-        """Derivatives of the residual, shape (M, p + q)."""
-        return -self.derivatives(at)
-
-    def derivatives(self, at: Array) -> Array:
-        """Of the simulated output, shape (M, p + q), by one-sided differences into the allowed range."""
+    def derivatives(self, at: Array, here: Array) -> Array:
+        """Of the simulated output, shape (M, p + q), by one-sided differences into the allowed range from ``here``."""
         split = len(self.packing.names)
-        here = self.simulated(at)
         moving = replace(self.packing, template=self.model(at))
         columns = [sensitivities(self.pinned, moving, at[:split], here)]
         for i, step in enumerate(self.steps):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +23,16 @@ from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Problem
 from camid.fitting.smoothness import SmoothCurve, smooth_curve
+from camid.fitting.updated_derivative import UpdatedDerivative
 
 Array = NDArray[np.float64]
 
 KNOTS = 17
-# Rounds of smoothing and least squares, evaluations in each, and the fall of the sum of squares, as a share, and the
-# gain of log evidence that end them.
+# Rounds of smoothing and least squares, evaluations in each, how often it computes derivatives by differences, and the
+# fall of the sum of squares, as a share, and the gain of log evidence that end them.
 ROUNDS = 2
-MOST_STEPS = 4
+MOST_STEPS = 8
+REFRESHES = 1
 SETTLED = 1e-5
 LEAST_GAIN = 0.1
 # Residual of a simulation that diverged.
@@ -132,7 +135,8 @@ def judged_to_first_order(
         curve = _curve(problem, fitted, law)
         try:
             start = np.zeros(curve.directions.shape[1])
-            step = _Step.about(problem, fitted.model.plus(law), start, curve, table).apart(coefficients)
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual, table)
+            step = step.apart(coefficients)
         except (ValueError, ArithmeticError):
             continue
         # A law that does nothing changes nothing of the other derivatives.
@@ -161,7 +165,8 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
         If the chain diverges with the law.
     """
     curve = _curve(problem, fitted, law)
-    step = _Step.about(problem, fitted.model.plus(law), np.zeros(curve.directions.shape[1]), curve)
+    start = np.zeros(curve.directions.shape[1])
+    step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual)
     step = step.apart(coefficients)
     curve = step.curve
     for _ in range(ROUNDS):
@@ -255,9 +260,17 @@ class _Step:
     smooth: SmoothCurve
 
     @classmethod
-    def about(cls, problem: Problem, model: Model, weights: Array, curve: _Curve, table: Array | None = None) -> _Step:
-        """With the derivatives by the packed numbers, where they are known."""
-        pinned = problem.pinned(model, finest=True)
+    def about(
+        cls,
+        problem: Problem,
+        model: Model,
+        weights: Array,
+        curve: _Curve,
+        left: Array,
+        table: Array | None = None,
+    ) -> _Step:
+        """With what a model about there leaves, and with the derivatives by the packed numbers where they are known."""
+        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(left))
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
@@ -305,33 +318,45 @@ class _Step:
             return known.setdefault(vector.tobytes(), replace(self, model=model, weights=to_weights @ weights))
 
         def residual(vector: Array) -> Array:
-            simulated = self.pinned.simulate_fitted(at(vector).model)
-            rows = np.nan_to_num(self.problem.output - simulated, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
+            rows = self.problem.output - at(vector).simulated
             return np.concatenate([rows, vector[len(vector) - len(self.weights) :]])
 
-        def derivative(vector: Array) -> Array:
-            model = at(vector).model
-            packing, simulated = self.packing, self.pinned.simulate_fitted(model)
+        def known_derivatives(vector: Array, simulated: Array) -> Array:
+            return np.hstack([self.table, self.columns @ to_weights])
+
+        def differences(vector: Array, simulated: Array) -> Array:
+            model, packing = at(vector).model, self.packing
             table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
             columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated) @ to_weights
-            count = columns.shape[1]
-            prior = np.hstack([np.zeros((count, table.shape[1])), np.eye(count)])
-            return np.vstack([-np.hstack([table, columns]), prior])
+            return np.hstack([table, columns])
+
+        updated = UpdatedDerivative(differences, REFRESHES, known_derivatives)
+
+        def derivative(vector: Array) -> Array:
+            table = updated.at(vector, at(vector).simulated)
+            prior = np.eye(len(vector))[len(vector) - len(self.weights) :]
+            return np.vstack([-table, prior])
 
         count = len(self.weights)
         start = np.clip(self.packing.pack(self.model), self.packing.lower, self.packing.upper)
-        lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
+        free = np.full(count, np.inf)
         found = least_squares(
             residual,
             np.concatenate([start, np.linalg.solve(to_weights, self.weights)]),
             jac=derivative,
-            bounds=(np.concatenate([self.packing.lower, lower]), np.concatenate([self.packing.upper, upper])),
+            bounds=(np.concatenate([self.packing.lower, -free]), np.concatenate([self.packing.upper, free])),
             x_scale="jac",
             ftol=SETTLED,
             max_nfev=MOST_STEPS,
         )
         best = at(found.x)
-        return _Step.about(self.problem, best.model, best.weights, self.curve)
+        return _Step.about(self.problem, best.model, best.weights, self.curve, self.problem.output - best.simulated)
+
+    @cached_property
+    def simulated(self) -> Array:
+        """Of the model with the pinned steps, shape (M,)."""
+        rows = self.pinned.simulate_fitted(self.model)
+        return np.nan_to_num(rows, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
 
     def nuisance(self) -> Array:
         """Derivatives by the law, measured so that its prior has the precision one, shape (M, m)."""

@@ -38,6 +38,8 @@ ROWS_PER_COEFFICIENT = 20
 COLOUR_PENALTY = 12.0
 # Rows after the last fitted one that a simulation needs, for what an actuator or the sensor takes from the next sample.
 ROWS_AFTER_FITTED = 2
+# Error of a simulation, as a share of the root mean square of what the model leaves, that changes no comparison.
+NEGLIGIBLE = 0.02
 # Steps in a period of simulations that decide.
 MOST_STEPS = 100
 
@@ -182,17 +184,23 @@ class Problem:
             return replace(model, initial=tuple(None for _ in self.experiments))
         return self.kind.with_initial_states(self, model)
 
-    def pinned(self, model: Model, *, finest: bool) -> Problem:
+    def pinned(self, model: Model, *, finest: bool, negligible: float = 0.0) -> Problem:
         """The same with the steps of the integrator that suit a model.
 
-        Differences of simulations are derivatives only if all take the same steps.
+        Differences of simulations are derivatives only if all take the same steps. The finest steps need not be finer
+        than a ``negligible`` change of the motion asks for, as a share of its standard deviation.
         """
         free = replace(self._until_last_fitted, steps=None)
+        most = MOST_STEPS if finest else MOST_ROUGH_STEPS
         counts = tuple(
-            min(steps_of(free.chain(model, i), e.signal, t, finest=finest), MOST_STEPS if finest else MOST_ROUGH_STEPS)
+            min(steps_of(free.chain(model, i), e.signal, t, finest=finest, negligible=negligible), most)
             for i, (e, t) in enumerate(zip(free.experiments, free.times, strict=True))
         )
         return replace(self, steps=counts)
+
+    def negligible(self, residual: Array) -> float:
+        """Change of the motion that changes no comparison beside a residual, as a share of its standard deviation."""
+        return NEGLIGIBLE * float(np.sqrt(np.mean(residual**2))) / self.output_spread
 
     def rough(self) -> Problem:
         """The same with as few steps of the integrator as each model suggests: to rank models, not to differentiate."""
