@@ -79,6 +79,7 @@ def fit_formula(
     values: Callable[[Array, Array], Array],
     vector: Array,
     bounds: tuple[Array, Array],
+    left: Array,
 ) -> FormulaFit:
     """Least squares of a formula and all that is fitted beside it, through the whole chain.
 
@@ -95,6 +96,8 @@ def fit_formula(
         The formula at some points, shape (N,), with a vector of its numbers, shape (q,).
     vector, bounds
         The numbers that the fit starts from, and what they may be.
+    left : ndarray, shape (M,)
+        What the learned law leaves, beside which an error of a simulation is negligible.
 
     Raises
     ------
@@ -103,7 +106,7 @@ def fit_formula(
     """
     from scipy.optimize import least_squares
 
-    chain = _ChainWithFormula.of(problem, start, law, absorbed, values, vector, bounds)
+    chain = _ChainWithFormula.of(problem, start, law, absorbed, values, vector, bounds, left)
     packing, split = chain.packing, len(chain.packing.names)
     begin = np.concatenate([packing.pack(chain.first), vector])
     begin = np.clip(begin, *chain.limits)
@@ -152,10 +155,11 @@ class _ChainWithFormula:
         values: Callable[[Array, Array], Array],
         vector: Array,
         bounds: tuple[Array, Array],
+        left: Array,
     ) -> _ChainWithFormula:
         """With the steps of the integrator that suit the formula's first numbers."""
         first = start.plus(_effect(law, absorbed, values, vector))
-        pinned = problem.pinned(first, finest=True)
+        pinned = problem.pinned(first, finest=True, negligible=problem.negligible(left))
         steps = DIFFERENCE * np.maximum(np.abs(vector), 1e-3 * float(np.max(np.abs(vector))))
         return cls(pinned, first, Packing.of(pinned, first), law, absorbed, values, bounds, steps)
 

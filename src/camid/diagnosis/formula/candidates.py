@@ -142,6 +142,7 @@ def through_the_chain(
             lambda at, vector: form.with_vector(vector).values(at),
             form.vector,
             form.bounds(visited),
+            final.residual,
         )
     except (ValueError, ArithmeticError):
         return None
