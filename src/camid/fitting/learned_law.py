@@ -23,16 +23,14 @@ from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Problem
 from camid.fitting.smoothness import SmoothCurve, smooth_curve
-from camid.fitting.updated_derivative import UpdatedDerivative
 
 Array = NDArray[np.float64]
 
 KNOTS = 17
-# Rounds of smoothing and least squares, evaluations in each, how often it computes derivatives by differences, and the
-# fall of the sum of squares, as a share, and the gain of log evidence that end them.
+# Rounds of smoothing and least squares, evaluations in each, and the fall of the sum of squares, as a share, and the
+# gain of log evidence that end them.
 ROUNDS = 2
-MOST_STEPS = 8
-REFRESHES = 1
+MOST_STEPS = 4
 SETTLED = 1e-5
 LEAST_GAIN = 0.1
 # Residual of a simulation that diverged.
@@ -321,28 +319,23 @@ class _Step:
             rows = self.problem.output - at(vector).simulated
             return np.concatenate([rows, vector[len(vector) - len(self.weights) :]])
 
-        def known_derivatives(vector: Array, simulated: Array) -> Array:
-            return np.hstack([self.table, self.columns @ to_weights])
-
-        def differences(vector: Array, simulated: Array) -> Array:
-            model, packing = at(vector).model, self.packing
-            table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
-            columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated) @ to_weights
-            return np.hstack([table, columns])
-
-        updated = UpdatedDerivative(differences, REFRESHES, known_derivatives)
-
-        def derivative(vector: Array) -> Array:
-            table = updated.at(vector, at(vector).simulated)
-            prior = np.eye(len(vector))[len(vector) - len(self.weights) :]
-            return np.vstack([-table, prior])
-
         count = len(self.weights)
         start = np.clip(self.packing.pack(self.model), self.packing.lower, self.packing.upper)
+        begin = np.concatenate([start, np.linalg.solve(to_weights, self.weights)])
+        prior = np.eye(len(begin))[len(start) :]
+
+        def derivative(vector: Array) -> Array:
+            table, columns = self.table, self.columns
+            if not np.array_equal(vector, begin):
+                model, packing, simulated = at(vector).model, self.packing, at(vector).simulated
+                table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
+                columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated)
+            return np.vstack([-np.hstack([table, columns @ to_weights]), prior])
+
         free = np.full(count, np.inf)
         found = least_squares(
             residual,
-            np.concatenate([start, np.linalg.solve(to_weights, self.weights)]),
+            begin,
             jac=derivative,
             bounds=(np.concatenate([self.packing.lower, -free]), np.concatenate([self.packing.upper, free])),
             x_scale="jac",
