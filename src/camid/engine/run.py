@@ -167,7 +167,7 @@ def _moved(
     steps = chain.steps or _first_steps(chain, acquisition, mechanics)
     fewest = steps
     if chain.steps == ROUGH or negligible > LARGEST_CHANGE:
-        steps = min(steps, max(MOST_ROUGH_STEPS, _stable_steps(chain, acquisition, STEP_STIFF_ROUGH)))
+        steps = _few(steps, chain, acquisition)
     affordable = max(MOST_NODES // max(len(signal), 1), steps)
     most_steps = steps if chain.steps is not None else min(MOST_FINER * fewest, MOST_STEPS, affordable)
     most_doubt = MOST_DOUBT
@@ -224,6 +224,19 @@ def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -
         fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
         steps = max(steps, min(ceil(acquisition.period * fastest / STEP_IMPLICIT), MOST_STEPS))
     return steps
+
+
+def few_steps_of(chain: Chain, signal: Array) -> int:
+    """Steps per period of a rough simulation, for other chains that are to be compared with it."""
+    acquisition = chain.declared()
+    if _exactly(chain, signal, acquisition) is not None:
+        return FEWEST_STEPS
+    return _few(_first_steps(chain, acquisition, mechanics_of(chain, signal)[0]), chain, acquisition)
+
+
+def _few(steps: int, chain: Chain, acquisition: Acquisition) -> int:
+    """As many steps, but no more than are rough and stable."""
+    return min(steps, max(MOST_ROUGH_STEPS, _stable_steps(chain, acquisition, STEP_STIFF_ROUGH)))
 
 
 def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool, negligible: float = LARGEST_CHANGE) -> int:

@@ -14,7 +14,7 @@ from camid.chain.acquisition import Acquisition
 from camid.effects.base import Effect
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
-from camid.engine.run import MOST_ROUGH_STEPS, ROUGH, move, run, steps_of
+from camid.engine.run import ROUGH, few_steps_of, move, run, steps_of
 from camid.fitting.plant_with_effects import Model
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
@@ -191,12 +191,15 @@ class Problem:
         than a ``negligible`` change of the motion asks for, as a share of its standard deviation.
         """
         free = replace(self._until_last_fitted, steps=None)
-        most = MOST_STEPS if finest else MOST_ROUGH_STEPS
-        counts = tuple(
-            min(steps_of(free.chain(model, i), e.signal, t, finest=finest, negligible=negligible), most)
-            for i, (e, t) in enumerate(zip(free.experiments, free.times, strict=True))
-        )
-        return replace(self, steps=counts)
+        chains = [free.chain(model, i) for i in range(len(free.experiments))]
+        signals = [e.signal for e in free.experiments]
+        if not finest:
+            return replace(self, steps=tuple(map(few_steps_of, chains, signals)))
+        needed = [
+            steps_of(c, s, t, finest=True, negligible=negligible)
+            for c, s, t in zip(chains, signals, free.times, strict=True)
+        ]
+        return replace(self, steps=tuple(min(steps, MOST_STEPS) for steps in needed))
 
     def negligible(self, residual: Array) -> float:
         """Change of the motion that changes no comparison beside a residual, as a share of its standard deviation."""
