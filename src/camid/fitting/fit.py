@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 DIFFERENCE_STEP = 1e-5
 # Residual of a simulation that diverged, in standard deviations of the output.
 RUNAWAY_RESIDUAL = 1e3
+# Derivative, in the units of the packed numbers and standard deviations of the output, that only a runaway motion has.
+LARGEST_DERIVATIVE = 1e15
 TOLERANCE = 1e-7
 # Rows of a simulation that takes longer than handing it to a thread.
 ROWS_WORTH_A_THREAD = 3000
@@ -253,8 +255,9 @@ class _OutputError:
         return self.problem.whitened(self.problem.output - self.simulated(vector), self.whitening)
 
     def jacobian(self, vector: Array) -> Array:
-        """Shape (M, p)."""
-        return -self.problem.whitened(self.derivative.at(vector, self.simulated(vector)), self.whitening)
+        """Shape (M, p); zero where a motion that runs away has no derivative."""
+        table = -self.problem.whitened(self.derivative.at(vector, self.simulated(vector)), self.whitening)
+        return np.where(np.abs(table) < LARGEST_DERIVATIVE * self.problem.output_spread, table, 0.0)
 
     def cost(self, vector: Array) -> float:
         """Sum of squares."""
