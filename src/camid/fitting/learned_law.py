@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,8 +132,7 @@ def judged_to_first_order(
         curve = _curve(problem, fitted, law)
         try:
             start = np.zeros(curve.directions.shape[1])
-            step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual, table)
-            step = step.apart(coefficients)
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, table).apart(coefficients)
         except (ValueError, ArithmeticError):
             continue
         # A law that does nothing changes nothing of the other derivatives.
@@ -163,8 +161,7 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
         If the chain diverges with the law.
     """
     curve = _curve(problem, fitted, law)
-    start = np.zeros(curve.directions.shape[1])
-    step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual)
+    step = _Step.about(problem, fitted.model.plus(law), np.zeros(curve.directions.shape[1]), curve)
     step = step.apart(coefficients)
     curve = step.curve
     for _ in range(ROUNDS):
@@ -258,17 +255,9 @@ class _Step:
     smooth: SmoothCurve
 
     @classmethod
-    def about(
-        cls,
-        problem: Problem,
-        model: Model,
-        weights: Array,
-        curve: _Curve,
-        left: Array,
-        table: Array | None = None,
-    ) -> _Step:
-        """With what a model about there leaves, and with the derivatives by the packed numbers where they are known."""
-        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(left))
+    def about(cls, problem: Problem, model: Model, weights: Array, curve: _Curve, table: Array | None = None) -> _Step:
+        """With the derivatives by the packed numbers, where they are known."""
+        pinned = problem.pinned(model, finest=True)
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
@@ -316,40 +305,33 @@ class _Step:
             return known.setdefault(vector.tobytes(), replace(self, model=model, weights=to_weights @ weights))
 
         def residual(vector: Array) -> Array:
-            rows = self.problem.output - at(vector).simulated
+            simulated = self.pinned.simulate_fitted(at(vector).model)
+            rows = np.nan_to_num(self.problem.output - simulated, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
             return np.concatenate([rows, vector[len(vector) - len(self.weights) :]])
+
+        def derivative(vector: Array) -> Array:
+            model = at(vector).model
+            packing, simulated = self.packing, self.pinned.simulate_fitted(model)
+            table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
+            columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated) @ to_weights
+            count = columns.shape[1]
+            prior = np.hstack([np.zeros((count, table.shape[1])), np.eye(count)])
+            return np.vstack([-np.hstack([table, columns]), prior])
 
         count = len(self.weights)
         start = np.clip(self.packing.pack(self.model), self.packing.lower, self.packing.upper)
-        begin = np.concatenate([start, np.linalg.solve(to_weights, self.weights)])
-        prior = np.eye(len(begin))[len(start) :]
-
-        def derivative(vector: Array) -> Array:
-            table, columns = self.table, self.columns
-            if not np.array_equal(vector, begin):
-                model, packing, simulated = at(vector).model, self.packing, at(vector).simulated
-                table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
-                columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated)
-            return np.vstack([-np.hstack([table, columns @ to_weights]), prior])
-
-        free = np.full(count, np.inf)
+        lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
         found = least_squares(
             residual,
-            begin,
+            np.concatenate([start, np.linalg.solve(to_weights, self.weights)]),
             jac=derivative,
-            bounds=(np.concatenate([self.packing.lower, -free]), np.concatenate([self.packing.upper, free])),
+            bounds=(np.concatenate([self.packing.lower, lower]), np.concatenate([self.packing.upper, upper])),
             x_scale="jac",
             ftol=SETTLED,
             max_nfev=MOST_STEPS,
         )
         best = at(found.x)
-        return _Step.about(self.problem, best.model, best.weights, self.curve, self.problem.output - best.simulated)
-
-    @cached_property
-    def simulated(self) -> Array:
-        """Of the model with the pinned steps, shape (M,)."""
-        rows = self.pinned.simulate_fitted(self.model)
-        return np.nan_to_num(rows, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
+        return _Step.about(self.problem, best.model, best.weights, self.curve)
 
     def nuisance(self) -> Array:
         """Derivatives by the law, measured so that its prior has the precision one, shape (M, m)."""

@@ -145,7 +145,7 @@ class LawTable:
             return replace(fitted.model, effects=effects)
 
         model = with_bends(heights)
-        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(fitted.residual))
+        pinned = problem.pinned(model, finest=True)
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
