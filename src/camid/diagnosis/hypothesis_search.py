@@ -294,6 +294,8 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
 
     They are called for where the likeliest of all leaves structure, or may be a finer law of another name.
     """
+    if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
+        return []
     found: list[Hypothesis] = []
     for hypothesis in ranked:
         structured = len(ranked[0].fitted.noise.whitening) > 1
