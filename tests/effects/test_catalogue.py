@@ -291,3 +291,16 @@ def test_clipped_values_are_no_outliers():
     found = known_effects()["outliers"].recognise(replace(clipped, recorded=struck, residual=struck - position))
     assert found is not None
     assert set(rows) <= set(np.flatnonzero(found.spoiled))
+
+
+def test_a_force_that_repeats_with_the_step_of_a_coarse_sensor_is_its_rounding():
+    given = situation(seed=3)
+    step = float(np.ptp(given.position)) / 10.0
+    # As plant and camera hand on a force that repeats every step: what the first guess is made of.
+    joined = replace(given.acquisition, hold="foh")
+    residual = sample(given.plant, np.sin(2.0 * np.pi * given.position / step), joined)
+    fine = replace(given, recorded=given.position + residual, residual=residual)
+    coarse = replace(fine, recorded=step * np.round(given.position / step))
+    periods, finer = ([e.values["period"] for e in known_effects()["cogging"].candidates(s)] for s in (coarse, fine))
+    assert min(finer) < 1.3 * step
+    assert all(period > 2.0 * step for period in periods)

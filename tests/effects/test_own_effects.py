@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from camid.effects import known_effects
-from camid.effects.base import declarable_effects
+from camid.effects.known import declarable_effects
 from camid.effects.own_effects import own_effects, own_effects_in_use
 from camid.errors import InputError
 from tests.support.own_effects import LAW, RIGHT, line_of, with_other

@@ -8,7 +8,7 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
-from camid.effects.base import declarable_effects
+from camid.effects.known import declarable_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from camid.chain.acquisition import Acquisition
-from camid.effects.base import declarable_effects
+from camid.effects.known import declarable_effects
 from camid.engine.mechanics import Chain
 from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.run import run

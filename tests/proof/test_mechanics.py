@@ -142,3 +142,67 @@ def test_strength_is_the_largest_where_the_family_ends():
 def test_invisible_effects_leave_nothing_to_see(identity):
     made = make(Case(31, 4, "invisible", (identity,)))
     assert made.truth["effects"][0]["multiple"] < 0.5
+
+
+@pytest.mark.parametrize("alternative", [False, True])
+@pytest.mark.parametrize("identity", [n for n, family in CATALOGUE.items() if family.place == "actuator"])
+def test_an_actuator_effect_without_strength_is_none(identity, alternative):
+    """Else no strength gives a small size, and the truth is named after something that is not in the recording."""
+    family = CATALOGUE[identity]
+    drawn = draw_recording(Case(3, 1, "single", (identity,)), np.random.default_rng(5))
+    effect = family.law(np.random.default_rng(6), drawn.context(), alternative and family.alternatives)
+    if effect.fixed:
+        pytest.skip("it has no strength")
+    whole, faint = (np.sqrt(drawn.left_over(effect, share * effect.start)[0]) for share in (1.0, 0.01))
+    assert faint < 0.02 * whole
+
+
+def test_a_soft_rate_limit_limits_what_is_recorded():
+    """Twice the command is not followed twice as far: the law is no lag at the smallest sizes that are made either."""
+    drawn = draw_recording(Case(3, 1, "single", ("rate-limit",)), np.random.default_rng(5))
+    effect = CATALOGUE["rate-limit"].law(np.random.default_rng(6), drawn.context(), True)
+    size = drawn.size(effect, effect.start)
+    strength = strength_for(0.1 * size, lambda g: drawn.size(effect, g), effect.start, effect.high)
+    setup = drawn.setup_with([])
+    effect.apply(setup, strength)
+    plain = drawn.setup_with([])
+    one, two = (
+        drawn.output(setup, factor * drawn.command) - drawn.output(plain, factor * drawn.command)
+        for factor in (1.0, 2.0)
+    )
+    assert np.std(two - 2.0 * one) > 0.3 * np.std(one)
+
+
+@pytest.mark.parametrize(
+    "identity", [n for n, family in CATALOGUE.items() if family.place == "plant" and n != "end-stop"]
+)
+def test_what_a_law_leaves_falls_with_its_strength(identity):
+    """Else a small size is something other than what the truth names.
+
+    A stop at the end of the motion is one still: it is met between the frames of the motion without it.
+    """
+    family = CATALOGUE[identity]
+    for seed in (6, 7, 8, 9):
+        drawn = draw_recording(Case(3, 1, "single", (identity,)), np.random.default_rng(5))
+        effect = family.law(np.random.default_rng(seed), drawn.context(), family.alternatives)
+        if effect.fixed:
+            pytest.skip("it has no strength")
+        whole, faint = (np.sqrt(drawn.left_over(effect, share * effect.start)[0]) for share in (1.0, 0.01))
+        assert faint < 0.02 * whole
+
+
+def test_a_small_swing_of_a_driven_pendulum_is_not_mostly_drag():
+    """Drag has a name of its own, and the truth would be that one."""
+    drawn = draw_recording(Case(3, 1, "single", ("pendulum-gravity",)), np.random.default_rng(5))
+    effect = CATALOGUE["pendulum-gravity"].law(np.random.default_rng(6), drawn.context(), True)
+
+    def left(strength, drag):
+        setup = drawn.setup_with([])
+        effect.apply(setup, strength)
+        if not drag:
+            setup.parameters[s.DRAG] = 0.0
+        return drawn.output(setup, drawn.command) - drawn.output(drawn.setup_with([]), drawn.command)
+
+    for strength in (0.02, 0.2):
+        whole, without = left(strength, drag=True), left(strength, drag=False)
+        assert np.std(whole - without) < 0.5 * np.std(whole)

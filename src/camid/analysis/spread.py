@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from camid.chain.pendulum import PARAMETERS
 from camid.chain.plant import TransferFunction
-from camid.effects.base import declarable_effects
+from camid.effects.known import declarable_effects
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]

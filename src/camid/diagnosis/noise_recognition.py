@@ -15,6 +15,7 @@ from camid.effects.base import Effect, Recognition
 from camid.effects.noise import tail, variance_regression
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 # A noise-like effect is named where its absence would show as much in fewer recordings than this.
@@ -24,6 +25,8 @@ SUSPECT_P_VALUE = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE_RATIO = 4.0
 SAME_RESONANCE = 0.2
+# Time between the readings whose difference is their rate, as a share of the period.
+RATE_STEP = 0.05
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
@@ -56,7 +59,7 @@ def recognised_noise(
         Of the nominal simulation.
     """
     known = {e.identifier for e in declared}
-    situation = whole.situation(final.model)
+    situation = _with_rate_of_reading(whole, final.model)
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames come before outliers
         possible = effect.noise_like and problem.kind.unseen(effect) is None
@@ -74,6 +77,28 @@ def recognised_noise(
     findings = [recognised(r) for r in found]
     effects: list[tuple[Effect, dict[str, float | None]]] = [(r.effect, dict(r.standard_deviations)) for r in found]
     return findings, [*((e, {}) for e in declared if e.noise_like), *effects]
+
+
+def _with_rate_of_reading(problem: Problem, model: Model) -> Situation:
+    """What recognition needs, with the rate of the reading as it is between two frames.
+
+    Differences from frame to frame fall short of the rate of a motion that turns round within a few frames, and what is
+    divided by them is too large. A reading that is delivered later is that of an earlier time, and the next one
+    delivered nearly a period later is that of a time just behind. A force that jumps with a frame may bend the reading
+    there, so that the rate before and that behind are taken as their root mean square: noise has its mean variance.
+    """
+    situation = problem.situation(model)
+    index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
+    reading = problem.simulate_one(model, index)
+    # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
+    if problem.kind.loop(index) is not None or not np.array_equal(reading, situation.position):
+        return situation
+    period = problem.acquisition.period
+    step = RATE_STEP * period
+    earlier, later = (problem.delivered_later(t).simulate_one(model, index) for t in (step, period - step))
+    before = (reading - earlier) / step
+    behind = np.append((later[1:] - reading[:-1]) / step, before[-1])
+    return replace(situation, velocity=np.copysign(np.sqrt(0.5 * (before**2 + behind**2)), before + behind))
 
 
 def _without_imitations(situation: Situation, found: list[Recognition]) -> list[Recognition]:

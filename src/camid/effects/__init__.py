@@ -18,9 +18,10 @@ from camid.effects import (
     stiffness,
     storage,
 )
-from camid.effects.base import PLACES, Effect, known_effects
+from camid.effects.base import PLACES, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.curve import Curve, on_curve
+from camid.effects.known import known_effects
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import motion_sign
 from camid.effects.situation import Situation

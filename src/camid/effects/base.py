@@ -7,7 +7,7 @@ docs/adding_an_effect.md shows how one is added.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.compiled_part import Compiled
+from camid.effects.known import is_of_the_package, make_known
 from camid.effects.parameter import Parameter, checked
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -56,10 +57,6 @@ class LimitedState(NamedTuple):
     state: str
     edge: float
     share: float
-
-
-_catalogue: dict[str, type[Effect]] = {}
-_declarable: dict[str, type[Effect]] = {}
 
 
 class Effect:
@@ -399,35 +396,3 @@ class Effect:
     def invisible(cls, situation: Situation) -> str | None:
         """Why this recording cannot show the effect, whatever its size; None if it can."""
         return None
-
-
-def is_of_the_package(kind: type[Effect]) -> bool:
-    """Whether a class belongs to this package, and not to a user."""
-    return kind.__module__.partition(".")[0] == __name__.partition(".")[0]
-
-
-def make_known(kind: type[Effect]) -> None:
-    """Let simulations declare an effect, and diagnoses look for it if it is listed."""
-    # New mappings: others may be going through the old ones.
-    global _catalogue, _declarable  # noqa: PLW0603
-    _declarable = {**_declarable, kind.identifier: kind}
-    if kind.listed:
-        _catalogue = {**_catalogue, kind.identifier: kind}
-
-
-def forget(kind: type[Effect]) -> None:
-    """Undo :func:`make_known`."""
-    global _catalogue, _declarable
-    _catalogue, _declarable = (
-        {name: known for name, known in mapping.items() if known is not kind} for mapping in (_catalogue, _declarable)
-    )
-
-
-def known_effects() -> Mapping[str, type[Effect]]:
-    """The effects of the catalogue by identifier, and those of a user's own that are in use."""
-    return _catalogue
-
-
-def declarable_effects() -> Mapping[str, type[Effect]]:
-    """All effects that a simulation may declare, by identifier: those of the catalogue, and learned laws."""
-    return _declarable

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, isfinite
 
-from camid.effects.base import Effect, declarable_effects
+from camid.effects.base import Effect
+from camid.effects.known import declarable_effects
 from camid.effects.parameter import Parameter
 from camid.errors import InputError, nearest_match
 from camid.simulation.model import DeclaredEffect, Simulation

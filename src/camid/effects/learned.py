@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from math import sqrt
+from math import isnan, sqrt
 from typing import Any, Self
 
 import numpy as np
@@ -38,11 +38,23 @@ def interpolated(at: float, values: Any, first: int, count: int) -> float:
     ``values`` holds ``count`` knots from the index ``first`` on, and the heights behind them.
     """
     last = first + count - 1
+    if isnan(at):  # a motion that ran away has no place between knots
+        return at
     if at <= values[first]:
         return float(values[first + count])
     if at >= values[last]:
         return float(values[last + count])
-    low, high = first, last
+    # Most knots are about equally far apart, so that the search begins where such knots would lie, and widens.
+    guess = first + int((at - values[first]) / (values[last] - values[first]) * (count - 1))
+    guess, width = min(guess, last - 1), 1
+    low = guess
+    while values[low] > at:
+        low = max(low - width, first)
+        width *= 2
+    high, width = max(guess, low) + 1, 1
+    while values[high] <= at:
+        low, high = high, min(high + width, last)
+        width *= 2
     while high - low > 1:
         middle = (low + high) // 2
         if values[middle] <= at:

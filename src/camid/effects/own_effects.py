@@ -13,7 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType, TracebackType
 
-from camid.effects.base import Effect, declarable_effects, forget, is_of_the_package, make_known
+from camid.effects.base import Effect
+from camid.effects.known import declarable_effects, forget, is_of_the_package, make_known
 from camid.effects.own_effect_form import code_of, line_of, refuse_wrong_form
 from camid.errors import InputError
 

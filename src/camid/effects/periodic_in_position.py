@@ -38,8 +38,10 @@ MOST_SIMULATED = 30_000
 BEST = 3
 # Share of a regressor beside the others, and of the residual, below which nothing is left of it.
 LEAST_LEFT = 1e-9
-# A period of an encoder's error holds more steps of its readings than this.
+# A period of an encoder's error holds more steps of its readings than this, and that of a force more than this: a
+# lattice shows no shorter wave, and rounding itself repeats every step.
 STEPS_PER_PERIOD = 5.0
+STEPS_PER_PERIOD_OF_A_FORCE = 2.0
 
 
 def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> list[tuple[float, float, float]]:
@@ -138,8 +140,10 @@ class Cogging(_PeriodicInPosition):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain the residual best, to first order."""
         joined = replace(situation.acquisition, hold="foh")
+        step = _least_difference(situation.recorded)
         for amplitude, period, phase in best_periods(situation, lambda force: sample(situation.plant, -force, joined)):
-            yield cls(amplitude=min(amplitude, situation.largest("signal")), period=period, phase=phase)
+            if period > STEPS_PER_PERIOD_OF_A_FORCE * step:
+                yield cls(amplitude=min(amplitude, situation.largest("signal")), period=period, phase=phase)
 
 
 class EncoderEccentricity(_PeriodicInPosition):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from camid.compiled import kernel
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, friction_level, remember, switches
 from camid.engine.plant_equations import entering, free_rates, held_rates, plant_rates, project
+from camid.engine.smooth_step import HeldStep
 from camid.engine.workspace import Kinds, Workspace, copy
 
 Array = NDArray[np.float64]
@@ -249,6 +250,36 @@ def _first_event(
                 if crossing < share:
                     share, event, which = crossing, KINK, i
     return share, event, which
+
+
+@kernel
+def held_step(
+    m: Mechanics, c: HeldStep, room: Workspace, time: float, step: float, first: float, last: float, kinds: Kinds
+) -> bool:
+    """Step of a body that sticks over ``step`` seconds, taken back unless friction holds it at the end, too.
+
+    What holds it cancels every other force, so that the rest of the system is linear and the step exact. It is not
+    for a step at whose start the input jumps, which may release the body at once.
+    """
+    state, following, memory, remembered = room.state, room.following, room.memory, room.remembered
+    if len(c.whole) == 0:
+        return False
+    for i in range(len(state)):
+        total = c.input_columns[i, 0] * first + c.input_columns[i, 1] * (last - first)
+        for j in range(len(state)):
+            total += c.whole[i, j] * state[j]
+        following[i] = total
+    finish = time + step
+    if kinds.remembers:
+        moved = dot(m.position, following) - dot(m.position, state)
+        remember(m.forces, finish, step, moved, memory, remembered)
+    hold = _holding_force(m, finish, following, last, remembered, room.work[7, : len(state)])
+    if not abs(hold) <= friction_level(m.forces, finish, dot(m.position, following), 0.0, last):
+        return False
+    copy(following, state)
+    if kinds.remembers:
+        copy(remembered, memory)
+    return True
 
 
 @kernel(inline="always")

@@ -161,6 +161,25 @@ def friction_level(f: Forces, time: float, position: float, speed: float, signal
     return max(total, 0.0)
 
 
+@kernel(inline="always")
+def _narrowed(
+    low: float, at_low: float, high: float, at_high: float, kept: int, between: float, error: float
+) -> tuple[float, float, float, float, int]:
+    """A bracket of a root with a point between its ends; ``kept`` is the end that stayed before: 1 low, -1 high.
+
+    The value at an end that stays again is reduced (Anderson & Björck 1973, BIT 13, 253–264).
+    """
+    if error > 0.0:
+        if kept == 1:
+            reduced = 1.0 - error / at_high
+            at_low *= reduced if reduced > 0.0 else 0.5
+        return low, at_low, between, error, 1
+    if kept == -1:
+        reduced = 1.0 - error / at_low
+        at_high *= reduced if reduced > 0.0 else 0.5
+    return between, error, high, at_high, -1
+
+
 @kernel
 def _agreeing_force(f: Forces, time: float, position: float, free: float, signal: float, memory: Array) -> float:
     """Force along the input that agrees with the velocity v = free + b · force that it leaves."""
@@ -172,6 +191,9 @@ def _agreeing_force(f: Forces, time: float, position: float, free: float, signal
     side = 1.0 if rest > 0.0 else -1.0
     low, high = 0.0, abs(rest)
     at_low, at_high = held - abs(rest), 0.0
+    # An error of the speed that the rounding of its parts makes anyway.
+    least = 1e-15 * abs(free)
+    kept = 0
     # The error of a speed: what is left of it once the force that it calls for has acted.
     for trial in range(2 * MOST_TRIALS):
         finding = at_high <= 0.0
@@ -179,23 +201,20 @@ def _agreeing_force(f: Forces, time: float, position: float, free: float, signal
             speed = high
         else:
             speed = high - at_high * (high - low) / (at_high - at_low)
-            if not low < speed < high or trial % 4 == 3:
+            if not low < speed < high or trial % 8 == 7:
                 speed = 0.5 * (low + high)
         others = _smooth_force(f, time, position, side * speed, signal, memory)
         error = speed - side * (free + b * others) + abs(b) * friction_level(f, time, position, speed, signal)
-        if abs(error) <= 1e-14 * speed:
+        if abs(error) <= 1e-14 * speed + least:
             low = high = speed
             break
-        if finding:
-            if error > 0.0:
-                at_high = error
-            else:
-                low, at_low = high, error
-                high *= 2.0
+        if not finding:
+            low, at_low, high, at_high, kept = _narrowed(low, at_low, high, at_high, kept, speed, error)
         elif error > 0.0:
-            high, at_high = speed, error
+            at_high = error
         else:
             low, at_low = speed, error
+            high *= 2.0
         if at_high > 0.0 and high - low <= 1e-14 * high:
             break
     return (side * 0.5 * (low + high) - free) / b
@@ -252,12 +271,13 @@ def switches_at(
     """
     data = f.data
     stride = f.stride
-    velocity = free
-    if f.velocity_force != 0.0:
-        velocity += f.velocity_force * force_at(f, time, position, free, signal, memory, direction)
+    velocity, known = free, f.velocity_force == 0.0
     for i in range(f.functions.shape[1]):
         result[i] = 1.0
         if f.functions[3, i] != 0:
+            if not known:
+                velocity += f.velocity_force * force_at(f, time, position, free, signal, memory, direction)
+                known = True
             result[i] = call(f.functions[3, i], time, position, velocity, signal, memory[i], data + i * stride)
     count = f.functions.shape[1]
     result[count], result[count + 1] = 1.0, 1.0

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
-from camid.engine.events import careful_step, runge_kutta
+from camid.engine.events import careful_step, held_step, runge_kutta
 from camid.engine.feedback import Feedback, actuated, controlled, samples_at
 from camid.engine.forces import Mechanics, dot, force_in, free_velocity, switches, switches_at
 from camid.engine.plant_equations import doubt_of, project, remember_extremes
-from camid.engine.smooth_step import SmoothStep, linear_step, smooth_step, smooth_step_of
+from camid.engine.smooth_step import HeldStep, SmoothStep, held_step_of, linear_step, smooth_step, smooth_step_of
 from camid.engine.workspace import Kinds, Workspace, copy, kinds_of, workspace_of
 
 Array = NDArray[np.float64]
@@ -76,6 +76,13 @@ def _passed(times: Array, now: float, inclusive: bool) -> int:
     while count < len(times) and (times[count] < now or (inclusive and times[count] == now)):
         count += 1
     return count
+
+
+@kernel(inline="always")
+def _is_shocked(shocks: _Shocks, next_break: int, next_impulse: int, finish: float) -> bool:
+    """Whether a force jumps until a time, or an impulse strikes before it."""
+    breaking = next_break < len(shocks.breaks) and shocks.breaks[next_break] <= finish
+    return breaking or (next_impulse < len(shocks.impulse_times) and shocks.impulse_times[next_impulse] < finish)
 
 
 @kernel
@@ -259,8 +266,9 @@ def _doubt_about(m: Mechanics, doubt: float, largest: float) -> float:
 
 @kernel
 def _integrate(
-    m: Mechanics, c: SmoothStep, grid: _Grid, shocks: _Shocks, feedback: Feedback, room: Workspace, record: _Record
-) -> float:
+    m: Mechanics, c: SmoothStep, h: HeldStep, grid: _Grid, shocks: _Shocks, feedback: Feedback, room: Workspace,
+    record: _Record,
+) -> float:  # fmt: skip
     """Run over the grid, fill the record and return the doubt; see :func:`integrate`."""
     state, memory, step, steps = room.state, room.memory, grid.step, len(grid.start)
     kinds = kinds_of(m)
@@ -297,14 +305,12 @@ def _integrate(
             break
         last = grid.end[k] + passed_last
         largest = max(largest, abs(first))
-        breaking = next_break < len(shocks.breaks) and shocks.breaks[next_break] <= time + step
-        striking = next_impulse < len(shocks.impulse_times) and shocks.impulse_times[next_impulse] < time + step
-        if not (kinds.stepwise or breaking or striking):
+        shocked = _is_shocked(shocks, next_break, next_impulse, time + step)
+        if not (kinds.stepwise or shocked):
             linear_step(c, state, first, last, room.following)
             copy(room.following, state)
             continue
-        tried = not (breaking or striking) and not stuck and not (kinds.dry and direction == 0.0)
-        twice = False
+        tried, twice = not (shocked or stuck or (kinds.dry and direction == 0.0)), False
         if tried:
             event, twice, size_of_force, difference = _step_unless_event(
                 m, c, kinds, room, time, step, first, last, direction, known and not at_once
@@ -314,6 +320,8 @@ def _integrate(
                 largest, doubt = max(largest, size_of_force), max(doubt, difference)
                 continue
         known = False
+        if stuck and first == before and not shocked and held_step(m, h, room, time, step, first, last, kinds):
+            continue
         direction, stuck, next_break, next_impulse = _step_in_parts(
             m, kinds, room, shocks, time, step, first, last, direction, stuck, tried, twice, next_break, next_impulse
         )
@@ -366,5 +374,7 @@ def integrate(
     grid = _Grid(start, end, start_time, step)
     shocks = _Shocks(breaks, impulse_times, impulse_sizes)
     room = workspace_of(m, initial)
-    doubt = _integrate(m, smooth_step_of(m, step / m.time_unit), grid, shocks, feedback, room, record)
+    holds = kinds_of(m).dry and m.equations.function == 0
+    smooth, held = smooth_step_of(m, step / m.time_unit), held_step_of(m, step / m.time_unit, holds)
+    doubt = _integrate(m, smooth, held, grid, shocks, feedback, room, record)
     return record.measured, record.rate, record.integral, record.rate_end, doubt

@@ -103,6 +103,39 @@ def smooth_step_of(m: Mechanics, scaled: float) -> SmoothStep:
     )
 
 
+class HeldStep(NamedTuple):
+    """Coefficients of a step of a body that sticks: exp(A h), and the columns of the input and of its change."""
+
+    whole: Array
+    input_columns: Array
+
+
+@njit
+def held_step_of(m: Mechanics, scaled: float, sticks: bool) -> HeldStep:
+    """Coefficients for steps of a scaled length; empty where nothing holds the body.
+
+    The force that holds it leaves of each derivative what does not change the velocity.
+    """
+    size = len(m.force_vector)
+    if not sticks:
+        return HeldStep(np.empty((0, 0)), np.empty((0, 2)))
+    by_force, by_input = 0.0, 0.0
+    by_state = np.zeros(size)
+    for i in range(size):
+        by_force += m.velocity[i] * m.force_vector[i]
+        by_input += m.velocity[i] * m.input_vector[i]
+        for j in range(size):
+            by_state[j] += m.velocity[i] * m.state_matrix[i, j]
+    matrix, vector = np.empty((size, size)), np.empty(size)
+    for i in range(size):
+        share = m.force_vector[i] / by_force
+        vector[i] = m.input_vector[i] - share * by_input
+        for j in range(size):
+            matrix[i, j] = m.state_matrix[i, j] - share * by_state[j]
+    whole, columns = _coefficients(matrix, vector, scaled)
+    return HeldStep(whole, columns)
+
+
 @kernel(inline="always")
 def linear_step(c: SmoothStep, state: Array, first: float, last: float, following: Array) -> None:
     """Step of a system without forces: the state at its end."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.engine.mechanics import NotApplicable
+from camid.fitting.onset_profile import onset_deviations
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Noise, Problem
@@ -146,6 +147,11 @@ class Fitted:
             inverse = inverse @ (carried.T @ carried) @ inverse * spread
         result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])
         return result
+
+    @cached_property
+    def onset_deviations(self) -> dict[int, float]:
+        """See :func:`camid.fitting.onset_profile.onset_deviations`."""
+        return onset_deviations(self)
 
 
 def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False) -> Fitted:
@@ -355,7 +361,9 @@ def _with_fine_steps(problem: Problem, output_error: _OutputError, begin: Array,
 
 def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:
     """Standard deviations of every effect's parameters; None where the data leave one undetermined."""
-    variances = np.diag(fitted.covariance)
+    variances = np.diag(fitted.covariance).copy()
+    for place, deviation in fitted.onset_deviations.items():
+        variances[place] = max(deviation**2, variances[place])
     found: list[dict[str, float | None]] = []
     for i, effect in enumerate(fitted.model.effects):
         row: dict[str, float | None] = {}

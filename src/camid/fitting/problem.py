@@ -169,6 +169,12 @@ class Problem:
         times = [t[:rows] for t in self.times]
         return replace(self, experiments=experiments, times=times, kind=self.kind.start_of(rows))
 
+    def delivered_later(self, time: float) -> Problem:
+        """The same with a latency that is longer by a time in seconds."""
+        acquisitions = [replace(e.acquisition, latency=e.acquisition.latency + time) for e in self.experiments]
+        pairs = zip(self.experiments, acquisitions, strict=True)
+        return replace(self, experiments=[replace(e, acquisition=a) for e, a in pairs])
+
     def with_known_constants(self) -> Problem:
         """The same with offset and bias as they are declared, and zero where nothing is said."""
         experiments = [replace(e, estimate_offset=False, estimate_bias=False) for e in self.experiments]

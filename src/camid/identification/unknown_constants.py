@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.effects.base import declarable_effects
+from camid.effects.known import declarable_effects
 from camid.identification.experiment import Experiment
 from camid.simulation.model import Simulation
 

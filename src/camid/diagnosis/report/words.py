@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from camid.diagnosis.explanation import within_sentence
 from camid.diagnosis.report.summary import title_of
-from camid.effects.base import declarable_effects
+from camid.effects.known import declarable_effects
 
 
 def with_titles(text: str, own: Mapping[str, str] | None = None) -> str:

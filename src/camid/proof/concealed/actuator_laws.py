@@ -89,13 +89,17 @@ def backlash(generator: np.random.Generator, context: Context, alternative: bool
 
 
 def rate_limit(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A slew that is limited; or slows down as it arrives."""
+    """A slew that is limited; or slows down as it arrives.
+
+    It slows down within a share of the largest change, however fast it is: within a fixed time a slew without limit
+    would still be a lag, and a size that the lag alone exceeds would make the limit so high that nothing reaches it.
+    """
     unit = 2.0 * context.peak / context.period
     soft = generator.uniform(0.05, 0.3) * context.period
 
     def apply(setup: Setup, strength: float) -> None:
         if alternative:
-            setup.parameters[[s.SOFT_SLEW, s.SOFT_SLEW_TIME]] = unit / strength, soft
+            setup.parameters[[s.SOFT_SLEW, s.SOFT_SLEW_TIME]] = unit / strength, strength * soft
         else:
             setup.input_maps.append(slew(unit / strength))
 

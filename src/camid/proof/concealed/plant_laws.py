@@ -68,7 +68,8 @@ def coulomb_friction(generator: np.random.Generator, context: Context, alternati
             s.BRISTLE_BREAKAWAY: g * largest,
             s.BRISTLE_STIFFNESS: g * largest / bend,
             s.TOP_SPEED: TOP_SPEED * context.speed,
-            s.BRISTLE_DAMPING: damping,
+            # A damping that stays where the friction goes would be all that is left of it.
+            s.BRISTLE_DAMPING: g * damping,
         },
         parameters,
         0.05,
@@ -106,7 +107,7 @@ def stribeck_friction(generator: np.random.Generator, context: Context, alternat
             s.BRISTLE_VELOCITY: velocity,
             s.BRISTLE_STIFFNESS: g * largest / bend,
             s.TOP_SPEED: TOP_SPEED * context.speed,
-            s.BRISTLE_DAMPING: 0.2 * context.rig.damping,
+            s.BRISTLE_DAMPING: g * 0.2 * context.rig.damping,
         },
         parameters,
         0.05,
@@ -181,16 +182,20 @@ def quadratic_stiffness(generator: np.random.Generator, context: Context, altern
 
 
 def pendulum_gravity(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """Weight on a rod: A sin(y/A); or driven by a force that stays horizontal, and damped by the air."""
+    """Weight on a rod: A sin(y/A); or driven by a force that stays horizontal, and damped by the air.
+
+    The air takes a share of what the sine takes from the spring, k y³/(6 A²), at every size: were it in proportion to
+    the swing, little would be left of a small one but quadratic drag, which has a name of its own.
+    """
     rig = context.rig
-    drag = generator.uniform(0.05, 0.2) * rig.actuator_constant * context.drive / context.speed**2
+    drag = generator.uniform(0.05, 0.2) * rig.stiffness * context.stroke / (6.0 * context.speed**2)
     return built_in(
         "pendulum-gravity",
         "horizontal-force-and-air-drag" if alternative else "catalogue",
         lambda g: {
             s.PENDULUM: context.stroke / g,
             s.HORIZONTAL_FORCE: 1.0 if alternative else 0.0,
-            s.DRAG: g * drag if alternative else 0.0,
+            s.DRAG: g**2 * drag if alternative else 0.0,
             s.DRAG_EXPONENT: 2.0,
         },
         lambda g: {"amplitude": context.stroke / g * rig.output_scale},
