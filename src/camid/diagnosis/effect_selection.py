@@ -13,19 +13,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
+from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.hypothesis_search import (
-    ALL_STEPS,
     BESIDE_OTHERS,
     RIVALS,
     best_of_each,
     first_effort,
     hypotheses,
     is_far_off,
-    other_choices,
-    relatives_in_place,
-    special_case,
 )
 from camid.diagnosis.models_of_each_recording import models_of_each_recording
+from camid.diagnosis.related_laws import other_choices, relatives_in_place, special_case
 from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects

@@ -9,26 +9,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camid.diagnosis.hypotheses_over_time import raced
-from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
+from camid.diagnosis.hypothesis import Hypothesis, in_order
+from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.models_around import models_around
+from camid.diagnosis.related_laws import finer_laws, special_case
 from camid.diagnosis.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
-from camid.fitting.fit import Fitted, evaluate, fit
+from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Problem
 
 # Error, as a share of the output's spread, from which fits start from the nominal coefficients, too.
 NOMINAL_START_ERROR = 0.1
 MOST_FROM_NOMINAL = 7
-# Evaluations for a first and for a thorough fit.
-FIRST_STEPS = 8
-ALL_STEPS = 30
-# Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
-TOLERANCE = 1e-6
-# Thorough fits one after another from the values of another law, and the fall of the cost, as a share, that ends them.
-MOST_FITS = 4
-SETTLED = 1e-3
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
@@ -116,16 +110,16 @@ def hypotheses(
         identifier = model.effects[-1].identifier
         if watch.no_time_for(f"other starts of {identifier}"):
             return None
-        return _fitted(problem, identifier, model, FIRST_STEPS)
+        return fitted_hypothesis(problem, identifier, model, FIRST_STEPS)
 
     def fitted_again(hypothesis: Hypothesis, best: Hypothesis) -> Hypothesis | None:
         if watch.no_time_for("more thorough fits"):
             return None
         own = hypothesis.fitted.model
         start = _start(problem, hypothesis, best)
-        found = _fitted(problem, hypothesis.identifier, start, ALL_STEPS)
+        found = fitted_hypothesis(problem, hypothesis.identifier, start, ALL_STEPS)
         if start is not own and (found is None or found.beyond(hypothesis) >= 0.0):
-            found = _fitted(problem, hypothesis.identifier, own, ALL_STEPS)
+            found = fitted_hypothesis(problem, hypothesis.identifier, own, ALL_STEPS)
         return found
 
     with ThreadPoolExecutor(WORKERS) as pool:
@@ -149,12 +143,14 @@ def hypotheses(
 
 def _fitted_first(problem: Problem, base: Fitted, effect: Effect, steps: int) -> Hypothesis | None:
     """A few steps of a fit from an effect beside a base."""
-    found = _fitted(problem, effect.identifier, base.model.plus(effect), steps, base)
+    found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), steps, base)
     if found is not None and found.fitted.cost < base.cost:
         return found
     # Worse than without it: the size that the screening suggests lies beyond where it says something.
     small = _smaller(effect)
-    again = None if small is None else _fitted(problem, effect.identifier, base.model.plus(small), steps, base)
+    again = (
+        None if small is None else fitted_hypothesis(problem, effect.identifier, base.model.plus(small), steps, base)
+    )
     return again if found is None or (again is not None and again.beyond(found) < 0.0) else found
 
 
@@ -242,94 +238,6 @@ def _relatives(base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
     return models
 
 
-def other_choices(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
-    """One of a model's effects with each other choice that it has, fitted from where the model is."""
-    model = fitted.model
-    effect = model.effects[index]
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    found = []
-    for parameter in effect.parameters:
-        for choice in (c for c in parameter.choices if c != effect.values[parameter.name]):
-            other = type(effect)(**(effect.values | {parameter.name: choice}))
-            start = replace(model, effects=(*others, other))
-            found.append(_settled(problem, effect.identifier, start))
-    return [h for h in found if h is not None]
-
-
-def _settled(problem: Problem, identifier: str, start: Model) -> Hypothesis | None:
-    """A thorough fit, taken up again, with numbers measured by what they have become, until that changes little."""
-    found = _fitted(problem, identifier, start, ALL_STEPS)
-    for _ in range(MOST_FITS - 1):
-        again = None if found is None else _fitted(problem, identifier, found.fitted.model, ALL_STEPS)
-        if found is None or again is None or again.fitted.cost > (1.0 - SETTLED) * found.fitted.cost:
-            break
-        found = again
-    return found
-
-
-def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
-    """The special case of one of a model's effects in its place, fitted from there; None if there is none, or known."""
-    model = general.model
-    effect = model.effects[index].simplified()
-    if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
-        return None
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    return _fitted(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
-
-
-def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
-    """What does nearly the same as one of a model's effects in its place, fitted from there."""
-    model = fitted.model
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    found = [
-        _fitted(problem, relative.identifier, replace(model, effects=(*others, relative)), ALL_STEPS)
-        for relative in model.effects[index].relatives()
-        if relative.identifier not in {e.identifier for e in others}
-    ]
-    return [h for h in found if h is not None]
-
-
-def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Laws with more detail of the likeliest effect that has such, fitted, each from the one before it.
-
-    They are called for where the likeliest of all leaves structure, or may be a finer law of another name.
-    """
-    if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
-        return []
-    found: list[Hypothesis] = []
-    for hypothesis in ranked:
-        structured = len(ranked[0].fitted.noise.whitening) > 1
-        starts = _finer_starts(problem, hypothesis)
-        if not starts or not (structured or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
-            continue
-        while starts:
-            fitted = _until_white(problem, starts)
-            found += fitted
-            starts = _finer_starts(problem, fitted[0]) if fitted else []
-        break
-    return found
-
-
-def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
-    """Fits of the effect that models hold last, up to the first that leaves white noise, the best first."""
-    found: list[Hypothesis] = []
-    for model in starts:
-        fitted = _fitted(problem, model.effects[-1].identifier, model, ALL_STEPS)
-        found += [] if fitted is None else [fitted]
-        if fitted is not None and len(fitted.fitted.noise.whitening) == 1:
-            break
-    return in_order(found)
-
-
-def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
-    """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last."""
-    model = hypothesis.fitted.model
-    effect, others = model.effects[-1], model.effects[:-1]
-    laws = effect.finer(problem.situations(model).of(type(effect)))
-    present = {e.identifier for e in others}
-    return [replace(model, effects=(*others, law)) for law in laws if law.identifier not in present]
-
-
 def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
     """Where a thorough fit starts: where the first one ended, or from coefficients and states of the best hypothesis.
 
@@ -354,26 +262,6 @@ def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
         except (ValueError, ArithmeticError):
             costs.append(np.inf)
     return starts[int(np.argmin(np.nan_to_num(costs, nan=np.inf)))]
-
-
-def _fitted(
-    problem: Problem, identifier: str, start: Model, steps: int, base: Fitted | None = None
-) -> Hypothesis | None:
-    try:
-        result = fit(
-            problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None, tolerance=TOLERANCE
-        )
-    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
-        return None
-    if not np.isfinite(result.noise.deviance) or not _is_plausible(problem, result):
-        return None
-    return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
-
-
-def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
-    """Whether the values of the effect that was fitted last are possible on the way that the recordings show."""
-    span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
-    return fitted.model.effects[-1].is_plausible(span)
 
 
 def _start_of(candidate: ScreenedEffect) -> Effect:

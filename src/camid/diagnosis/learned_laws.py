@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, Decision, chance, p_value
 from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.hypothesis_search import ALL_STEPS, BESIDE_OTHERS, hypotheses
+from camid.diagnosis.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.hypothesis_search import BESIDE_OTHERS, hypotheses
 from camid.diagnosis.mismatch_location import places
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
 from camid.diagnosis.screening import screen

@@ -23,7 +23,7 @@ from camid.diagnosis.evidence import (
 )
 from camid.diagnosis.explanation import explained
 from camid.diagnosis.formula.account import with_words
-from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.laws_alone import with_laws
 from camid.diagnosis.learned_laws import with_learned_laws

@@ -16,7 +16,7 @@ import numpy as np
 
 from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, LAW_ERROR, Decision, chance
 from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.mismatch_location import PlaceTest, regressors
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
 from camid.diagnosis.screening import metrics, projector

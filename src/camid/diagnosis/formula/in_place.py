@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.formula.candidates import Candidate
 from camid.diagnosis.formula.groups import Group
-from camid.diagnosis.hypothesis_search import ALL_STEPS
+from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.learned_laws import relearned
 from camid.diagnosis.simplest_effects import leaving_out
 from camid.effects.learned import LearnedCurve, LearnedEffect

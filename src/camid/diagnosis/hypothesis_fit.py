@@ -1,0 +1,53 @@
+"""A hypothesis, fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camid.diagnosis.hypothesis import Hypothesis, prior_penalty
+from camid.fitting.fit import Fitted, fit
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+
+# Evaluations for a first and for a thorough fit.
+FIRST_STEPS = 8
+ALL_STEPS = 30
+# Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
+TOLERANCE = 1e-6
+
+
+def fitted_hypothesis(
+    problem: Problem, identifier: str, start: Model, steps: int, base: Fitted | None = None
+) -> Hypothesis | None:
+    """The hypothesis of the effect that a model holds last, fitted from there.
+
+    Parameters
+    ----------
+    problem : Problem
+    identifier : str
+    start : Model
+    steps : int
+        Evaluations at most.
+    base : Fitted, optional
+        The model without the effect: a first fit, which takes its noise and its scales from there.
+
+    Returns
+    -------
+    Hypothesis or None
+        None where the fit fails or ends at values that are not possible.
+    """
+    try:
+        result = fit(
+            problem, start, steps=steps, base=base, refreshes=0 if base else 3, finest=base is None, tolerance=TOLERANCE
+        )
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        return None
+    if not np.isfinite(result.noise.deviance) or not _is_plausible(problem, result):
+        return None
+    return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
+
+
+def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
+    """Whether the values of the effect that was fitted last are possible on the way that the recordings show."""
+    span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
+    return fitted.model.effects[-1].is_plausible(span)

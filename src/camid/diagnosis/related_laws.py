@@ -1,0 +1,107 @@
+"""Laws that are related to one that a model holds, fitted from where that one is.
+
+Its other choices, its special case, what does nearly the same, and laws with more detail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from camid.diagnosis.hypothesis import Hypothesis, in_order
+from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+
+# Thorough fits one after another from the values of another law, and the fall of the cost, as a share, that ends them.
+MOST_FITS = 4
+SETTLED = 1e-3
+
+
+def other_choices(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
+    """One of a model's effects with each other choice that it has, fitted from where the model is."""
+    model = fitted.model
+    effect = model.effects[index]
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    found = []
+    for parameter in effect.parameters:
+        for choice in (c for c in parameter.choices if c != effect.values[parameter.name]):
+            other = type(effect)(**(effect.values | {parameter.name: choice}))
+            start = replace(model, effects=(*others, other))
+            found.append(_settled(problem, effect.identifier, start))
+    return [h for h in found if h is not None]
+
+
+def _settled(problem: Problem, identifier: str, start: Model) -> Hypothesis | None:
+    """A thorough fit, taken up again, with numbers measured by what they have become, until that changes little."""
+    found = fitted_hypothesis(problem, identifier, start, ALL_STEPS)
+    for _ in range(MOST_FITS - 1):
+        again = None if found is None else fitted_hypothesis(problem, identifier, found.fitted.model, ALL_STEPS)
+        if found is None or again is None or again.fitted.cost > (1.0 - SETTLED) * found.fitted.cost:
+            break
+        found = again
+    return found
+
+
+def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
+    """The special case of one of a model's effects in its place, fitted from there; None if there is none, or known."""
+    model = general.model
+    effect = model.effects[index].simplified()
+    if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
+        return None
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
+
+
+def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
+    """What does nearly the same as one of a model's effects in its place, fitted from there."""
+    model = fitted.model
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    found = [
+        fitted_hypothesis(problem, relative.identifier, replace(model, effects=(*others, relative)), ALL_STEPS)
+        for relative in model.effects[index].relatives()
+        if relative.identifier not in {e.identifier for e in others}
+    ]
+    return [h for h in found if h is not None]
+
+
+def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Laws with more detail of the likeliest effect that has such, fitted, each from the one before it.
+
+    They are called for where the likeliest of all leaves structure, or may be a finer law of another name.
+    """
+    if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
+        return []
+    found: list[Hypothesis] = []
+    for hypothesis in ranked:
+        structured = len(ranked[0].fitted.noise.whitening) > 1
+        starts = _finer_starts(problem, hypothesis)
+        if not starts or not (structured or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
+            continue
+        while starts:
+            fitted = _until_white(problem, starts)
+            found += fitted
+            starts = _finer_starts(problem, fitted[0]) if fitted else []
+        break
+    return found
+
+
+def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
+    """Fits of the effect that models hold last, up to the first that leaves white noise, the best first."""
+    found: list[Hypothesis] = []
+    for model in starts:
+        fitted = fitted_hypothesis(problem, model.effects[-1].identifier, model, ALL_STEPS)
+        found += [] if fitted is None else [fitted]
+        if fitted is not None and len(fitted.fitted.noise.whitening) == 1:
+            break
+    return in_order(found)
+
+
+def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
+    """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last."""
+    model = hypothesis.fitted.model
+    effect, others = model.effects[-1], model.effects[:-1]
+    laws = effect.finer(problem.situations(model).of(type(effect)))
+    present = {e.identifier for e in others}
+    return [replace(model, effects=(*others, law)) for law in laws if law.identifier not in present]
