@@ -293,6 +293,27 @@ def test_clipped_values_are_no_outliers():
     assert set(rows) <= set(np.flatnonzero(found.spoiled))
 
 
+def test_noise_that_grows_with_the_reading_has_no_outliers():
+    """Noise nearly in proportion to the position has long tails as a whole, and none beside its own size."""
+    named = struck = 0
+    for seed in range(20):
+        generator = np.random.default_rng(np.random.SeedSequence([seed, 9]))
+        given = situation(seed=seed, count=2000)
+        size = np.hypot(0.05 * given.position, 0.01 * np.std(given.position))  # and a sensor's own noise
+        residual = size * generator.standard_normal(len(size))
+        grown = replace(given, residual=residual, recorded=given.position + residual)
+        found = known_effects()["outliers"].recognise(grown)
+        named += found is not None and found.p_value < 1e-4
+        # And what stands out of such noise is found in it.
+        far = np.zeros(len(residual))
+        far[generator.choice(len(residual), 8, replace=False)] = 12.0 * np.std(residual)
+        found = known_effects()["outliers"].recognise(
+            replace(given, residual=residual + far, recorded=given.position + residual + far)
+        )
+        struck += found is not None and found.p_value < 1e-4
+    assert (named, struck) == (0, 20)
+
+
 def test_a_force_that_repeats_with_the_step_of_a_coarse_sensor_is_its_rounding():
     given = situation(seed=3)
     step = float(np.ptp(given.position)) / 10.0

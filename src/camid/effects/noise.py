@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import erfc, log, sqrt
 
 import numpy as np
@@ -199,16 +200,21 @@ def _repeated(situation: Situation) -> NDArray[np.bool_]:
     )
 
 
-def _spread_over_speed(residual: Array, velocity: Array) -> Array:
-    """Relative standard deviation of each row: one, or that of a noise that grows with the speed where it does."""
+def _relative_spread(residual: Array, motion: Sequence[Array]) -> Array:
+    """Relative standard deviation of each row: one, or that of a noise that grows with the motion where it does.
+
+    Of several measures of the motion the one that the noise follows best.
+    """
     # Single outliers would bend the regression, so that the largest residuals count as less.
     limit = MOST_DEVIATIONS * 1.4826 * float(np.median(np.abs(residual)))
-    square, speed = np.clip(residual, -limit, limit) ** 2, velocity**2
-    _, slope, _, score = variance_regression(square, speed)
+    square = np.clip(residual, -limit, limit) ** 2
+    regressions = [variance_regression(square, signal**2) for signal in motion]
+    (_, slope, _, score), signal = max(zip(regressions, motion, strict=True), key=lambda each: each[0][0])
     if 2.0 * tail(score) >= CERTAIN_PROBABILITY or slope <= 0.0:
         return np.ones(len(residual))
-    base = max(float(np.mean(square) - slope * np.mean(speed)), 0.05 * float(np.mean(square)))
-    return np.asarray(np.sqrt((base + slope * speed) / (base + slope * float(np.median(speed)))))
+    size = signal**2
+    base = max(float(np.mean(square) - slope * np.mean(size)), 0.05 * float(np.mean(square)))
+    return np.asarray(np.sqrt((base + slope * size) / (base + slope * float(np.median(size)))))
 
 
 def _at_an_edge(situation: Situation, rows: NDArray[np.bool_]) -> int:
@@ -238,13 +244,15 @@ class Outliers(Effect):
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """Isolated residuals far outside of the robust spread of the others."""
-        # Neither a repeated frame nor the wide noise of a jittering clock at high speed is an outlier.
+        # Neither a repeated frame nor the wide noise of a jittering clock at high speed, or of a sensor whose noise
+        # grows with its reading, is an outlier.
         usable = situation.used & ~_repeated(situation)
         known = situation.residual[usable]
         if len(known) < FEWEST_ROWS:
             return None
         residual = np.where(usable, situation.residual - np.median(known), 0.0)
-        residual[usable] /= _spread_over_speed(residual[usable], situation.velocity[usable])
+        motion = (situation.velocity[usable], situation.position[usable])
+        residual[usable] /= _relative_spread(residual[usable], motion)
         spread = 1.4826 * float(np.median(np.abs(residual[usable])))
         if spread <= 0.0:
             return None
