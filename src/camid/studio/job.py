@@ -84,7 +84,8 @@ class Job:
             output, _ = await asyncio.gather(self._process.stdout.read(), self._listen(self._process.stderr, said))
             code = await self._process.wait()
         finally:
-            if self._process.returncode is None:
+            # What the command started a moment before it ended may outlive it.
+            if self._cancelled or self._process.returncode is None:
                 self._end(signal.SIGKILL)
         self.output = output.decode("utf-8", errors="replace")
         if self._cancelled:
