@@ -37,6 +37,13 @@ def run(project, *arguments, until=None):
     return asyncio.run(running()), job, said
 
 
+def find_repeatedly(group):
+    """Signal a process group for five seconds: what was killed is there until the system has taken it away."""
+    for _ in range(500):
+        os.killpg(group, 0)
+        time.sleep(0.01)
+
+
 def test_progress_and_the_answer_of_a_command_are_heard(project):
     well, job, said = run(project, "camid", "identify", "slide.csv", "--simulation", "slide.yaml", "--json")
     assert (well, job.error, job.warnings) == (True, None, [])
@@ -66,9 +73,7 @@ def test_a_cancelled_command_ends_and_leaves_nothing(project):
     assert (well, job.error) == (False, CANCELLED)
     assert {p.name for p in project.folder.iterdir()} == before
     with pytest.raises(ProcessLookupError):
-        for _ in range(500):  # what was killed is there until the system has taken it away
-            os.killpg(job._process.pid, 0)
-            time.sleep(0.01)
+        find_repeatedly(job._process.pid)
 
 
 def test_a_recording_gets_a_first_simulation_and_an_identified_one(project):
