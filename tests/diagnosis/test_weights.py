@@ -7,13 +7,23 @@ import numpy as np
 import pytest
 
 from camid.diagnosis.verdict import different_inputs
-from camid.diagnosis.weights import LARGEST_CLASS, LEAST_WEIGHT, Comparison, Constants, Member, weight_outside, weights
+from camid.diagnosis.weights import (
+    LARGEST_CLASS,
+    LEAST_WEIGHT,
+    UNSEEN,
+    Comparison,
+    Constants,
+    Member,
+    weight_outside,
+    weights,
+)
 from camid.effects import known_effects
 from camid.effects.base import Effect
 
 CONSTANTS = Constants(0.3, 0.05, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
 LEAD = Member("coulomb-friction", 0.0, 0.0)
-ALONE = Comparison((LEAD,), share=0.9, left=0.0)
+# Finely shown: a ten thousandth of it may be there without a test seeing it.
+ALONE = Comparison((LEAD,), share=0.9, left=0.0, gain=1e4 * UNSEEN)
 
 
 def of(*members, **changes):
@@ -119,3 +129,16 @@ def test_a_repetition_is_no_other_experiment():
     assert different_inputs(problem(one, one[:150])) == 1
     assert different_inputs(problem(one, 0.5 * one)) == 2
     assert different_inputs(problem(one, np.cos(np.arange(200.0)), one)) == 2
+
+
+def test_a_law_that_is_shown_finely_leaves_less_room_for_another():
+    """What no test sees of a weak effect may be much of it: of a strong one it is little."""
+    weights_outside = [weight_outside(replace(ALONE, gain=gain), CONSTANTS) for gain in (40.0, 400.0, 4e4)]
+    assert weights_outside == sorted(weights_outside, reverse=True)
+    assert weight_outside(replace(ALONE, gain=20.0), CONSTANTS) == pytest.approx(weights_outside[0])
+
+
+def test_what_is_left_adds_to_what_no_test_sees():
+    seen = replace(ALONE, gain=400.0, left=0.09)
+    assert seen.unexplained == pytest.approx(0.2)
+    assert weight_outside(seen, CONSTANTS) == pytest.approx(weight_outside(replace(ALONE, gain=200.0), CONSTANTS))

@@ -28,6 +28,7 @@ def drawn(count, seed):
             tuple(members),
             share=float(generator.uniform(0.01, 1.0)),
             left=float(generator.choice([0.0, 0.01, 0.1])),
+            gain=float(10.0 ** generator.uniform(1.5, 5.0)),
             strongest=bool(generator.random() < 0.7),
             same_place=bool(generator.random() < 0.5),
             noise=bool(generator.random() < 0.1),

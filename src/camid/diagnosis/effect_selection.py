@@ -19,6 +19,7 @@ from camid.diagnosis.hypothesis_search import (
     RIVALS,
     best_of_each,
     first_effort,
+    has_run_away,
     hypotheses,
     is_far_off,
 )
@@ -211,7 +212,7 @@ def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> 
     if nominal is None:
         return None
     out_of_phase = problem.kind.phases_add_up and not current.model.effects
-    if not out_of_phase and not is_far_off(problem, current):
+    if not out_of_phase and not is_far_off(problem, current) and not has_run_away(current, nominal):
         return None
     return replace(nominal, effects=current.model.effects)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from camid.diagnosis.hypotheses_over_time import raced
 from camid.diagnosis.hypothesis import Hypothesis, in_order
-from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, REFRESHES_FAR_OFF, fitted_hypothesis
 from camid.diagnosis.models_around import models_around
 from camid.diagnosis.related_laws import finer_laws, special_case
 from camid.diagnosis.screening import ScreenedEffect, alike, screen, trials
@@ -23,6 +23,8 @@ from camid.fitting.problem import WORKERS, Problem
 # Error, as a share of the output's spread, from which fits start from the nominal coefficients, too.
 NOMINAL_START_ERROR = 0.1
 MOST_FROM_NOMINAL = 7
+# Factor of a coefficient beyond which it has run away from the nominal one, which is known within a factor of three.
+RUN_AWAY = 30.0
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
@@ -106,10 +108,15 @@ def hypotheses(
             return None
         return _fitted_first(problem, base, _start_of(candidate), effort.steps)
 
+    # From coefficients that have run away a few steps lead nowhere, and neither do a few from the nominal ones there.
+    lost = nominal is not None and has_run_away(base, nominal)
+
     def fitted_from(model: Model) -> Hypothesis | None:
         identifier = model.effects[-1].identifier
         if watch.no_time_for(f"other starts of {identifier}"):
             return None
+        if lost:
+            return fitted_hypothesis(problem, identifier, model, ALL_STEPS, refreshes=REFRESHES_FAR_OFF)
         return fitted_hypothesis(problem, identifier, model, FIRST_STEPS)
 
     def fitted_again(hypothesis: Hypothesis, best: Hypothesis) -> Hypothesis | None:
@@ -157,6 +164,13 @@ def _fitted_first(problem: Problem, base: Fitted, effect: Effect, steps: int) ->
 def is_far_off(problem: Problem, fitted: Fitted) -> bool:
     """Whether a model is so far from the recordings that its coefficients may be bent beyond repair."""
     return fitted.cost >= NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(fitted.residual)
+
+
+def has_run_away(fitted: Fitted, nominal: Model) -> bool:
+    """Whether a coefficient has left the nominal one by a factor that no rig's does, as a pole does that imitates."""
+    found, given = np.abs(fitted.model.coefficients), np.abs(nominal.coefficients)
+    known = given > 0.0
+    return bool(np.any(found[known] > RUN_AWAY * given[known]))
 
 
 def _is_lost(problem: Problem, fitted: Fitted) -> bool:

@@ -23,6 +23,7 @@ from camid.diagnosis.evidence import (
 )
 from camid.diagnosis.explanation import explained
 from camid.diagnosis.formula.account import with_words
+from camid.diagnosis.held_out import borne_out
 from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.laws_alone import with_laws
@@ -235,6 +236,8 @@ def _simplified(
 ) -> tuple[Decision, Residue]:
     """The decision, and what its effects leave: with the fewest, and laws without a name, where that is structure."""
     problem = setting.problem
+    if not setting.settled:
+        decision = borne_out(problem, decision, setting.judging, setting.known, watch)
     if decision.rivals and not decision.fitted.weighted:
         again = fit(problem, decision.fitted.model, steps=ALL_STEPS)
         decision = replace(decision, fitted=min((again, decision.fitted), key=lambda each: each.cost))

@@ -67,7 +67,7 @@ def simplest(
         if _shows_elsewhere(problem, decision, known + weakest, decision.without[weakest], inexact):
             certain.add(effects[weakest].identifier)
             continue
-        decision = _without(problem, decision, known, weakest)
+        decision = without_effect(problem, decision, known, weakest)
     decision = replace(decision, certain=frozenset(certain))
     for index in range(len(decision.rivals)):
         decision = _special(problem, decision, known, index, noise)
@@ -102,8 +102,8 @@ def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
     return (without.cost - fitted.cost) / max(without.cost - noise, 1e-300)
 
 
-def _without(problem: Problem, decision: Decision, known: int, index: int) -> Decision:
-    """The decision without one of its effects."""
+def without_effect(problem: Problem, decision: Decision, known: int, index: int) -> Decision:
+    """The decision without one of its effects, the others fitted again."""
     rivals = decision.rivals[:index] + decision.rivals[index + 1 :]
     fitted = decision.without[index]
     without = leaving_out(problem, decision.base, fitted, known)

@@ -70,6 +70,7 @@ def findings(
             members_of(ranked, decision.without[i], named, constant=problem.kind.offset_free or problem.kind.bias_free),
             float(removed[i]),
             beside_laws if effect.identifier in decision.certain else left,
+            gain_of(decision, i),
             i == strongest,
             effect.place == effects[strongest].place,
             experiments=1 if effect.linear_dynamics else different_inputs(problem),
@@ -107,6 +108,13 @@ def findings(
             )
         )
     return sorted(result, key=lambda f: -f.evidence["share"])
+
+
+def gain_of(decision: Decision, index: int) -> float:
+    """Mismatch that one of the effects found removes beside the others, in variances of what they leave."""
+    fitted = decision.fitted
+    variance = fitted.cost / max(len(fitted.residual) - len(fitted.packing.names), 1)
+    return max(decision.without[index].cost - fitted.cost, 0.0) / max(variance, 1e-300)
 
 
 def as_simulated(found: Sequence[Finding], decision: Decision, known: int) -> list[Finding]:

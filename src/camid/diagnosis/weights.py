@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from math import exp, log
+from math import exp, inf, log
 
 UNLISTED = "unlisted"  # alternative of a finding that stands for physics outside the catalogue
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
@@ -25,8 +25,11 @@ LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4
 # Prior probability of a law of which dry friction is the special case: rigs have dry friction more often.
 GENERAL_LAW = 0.3
-# Share of the mismatch below which what is left counts as nothing.
-NOTHING_LEFT = 1e-4
+# Structure in what is left, in variances of the noise, that the tests of a place see in every second recording: the
+# noncentrality of sixty functions at a p-value of 2·10⁻⁴.
+UNSEEN = 40.0
+# Shares below this are zero.
+LEAST_SHARE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,8 @@ class Comparison:
         Of the refitted sum of squares that the effect removes.
     left : float
         Of the mismatch that all effects together leave, where that is more than noise.
+    gain : float
+        Mismatch that the effect removes, in variances of the noise: how finely the recording shows its law.
     strongest : bool
         Whether no other effect removes more; of an effect on the noise, whether no other is named.
     same_place : bool
@@ -112,10 +117,17 @@ class Comparison:
     members: tuple[Member, ...]
     share: float
     left: float
+    gain: float = inf
     strongest: bool = True
     same_place: bool = True
     noise: bool = False
     experiments: int = 1
+
+    @property
+    def unexplained(self) -> float:
+        """Share of what the effect removes that is left, or that may be without a test seeing it; at most one."""
+        left = self.left / self.share if self.share > 0.0 else 0.0
+        return min(left + UNSEEN / max(self.gain, UNSEEN), 1.0)
 
 
 @cache
@@ -171,12 +183,12 @@ def weight_outside(comparison: Comparison, constants: Constants) -> float:
     """Weight of physics outside the catalogue."""
     if comparison.noise:
         return _probability(constants.noise + constants.noise_beside * (not comparison.strongest))
-    share = max(comparison.share, NOTHING_LEFT)
-    odds = constants.outside + constants.outside_left * log(comparison.left / share + NOTHING_LEFT)
+    odds = constants.outside + constants.outside_left * log(max(comparison.unexplained, LEAST_SHARE))
     # Another input is another chance for a law outside the catalogue to leave something.
     odds *= comparison.experiments
     if not comparison.strongest:
-        odds += constants.beside_share * log(share) + constants.beside_place * comparison.same_place
+        odds += constants.beside_share * log(max(comparison.share, LEAST_SHARE))
+        odds += constants.beside_place * comparison.same_place
     return _probability(odds)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import NOTHING_LEFT, Comparison, Constants, Member, log_likelihood, weights
+from camid.diagnosis.weights import Comparison, Constants, Member, log_likelihood, weights
 from camid.proof.concealed.generator import Case, make
 from camid.proof.rates import rate, reliability
 from camid.proof.sealed_files import HELD_OUT, RECORDING, SIMULATION, write_case
@@ -125,7 +125,7 @@ def outside_stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]]) 
     """
     rows = [
         {
-            "left": "something" if comparison.left > NOTHING_LEFT * comparison.share else "nothing",
+            "left": "something" if comparison.left > 0.0 else "nothing",
             "strongest": comparison.strongest,
             "experiments": comparison.experiments,
             "stated": weights(comparison)[1],

@@ -1,0 +1,70 @@
+"""What rows that were not fitted say of the effects found: one that they speak against is not named.
+
+The rows neither fit nor choose: no effect and no value is taken because of them. They judge by the ratio of the
+predictive densities with an effect and without it, each fitted to the other rows (cross-validated predictive density;
+Vehtari & Ojanen 2012, Statistics Surveys 6, 142–228).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.simplest_effects import without_effect
+from camid.diagnosis.watch import Watch
+from camid.fitting.fit import Fitted
+from camid.fitting.problem import Problem
+
+Array = NDArray[np.float64]
+
+# Logarithm of the ratio of predictive densities against an effect from which it is not named: 150 to one.
+REFUTED = 5.0
+
+
+def borne_out(
+    problem: Problem, decision: Decision, judging: Sequence[NDArray[np.bool_]], known: int, watch: Watch
+) -> Decision:
+    """The decision without effects that rows which were not fitted speak against, the one that they do most first.
+
+    Parameters
+    ----------
+    problem : Problem
+    decision : Decision
+    judging : sequence of ndarray of bool
+        Rows of each recording that are not fitted.
+    known : int
+        How many of the model's effects the nominal simulation holds already.
+    watch : Watch
+    """
+    while decision.rivals and not watch.no_time_for("holding the effects against rows that were not fitted"):
+        evidence = [held_out_evidence(problem, decision.fitted, without, judging) for without in decision.without]
+        worst = int(np.argmin(evidence))
+        if evidence[worst] >= -REFUTED:
+            break
+        decision = without_effect(problem, decision, known, worst)
+    return decision
+
+
+def held_out_evidence(problem: Problem, fitted: Fitted, without: Fitted, judging: Sequence[NDArray[np.bool_]]) -> float:
+    """Logarithm of the ratio of the densities that a model with an effect and one without predict for other rows.
+
+    The noise is what the model with the effect leaves on the fitted rows; where that has a colour, a direction of the
+    output in which it varies more says less, as in :meth:`camid.fitting.fit.Fitted.criterion_beyond`.
+    """
+    errors, others = (_errors(problem, each, judging) for each in (fitted, without))
+    if not np.all(np.isfinite(errors)):
+        return -np.inf
+    if not np.all(np.isfinite(others)):
+        return np.inf
+    variance = fitted.cost / max(len(fitted.residual) - len(fitted.packing.names), 1)
+    ratio = float(others @ others - errors @ errors) / (2.0 * max(variance, 1e-300))
+    return ratio / fitted.inflation(others - errors)
+
+
+def _errors(problem: Problem, fitted: Fitted, rows: Sequence[NDArray[np.bool_]]) -> Array:
+    """Recorded minus simulated output on some rows of each recording, concatenated."""
+    simulated = problem.simulate(fitted.model)
+    return np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
