@@ -142,9 +142,19 @@ def regressors(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, 
     return np.concatenate(parts)
 
 
-def places(problem: Problem, fitted: Fitted) -> list[PlaceTest]:
-    """Tests of every place, in the metric of the noise."""
-    view, motions = metrics(problem, fitted)[-1], problem.motion(fitted.model)
+def places(problem: Problem, fitted: Fitted, spread: Array | None = None) -> list[PlaceTest]:
+    """Tests of every place, in the metric of the noise.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+    spread : ndarray, shape (M,), optional
+        Relative standard deviation of the noise in each row, where it is uneven: a few rows in which it is large would
+        look like a structure.
+    """
+    view = metrics(problem, fitted)[-1] if spread is None else Metric.of(problem, fitted, np.ones(1), spread)
+    motions = problem.motion(fitted.model)
     # One table at a time: each is as long as the recordings, and tens of columns wide.
     return [_place_test(problem, view, place, regressors(problem, fitted, motions, place)) for place in QUESTIONS]
 
@@ -157,6 +167,8 @@ def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> Pla
     from scipy.special import fdtrc
 
     whitened = problem.whitened(table, view.whitening)
+    if view.spread is not None:
+        whitened = whitened / view.spread[:, None]
     lengths = np.linalg.norm(whitened, axis=0)
     if not np.any(lengths > 0.0):
         return PlaceTest(place, QUESTIONS[place], 1.0, 0.0, 0.0)

@@ -27,6 +27,8 @@ RESONANCE_RATIO = 4.0
 SAME_RESONANCE = 0.2
 # Time between the readings whose difference is their rate, as a share of the period.
 RATE_STEP = 0.05
+# Share of the variance of uneven noise that does not depend on the motion, at least.
+LEAST_EVEN = 0.05
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
@@ -103,13 +105,10 @@ def _with_rate_of_reading(problem: Problem, model: Model) -> Situation:
 
 def _without_imitations(situation: Situation, found: list[Recognition]) -> list[Recognition]:
     """Without what is only the tails of noise whose variance another effect makes uneven: outliers of a jitter."""
-    added = [v for r in found if (v := r.effect.added_variance(situation)) is not None]
-    if not added:
+    spread = _standard_deviation([r.effect for r in found], situation)
+    if spread is None:
         return found
-    moving = np.sum(added, axis=0)
-    variance = np.mean(situation.residual[situation.used] ** 2)
-    rest = max(float(variance - np.mean(moving[situation.used])), 0.05 * float(variance))
-    residual = situation.residual / np.sqrt(rest + moving)
+    residual = situation.residual / spread
 
     def shows_in_even_noise(recognition: Recognition) -> bool:
         scaled = replace(situation, residual=residual, used=situation.used | recognition.spoiled)
@@ -117,6 +116,31 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
         return again is not None and again.p_value < LARGEST_P_VALUE
 
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
+
+
+def _standard_deviation(effects: Sequence[Effect], situation: Situation) -> Array | None:
+    """Standard deviation of the noise in each row, shape (N,), where effects make it uneven; else None."""
+    added = [v for effect in effects if (v := effect.added_variance(situation)) is not None]
+    if not added:
+        return None
+    moving = np.sum(added, axis=0)
+    variance = float(np.mean(situation.residual[situation.used] ** 2))
+    rest = max(variance - float(np.mean(moving[situation.used])), LEAST_EVEN * variance)
+    return np.asarray(np.sqrt(rest + moving))
+
+
+def uneven_spread(problem: Problem, final: Fitted, effects: Sequence[Effect]) -> Array | None:
+    """Relative standard deviation of the noise in each fitted row, shape (M,), where effects make it uneven.
+
+    None where none does, or what they add is not known of every recording.
+    """
+    if len(problem.experiments) > 1:
+        return None
+    spread = _standard_deviation(effects, _with_rate_of_reading(problem, final.model))
+    if spread is None:
+        return None
+    rows = spread[problem.experiments[0].used]
+    return np.asarray(rows / np.sqrt(np.mean(rows**2)))
 
 
 def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: float) -> Recognition:

@@ -29,7 +29,7 @@ from camid.diagnosis.improved_simulation import Deviations, improved_simulation,
 from camid.diagnosis.laws_alone import with_laws
 from camid.diagnosis.learned_laws import with_learned_laws
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
-from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows
+from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows, uneven_spread
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure, share_left
 from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
@@ -277,9 +277,12 @@ def _fitted_to_the_end(problem: Problem, fitted: Fitted, watch: Watch) -> Fitted
 def _residue(setting: Setting, decision: Decision, final: Fitted, before: list[mismatch_location.PlaceTest]) -> Residue:
     """Tests of what a model of a decision leaves, and what changes the noise."""
     problem, whole = setting.problem, setting.whole
-    after = before if final is decision.base else mismatch_location.places(problem, final)
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
+    spread = uneven_spread(problem, final, [effect for effect, _ in noise_effects])
+    after = before
+    if spread is not None or final is not decision.base:
+        after = mismatch_location.places(problem, final, spread)
     reasons = reasons_for_structure(problem, final, after, setting.judging, {f.identifier for f in found})
     if reasons:  # what looks like jitter, outliers or colour may be the structure
         found = [f for f in found if known_effects()[f.identifier].shows_in_values]

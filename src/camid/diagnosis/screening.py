@@ -144,23 +144,28 @@ def projector(table: Array) -> Array:
 
 @dataclass(frozen=True)
 class Metric:
-    """Residual and the basis of what is fitted, white or after the whitening filter of the noise."""
+    """Residual and the basis of what is fitted, white or after the whitening filter of the noise.
+
+    Where the noise is uneven, rows are divided by its relative standard deviation ``spread``, shape (M,).
+    """
 
     whitening: Array
     basis: Array
     residual: Array
     variance: float
+    spread: Array | None = None
 
     @classmethod
-    def of(cls, problem: Problem, base: Fitted, whitening: Array) -> Metric:
+    def of(cls, problem: Problem, base: Fitted, whitening: Array, spread: Array | None = None) -> Metric:
         """Metric of a fitted model."""
+        rows = 1.0 if spread is None else spread[:, None]
         # What a learned law could do is no sign of anything else, either.
         table = base.sensitivities if base.nuisance is None else np.hstack([base.sensitivities, base.nuisance])
-        basis = projector(problem.whitened(table, whitening))
-        residual = problem.whitened(base.residual, whitening)
+        basis = projector(problem.whitened(table, whitening) / rows)
+        residual = problem.whitened(base.residual, whitening) / (1.0 if spread is None else spread)
         residual = residual - basis @ (basis.T @ residual)
         freedom = max(len(residual) - basis.shape[1], 1)
-        return cls(whitening, basis, residual, float(residual @ residual) / freedom)
+        return cls(whitening, basis, residual, float(residual @ residual) / freedom, spread)
 
     def left(self, problem: Problem, change: Array) -> tuple[Array, float]:
         """What the coefficients cannot imitate of a change of the output, and the size of the whole."""

@@ -27,7 +27,7 @@ LARGEST_CLASS = 4
 GENERAL_LAW = 0.3
 # Structure in what is left, in variances of the noise, that the tests of a place see in every second recording: the
 # noncentrality of sixty functions at a p-value of 2·10⁻⁴.
-UNSEEN = 40.0
+UNSEEN = 47.0
 # Shares below this are zero.
 LEAST_SHARE = 1e-9
 
