@@ -10,7 +10,6 @@ parameters of effects do to the output, which so keep their meaning (Plumlee 201
 from __future__ import annotations
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,9 +17,10 @@ from numpy.typing import NDArray
 
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect, LearnedForce
 from camid.fitting.fit import Fitted, evaluate, sensitivities
+from camid.fitting.law_columns import law_columns
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
 from camid.fitting.smoothness import SmoothCurve, smooth_curve
 
 Array = NDArray[np.float64]
@@ -264,7 +264,7 @@ class _Step:
             raise ValueError("the simulation diverges with this law")
         if table is None:
             table = sensitivities(pinned, packing, packing.pack(model), simulated)
-        columns = _derivatives(pinned, model, curve, weights, simulated)
+        columns = _derivatives(pinned, model, curve, simulated)
         residual = problem.output - simulated
         smooth = _smoothed(residual, table, columns, weights, curve)
         return cls(problem, pinned, model, weights, curve, packing, residual, table, columns, smooth)
@@ -313,7 +313,7 @@ class _Step:
             model = at(vector).model
             packing, simulated = self.packing, self.pinned.simulate_fitted(model)
             table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
-            columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated) @ to_weights
+            columns = _derivatives(self.pinned, model, self.curve, simulated) @ to_weights
             count = columns.shape[1]
             prior = np.hstack([np.zeros((count, table.shape[1])), np.eye(count)])
             return np.vstack([-np.hstack([table, columns]), prior])
@@ -346,18 +346,10 @@ def _smoothed(residual: Array, table: Array, columns: Array, weights: Array, cur
     return smooth_curve(left, target, curve.roughness, len(residual) - basis.shape[1])
 
 
-def _derivatives(pinned: Problem, model: Model, curve: _Curve, weights: Array, simulated: Array) -> Array:
-    """Derivatives of the simulated output by the law's weights, shape (M, m), by one-sided differences."""
+def _derivatives(pinned: Problem, model: Model, curve: _Curve, simulated: Array) -> Array:
+    """Derivatives of the simulated output by the law's weights, shape (M, m)."""
     size = DIFFERENCE * curve.unit
-
-    def derivative(way: Array) -> Array:
-        moved = pinned.simulate_fitted(_with_weights(model, curve, weights + size * way))
-        return (moved - simulated) / size
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        columns = np.column_stack(list(pool.map(derivative, np.eye(len(weights)))))
-    columns[~np.isfinite(columns)] = 0.0
-    return columns
+    return law_columns(pinned, model, len(model.effects) - 1, curve.directions, size, simulated)
 
 
 def _with_weights(model: Model, curve: _Curve, weights: Array) -> Model:
