@@ -140,7 +140,7 @@ class LawTable:
         model = replace(
             fitted.model, effects=tuple(other if i == index else e for i, e in enumerate(fitted.model.effects))
         )
-        pinned = problem.pinned(model, finest=True)
+        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(fitted.residual))
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
