@@ -112,9 +112,25 @@ def test_a_curve_of_the_sensor_takes_no_further_run():
     assert largest_error(chain, np.eye(17)) < 1e-6
 
 
+@pytest.mark.parametrize("hold", ["zoh", "foh"])
+@pytest.mark.parametrize("others", [["cubic-stiffness"], ["coulomb-friction"], ["hysteresis", "saturation"]])
+def test_a_curve_of_the_actuator_changes_the_input(others, hold):
+    known = {
+        "cubic-stiffness": {"coefficient": 0.02},
+        "coulomb-friction": {"force": 0.6},
+        "hysteresis": {"strength": 0.5, "shape": 1.0},
+        "saturation": {"limit": 1.1},
+    }
+    knots = np.linspace(-1.5, 1.5, 17)
+    curve = LearnedCurve(variables="input", knots=knots.tolist(), values=(knots + 0.1 * knots**3).tolist())
+    effects = tuple(effect(name, **known[name]) for name in others)
+    chain = Chain(SPRING, Acquisition(PERIOD, hold=hold, exposure=0.007), (*effects, curve), steps=6)
+    assert largest_error(chain, np.eye(17), 0.1 * SIZE) < 5e-4
+
+
 def test_what_only_whole_runs_tell_is_left_to_them():
     knots = [-1.0, 0.0, 1.0]
-    bent_input = LearnedCurve(variables="input", knots=knots, values=knots)
+    bent_input = LearnedCurve(variables="input", knots=knots, values=knots)  # of a linear chain, which runs exactly
     force = LearnedForce(variables="velocity", knots=knots, values=[0.0] * 3)
     first_order = TransferFunction((5.0,), (1.0, 5.0))
     for plant, law, steps in ((SPRING, bent_input, 6), (first_order, force, 6), (SPRING, force, None)):

@@ -1,7 +1,7 @@
 """Derivatives of what a sensor reads by the values of a learned law, without a simulation for each of them.
 
-A force over position or velocity takes one run with tangents (:mod:`camid.engine.tangent`), and a curve of the sensor
-one run, whose reading it bends.
+A force over position or velocity, or a curve of the actuator, takes one run with tangents
+(:mod:`camid.engine.tangent`), and a curve of the sensor one run, whose reading it bends.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from camid.effects.learned import LearnedCurve, LearnedEffect, LearnedForce
 from camid.engine.law_stages import Law
 from camid.engine.mechanics import Chain
 from camid.engine.reader import Reader
-from camid.engine.run import after_sensor, exactly, exposures, move, observed, overrides, prepared, read
-from camid.engine.tangent import Changes, law_tangents
+from camid.engine.run import Setting, after_sensor, exactly, exposures, move, observed, overrides, prepared, read
+from camid.engine.tangent import Changes, Driven, law_tangents
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 MOST_NUMBERS = 2_000_000
 # Changes of the law beside those that differences of whole runs take: over a single step rounding hardly shows.
 FINER = 1e-2
-# Columns that compiled loops take at a time.
+# Columns that compiled loops take at a time; columns of zeros fill up the last ones.
 LANES = 16
 
 
@@ -53,11 +53,10 @@ def by_law(chain: Chain, signal: Array, time: Array, index: int, ways: Array, si
     assert isinstance(law, LearnedEffect)
     if chain.loop is not None or not chain.steps:
         return None
-    if isinstance(law, LearnedForce):
-        return _by_force(chain, law, signal, time, index, ways, size)
     if isinstance(law, LearnedCurve) and not law.of_input:
         return _by_reading(chain, law, signal, time, index, ways, size)
-    return None
+    assert isinstance(law, LearnedForce | LearnedCurve)
+    return _by_motion(chain, law, signal, time, index, ways, size)
 
 
 def _by_reading(
@@ -77,19 +76,22 @@ def _by_reading(
     return np.column_stack([(sampled(law.heights + size * way) - here) / size for way in ways.T])
 
 
-def _by_force(
-    chain: Chain, law: LearnedForce, signal: Array, time: Array, index: int, ways: Array, size: float
+def _by_motion(
+    chain: Chain, law: LearnedForce | LearnedCurve, signal: Array, time: Array, index: int, ways: Array, size: float
 ) -> Array | None:
-    if chain.equations is not None:
+    """A force, or a curve of the actuator."""
+    acquisition, curve = chain.declared(), isinstance(law, LearnedCurve)
+    # A simulation of a linear chain is cheap.
+    if chain.equations is not None or (curve and exactly(chain, signal, acquisition) is not None):
         return None
-    acquisition = chain.declared()
     setting = prepared(chain, signal, time, acquisition)
     mechanics = setting.mechanics
-    if mechanics.forces.implicit or mechanics.measured @ mechanics.force_vector != 0.0:
+    at_once = mechanics.measured @ mechanics.force_vector != 0.0
+    if mechanics.forces.implicit or at_once or (curve and mechanics.measured @ mechanics.input_vector != 0.0):
         return None
     steps = int(chain.steps or 0)
     step = acquisition.period / steps
-    start, end = setting.input_on_grid(chain, signal, acquisition, steps)
+    start, end = (each.copy() for each in setting.input_on_grid(chain, signal, acquisition, steps))
     reader = None
     if not any(overrides(e, "windows", "measure") for e in chain.effects):
         reader = Reader.of(setting.start_time, step, len(start) + 1, *exposures(time, acquisition))
@@ -97,11 +99,18 @@ def _by_force(
     bends = reader is None or any(overrides(e, "observe") for e in chain.effects)
     motion = move(chain, signal, time, acquisition) if bends else None
     columns = []
-    at_once = max(MOST_NUMBERS // (int(np.max(rows)) + 1) // LANES, 1) * LANES
-    for first in range(0, ways.shape[1], at_once):
-        some = _law_of(chain, law, index, ways[:, first : first + at_once], FINER * size)
+    nodes = len(start) + 1 if curve else int(np.max(rows)) + 1
+    together = max(MOST_NUMBERS // nodes // LANES, 1) * LANES
+    for first in range(0, ways.shape[1], together):
+        some = ways[:, first : first + together]
+        some = np.hstack([some, np.zeros((len(some), -some.shape[1] % LANES))])
+        if isinstance(law, LearnedCurve):
+            changed, driven = _no_law(some.shape[1]), _driven(chain, law, index, setting, signal, some, size)
+        else:
+            changed = _law_of(chain, law, index, some, FINER * size)
+            driven = Driven(*np.zeros((2, 0, some.shape[1])))
         changes = law_tangents(
-            mechanics, setting.initial, start, end, setting.start_time, step, *setting.shocks, some, rows
+            mechanics, setting.initial, start, end, setting.start_time, step, *setting.shocks, changed, driven, rows
         )
         if reader is None:
             assert motion is not None
@@ -113,10 +122,47 @@ def _by_force(
     return np.hstack(columns)[:, : ways.shape[1]]
 
 
+def _driven(
+    chain: Chain, law: LearnedCurve, index: int, setting: Setting, signal: Array, ways: Array, size: float
+) -> Driven:
+    """Derivatives of the input on the grid by a curve of the actuator, and by what other actuators make of it."""
+    acquisition, steps = chain.declared(), int(chain.steps or 0)
+    here = setting.input_on_grid(chain, signal, acquisition, steps)
+    found = Driven(*np.zeros((2, len(here[0]), ways.shape[1])))
+    for c in np.flatnonzero(np.any(ways != 0.0, axis=0)):
+        moved = law.with_heights(law.heights + size * ways[:, c])
+        other = replace(chain, effects=(*chain.effects[:index], moved, *chain.effects[index + 1 :]))
+        there = setting.input_on_grid(other, signal, acquisition, steps)
+        for result, before, after in zip(found, here, there, strict=True):
+            result[:, c] = (after - before) / size
+    return found
+
+
+def _no_law(count: int) -> Law:
+    """No law among the forces, and so many changes that do nothing to them."""
+    none, nowhere = np.zeros(count, np.int64), np.full(count, np.inf)
+    return Law(
+        effect=0,
+        first=0,
+        over_velocity=False,
+        times=0,
+        knots=np.array([0.0, 1.0]),
+        heights=np.zeros(2),
+        place=np.zeros(3, np.int64),
+        column=none,
+        share=np.zeros(count),
+        changes=np.zeros((count, 2)),
+        size=1.0,
+        begins=none,
+        ends=none,
+        low=nowhere,
+        high=-nowhere,
+    )
+
+
 def _law_of(chain: Chain, law: LearnedForce, index: int, ways: Array, size: float) -> Law:
-    """The law among the forces, as compiled code takes it; columns of zeros fill up the ways for its loops."""
+    """The law among the forces, as compiled code takes it."""
     count = len(law.knots)
-    ways = np.hstack([ways, np.zeros((count, -ways.shape[1] % LANES))])
     # What becomes of a height of one: it has a sign along the input.
     along = np.array(law.with_heights(np.ones(count)).force_values(chain.plant))
     heights = np.array(law.force_values(chain.plant))

@@ -1,7 +1,7 @@
-"""Derivatives of a run by the values of a law that one of its forces follows, beside one run and not one for each.
+"""Derivatives of a run by the values of a law that a force or the input follows, beside one run and not one for each.
 
-A run is kept node by node. A matrix carries small changes of the state over each of its steps; what changes of the law
-add to them, they add where the motion is near. So their number hardly counts.
+A run is kept node by node (:mod:`camid.engine.path`). A matrix carries small changes of the state over each of its
+steps; what changes of the law add to them, they add where the motion is near. So their number hardly counts.
 
 A step without events is differentiated stage by stage: a value of the law acts on the stages between whose knots they
 lie. Any other step is taken again from a state moved in each direction, and with each value of the law changed that may
@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
-from camid.engine.events import held_step
-from camid.engine.force_step import Shocks, can_be_smooth, is_shocked, step_in_parts, step_unless_event
+from camid.engine.force_step import Shocks, is_shocked
 from camid.engine.forces import Mechanics, dot, free_velocity
-from camid.engine.integrator import Grid, begin, passed
+from camid.engine.integrator import Grid, begin
 from camid.engine.law_stages import Law, Stages, add_values, carry_smoothly, stages_of
-from camid.engine.smooth_step import HeldStep, SmoothStep, held_step_of, smooth_step_of
-from camid.engine.workspace import Kinds, Workspace, copy, kinds_of, workspace_of
+from camid.engine.path import HELD, IN_PARTS, SMOOTH, Path, Run, path_of, take_step, walk
+from camid.engine.smooth_step import held_step_of, smooth_step_of
+from camid.engine.workspace import Workspace, copy, kinds_of, workspace_of
 
 Array = NDArray[np.float64]
 
@@ -31,27 +31,13 @@ STATE_DIFFERENCE = 1e-6
 # By how much the range of a law's variable in a step is widened on either side, as a share of it: a stage may lie a
 # little outside of what the ends and the middle of the step show, and the parts of one with events further.
 BESIDE, BESIDE_IN_PARTS = 0.5, 2.0
-# Ways to take a step: without an event, of a body that sticks, and split at events.
-SMOOTH, HELD, IN_PARTS = range(3)
 
 
-class Path(NamedTuple):
-    """A run, node by node, and how each of its steps was taken.
+class Driven(NamedTuple):
+    """Changes of the input at the start and at the end of each step, shapes (M, c); (0, c) where it does not change."""
 
-    Attributes
-    ----------
-    states, memories : ndarray, shapes (M + 1, q) and (M + 1, f)
-    direction, stuck, next_break, next_impulse, way : ndarray, shape (M,)
-        At the start of each step, and how it was taken.
-    """
-
-    states: Array
-    memories: Array
-    direction: Array
-    stuck: NDArray[np.bool_]
-    next_break: NDArray[np.int64]
-    next_impulse: NDArray[np.int64]
-    way: NDArray[np.int64]
+    start: Array
+    end: Array
 
 
 class Changes(NamedTuple):
@@ -65,72 +51,6 @@ class Changes(NamedTuple):
     integral: Array
 
 
-class _Run(NamedTuple):
-    """What all steps of a run share; ``rows`` says where a node's changes are recorded, -1 where they are not."""
-
-    smooth: SmoothStep
-    held: HeldStep
-    grid: Grid
-    shocks: Shocks
-    kinds: Kinds
-    rows: NDArray[np.int64]
-
-
-@kernel(inline="always")
-def _take_step(
-    m: Mechanics,
-    run: _Run,
-    room: Workspace,
-    k: int,
-    direction: float,
-    stuck: bool,
-    known: bool,
-    next_break: int,
-    next_impulse: int,
-) -> tuple[int, float, bool, int, int]:
-    """Step ``k`` of a run from the state in ``room``, as :func:`camid.engine.integrator.integrate` takes it.
-
-    Returns how it was taken, and direction, stuck, and the next break and impulse at its end.
-    """
-    grid, kinds, shocks = run.grid, run.kinds, run.shocks
-    step, time = grid.step, grid.start_time + k * grid.step
-    first, last = grid.start[k], grid.end[k]
-    before = grid.end[k - 1] if k > 0 else grid.start[0]
-    shocked = is_shocked(shocks, next_break, next_impulse, time + step)
-    tried, twice = can_be_smooth(kinds, shocked, stuck, direction), False
-    if tried:
-        event, twice, _, _ = step_unless_event(m, run.smooth, kinds, room, time, step, first, last, direction, known)
-        if not (event or twice):
-            return SMOOTH, direction, stuck, next_break, next_impulse
-    if stuck and first == before and not shocked and held_step(m, run.held, room, time, step, first, last, kinds):
-        return HELD, direction, stuck, next_break, next_impulse
-    direction, stuck, next_break, next_impulse = step_in_parts(
-        m, kinds, room, shocks, time, step, first, last, direction, stuck, tried, twice, next_break, next_impulse
-    )
-    return IN_PARTS, direction, stuck, next_break, next_impulse
-
-
-@kernel
-def _walk(m: Mechanics, run: _Run, at_once: bool, direction: float, room: Workspace, path: Path) -> None:
-    """Run over the grid and keep each node."""
-    grid, shocks = run.grid, run.shocks
-    known, stuck = False, False
-    next_break = passed(shocks.breaks, grid.start_time, True)
-    next_impulse = passed(shocks.impulse_times, grid.start_time, False)
-    for k in range(len(grid.start)):
-        copy(room.state, path.states[k])
-        copy(room.memory, path.memories[k])
-        path.direction[k], path.stuck[k] = direction, stuck
-        path.next_break[k], path.next_impulse[k] = next_break, next_impulse
-        way, direction, stuck, next_break, next_impulse = _take_step(
-            m, run, room, k, direction, stuck, known and not at_once, next_break, next_impulse
-        )
-        path.way[k] = way
-        known = way == SMOOTH
-    copy(room.state, path.states[len(grid.start)])
-    copy(room.memory, path.memories[len(grid.start)])
-
-
 @kernel(inline="always")
 def _difference(room: Workspace, path: Path, k: int, size: float, result: Array) -> None:
     """By how much a step beside one of the run led elsewhere, by the size of what was moved, shape (q + f,)."""
@@ -142,7 +62,7 @@ def _difference(room: Workspace, path: Path, k: int, size: float, result: Array)
 
 
 @kernel(inline="always")
-def _range(m: Mechanics, run: _Run, path: Path, k: int, over_velocity: bool) -> tuple[float, float]:
+def _range(m: Mechanics, run: Run, path: Path, k: int, over_velocity: bool) -> tuple[float, float]:
     """What a law's variable is in a step, widened; everything where the motion is shocked."""
     step, time = run.grid.step, run.grid.start_time + k * run.grid.step
     if is_shocked(run.shocks, path.next_break[k], path.next_impulse[k], time + step):
@@ -215,7 +135,7 @@ def _is_idle(law: Law, sizes: Array, trial: int, last: int, low: float, high: fl
 
 @kernel
 def _carry_by_steps(
-    m: Mechanics, run: _Run, room: Workspace, path: Path, law: Law, sizes: Array, k: int,
+    m: Mechanics, run: Run, room: Workspace, path: Path, law: Law, sizes: Array, k: int,
     carried: Array, following: Array, changed: Array,
 ) -> None:  # fmt: skip
     """Carry the changes over step ``k`` by steps beside it, all taken in one place, which is one piece of code."""
@@ -241,7 +161,7 @@ def _carry_by_steps(
                 room.state[trial] += size
             else:
                 room.memory[trial - states] += size
-            way, _, _, _, _ = _take_step(
+            way, _, _, _, _ = take_step(
                 m, run, room, k, path.direction[k], path.stuck[k], False, path.next_break[k], path.next_impulse[k]
             )
             # A step taken in another way differs by the error of the ways, too: there the other side may do.
@@ -258,9 +178,45 @@ def _carry_by_steps(
 
 
 @kernel
+def _add_driven(
+    m: Mechanics, run: Run, room: Workspace, path: Path, driven: Driven, size: float, k: int,
+    by_input: Array, changed: Array,
+) -> None:  # fmt: skip
+    """Add to the changes of the state what those of the input in step ``k`` do."""
+    for side in range(2):
+        values = run.grid.start if side == 0 else run.grid.end
+        changes = driven.start[k] if side == 0 else driven.end[k]
+        if path.way[k] == HELD:
+            columns = run.held.input_columns
+            for i in range(len(by_input)):
+                by_input[i] = 0.0
+            for i in range(len(room.state)):
+                by_input[i] = columns[i, 0] - columns[i, 1] if side == 0 else columns[i, 1]
+        else:
+            kept, moved = values[k], size
+            for trial in range(2):
+                copy(path.states[k], room.state)
+                copy(path.memories[k], room.memory)
+                values[k] = kept + moved
+                way, _, _, _, _ = take_step(
+                    m, run, room, k, path.direction[k], path.stuck[k], False, path.next_break[k], path.next_impulse[k]
+                )
+                if trial == 1 or way == path.way[k]:
+                    break
+                moved = -moved
+            values[k] = kept
+            _difference(room, path, k, moved, by_input)
+        for i in range(len(by_input)):
+            share, row = by_input[i], changed[i]
+            if share != 0.0:
+                for c in range(len(row)):
+                    row[c] += share * changes[c]
+
+
+@kernel
 def _tangents(
-    m: Mechanics, run: _Run, room: Workspace, path: Path, law: Law, stages: Stages, sizes: Array,
-    carried: Array, following: Array, changed: Array, result: Changes,
+    m: Mechanics, run: Run, room: Workspace, path: Path, law: Law, driven: Driven, stages: Stages, sizes: Array,
+    size_of_input: float, carried: Array, following: Array, changed: Array, result: Changes,
 ) -> None:  # fmt: skip
     """Carry the changes of the state, shape (q + f, c), over the run, and record them at the nodes."""
     grid, states = run.grid, len(room.state)
@@ -268,22 +224,21 @@ def _tangents(
         _record_changes(m, room, run.rows[k], changed, result)
         if run.kinds.remembers or path.way[k] == IN_PARTS:
             _carry_by_steps(m, run, room, path, law, sizes, k, carried, following, changed)
-            continue
-        smooth = path.way[k] == SMOOTH
-        if smooth:
-            time = grid.start_time + k * grid.step
+        elif path.way[k] == SMOOTH:
             carry_smoothly(
-                m, run.smooth, law, stages, time, grid.step, path.states[k], path.memories[k],
-                grid.start[k], grid.end[k], path.direction[k], carried,
+                m, run.smooth, law, stages, grid.start_time + k * grid.step, grid.step, path.states[k],
+                path.memories[k], grid.start[k], grid.end[k], path.direction[k], carried,
             )  # fmt: skip
+            _carry_changes(carried[:states], changed, following)
+            add_values(law, stages, states, changed)
         else:
-            # A law moves no body that sticks.
+            # A law of the forces moves no body that sticks.
             for i in range(states):
                 for j in range(states):
                     carried[i, j] = run.held.whole[j, i]
-        _carry_changes(carried[:states], changed, following)
-        if smooth:
-            add_values(law, stages, states, changed)
+            _carry_changes(carried[:states], changed, following)
+        if len(driven.start) > 0:
+            _add_driven(m, run, room, path, driven, size_of_input, k, following[:, 0], changed)
     _record_changes(m, room, run.rows[len(grid.start)], changed, result)
 
 
@@ -299,18 +254,19 @@ def law_tangents(
     impulse_times: Array,
     impulse_sizes: Array,
     law: Law,
+    driven: Driven,
     rows: NDArray[np.int64],
 ) -> Changes:
-    """Derivatives of a run by changes of a law; the arguments but the last two are those of ``integrate``.
+    """Derivatives of a run by changes of a law or of the input; the first arguments are those of ``integrate``.
 
     ``rows``, shape (M + 1,), says in which row of the result a node is, -1 where it is in none.
 
     The plant has no equations, no force changes a velocity that it depends on at once, nor the rate of the measured
-    motion.
+    motion, and nor does an input that changes. What starts and ends the steps are two arrays.
     """
     steps, size, count = len(start), len(initial), m.forces.functions.shape[1]
     room, kinds = workspace_of(m, initial), kinds_of(m)
-    run = _Run(
+    run = Run(
         smooth_step_of(m, step / m.time_unit),
         held_step_of(m, step / m.time_unit, kinds.dry),
         Grid(start, end, start_time, step),
@@ -318,17 +274,9 @@ def law_tangents(
         kinds,
         rows,
     )
-    path = Path(
-        np.empty((steps + 1, size)),
-        np.empty((steps + 1, count)),
-        np.empty(steps),
-        np.empty(steps, np.bool_),
-        np.empty(steps, np.int64),
-        np.empty(steps, np.int64),
-        np.empty(steps, np.int64),
-    )
+    path = path_of(steps, size, count)
     direct, direction = begin(m, room, kinds)
-    _walk(m, run, direct.input != 0.0, direction, room, path)
+    walk(m, run, direct.input != 0.0, direction, room, path)
     columns, numbers, nodes = len(law.low), size + count, np.max(rows) + 1
     result = Changes(np.empty((nodes, columns)), np.empty((nodes, columns)), np.empty((nodes, columns)))
     fastest, farthest = 0.0, 0.0
@@ -336,9 +284,10 @@ def law_tangents(
         farthest = max(farthest, abs(dot(m.position, path.states[k])))
         fastest = max(fastest, abs(free_velocity(m, path.states[k], start[k])))
     stages = stages_of(size, STATE_DIFFERENCE * farthest, STATE_DIFFERENCE * fastest)
+    largest = STATE_DIFFERENCE * max(np.max(np.abs(start)), np.max(np.abs(end)))
     _tangents(
-        m, run, room, path, law, stages, _differences(m, path), np.zeros((numbers, numbers)),
-        np.empty((numbers, columns)), np.zeros((numbers, columns)), result,
+        m, run, room, path, law, driven, stages, _differences(m, path), largest if largest > 0.0 else STATE_DIFFERENCE,
+        np.zeros((numbers, numbers)), np.empty((numbers, columns)), np.zeros((numbers, columns)), result,
     )  # fmt: skip
     return result
 
