@@ -1,7 +1,6 @@
 """The compiled integrator: a linear system with forces that depend on its motion, on a grid of equal steps.
 
-Between events a step is that of :mod:`camid.engine.smooth_step`. A step in which a force jumps or has a kink is taken
-again by :mod:`camid.engine.events`.
+Each step of a system with forces is that of :mod:`camid.engine.force_step`.
 """
 
 from __future__ import annotations
@@ -12,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
-from camid.engine.events import careful_step, held_step, runge_kutta
+from camid.engine.events import held_step
 from camid.engine.feedback import Feedback, actuated, controlled, samples_at
-from camid.engine.forces import Mechanics, dot, force_in, free_velocity, switches, switches_at
-from camid.engine.plant_equations import doubt_of, project, remember_extremes
-from camid.engine.smooth_step import HeldStep, SmoothStep, held_step_of, linear_step, smooth_step, smooth_step_of
+from camid.engine.force_step import Shocks, can_be_smooth, is_shocked, step_in_parts, step_unless_event
+from camid.engine.forces import Mechanics, dot, force_in
+from camid.engine.plant_equations import doubt_of, project
+from camid.engine.smooth_step import HeldStep, SmoothStep, held_step_of, linear_step, smooth_step_of
 from camid.engine.workspace import Kinds, Workspace, copy, kinds_of, workspace_of
 
 Array = NDArray[np.float64]
@@ -25,21 +25,13 @@ Array = NDArray[np.float64]
 ASTRAY = 1e100
 
 
-class _Grid(NamedTuple):
+class Grid(NamedTuple):
     """Nodes of a run, with the input at the start and at the end of each step, shape (M,); times in seconds."""
 
     start: Array
     end: Array
     start_time: float
     step: float
-
-
-class _Shocks(NamedTuple):
-    """Sorted times in seconds at which a force jumps, and times and sizes of impulses."""
-
-    breaks: Array
-    impulse_times: Array
-    impulse_sizes: Array
 
 
 class _Record(NamedTuple):
@@ -70,19 +62,12 @@ def _direct_rate(
 
 
 @kernel
-def _passed(times: Array, now: float, inclusive: bool) -> int:
+def passed(times: Array, now: float, inclusive: bool) -> int:
     """How many of sorted times lie before now, or at it."""
     count = 0
     while count < len(times) and (times[count] < now or (inclusive and times[count] == now)):
         count += 1
     return count
-
-
-@kernel(inline="always")
-def _is_shocked(shocks: _Shocks, next_break: int, next_impulse: int, finish: float) -> bool:
-    """Whether a force jumps until a time, or an impulse strikes before it."""
-    breaking = next_break < len(shocks.breaks) and shocks.breaks[next_break] <= finish
-    return breaking or (next_impulse < len(shocks.impulse_times) and shocks.impulse_times[next_impulse] < finish)
 
 
 @kernel
@@ -94,7 +79,7 @@ def _run_away(node: int, record: _Record) -> None:
 
 
 @kernel(inline="always")
-def _begin(m: Mechanics, room: Workspace, kinds: Kinds) -> tuple[_Direct, float]:
+def begin(m: Mechanics, room: Workspace, kinds: Kinds) -> tuple[_Direct, float]:
     """Fill the row of the derivative; what acts on it at once, and the direction of dry friction at the start."""
     size = len(room.state)
     row = m.state_matrix[size - 1]  # the integral grows by the measured motion
@@ -134,128 +119,6 @@ def _record_rates(
             record.rate_end[node - 1] = slope + _direct_rate(m, time, state, before, memory, direction, direct)
 
 
-@kernel
-def _equations_step(
-    m: Mechanics, room: Workspace, time: float, step: float, first: float, last: float, direction: float
-) -> tuple[float, float]:
-    """Step of a plant of equations without events; position and velocity in its middle."""
-    runge_kutta(
-        m, time, step, room.state, room.memory, first, last, direction, False,
-        room.following, room.remembered, room.work,
-    )  # fmt: skip
-    remember_extremes(m.equations, room.following, room.work[1], room.work[2], step)
-    start, end = dot(m.position, room.state), dot(m.position, room.following)
-    slope, slope_end = free_velocity(m, room.state, first), free_velocity(m, room.following, last)
-    halfway = 0.5 * (start + end) + 0.125 * step * (slope - slope_end)
-    return halfway, 1.5 * (end - start) / step - 0.25 * (slope + slope_end)
-
-
-@kernel(inline="always")
-def _step_unless_event(
-    m: Mechanics,
-    c: SmoothStep,
-    kinds: Kinds,
-    room: Workspace,
-    time: float,
-    step: float,
-    first: float,
-    last: float,
-    direction: float,
-    known: bool,
-) -> tuple[bool, bool, float, float]:
-    """Step without events, taken back where there is one; ``known`` says that ``room.before`` holds the switches.
-
-    Returns
-    -------
-    event, twice : bool
-        Whether the step holds an event, and whether it holds two of a kind, which its ends do not show.
-    largest, doubt : float
-        See :func:`camid.engine.smooth_step.smooth_step`.
-    """
-    state, following, memory, remembered = room.state, room.following, room.memory, room.remembered
-    before, between, after = room.before, room.between, room.after
-    if m.equations.function != 0:
-        halfway, speed = _equations_step(m, room, time, step, first, last, direction)
-        largest, doubt = abs(first), 0.0
-    else:
-        halfway, speed, largest, doubt = smooth_step(
-            m, c, time, step, state, memory, first, last, direction, kinds.remembers, remembered, following
-        )
-    event = kinds.dry and direction * dot(m.velocity, following) < 0.0
-    twice = kinds.dry and not event and direction * speed < 0.0
-    if kinds.kinks:
-        if not known:
-            switches(m, time, state, first, memory, direction, before)
-        switches(m, time + step, following, last, remembered, direction, after)
-        middle = 0.5 * (first + last)
-        switches_at(m.forces, time + 0.5 * step, halfway, speed, middle, memory, direction, between)
-        for i in range(len(before)):
-            event = event or before[i] * after[i] < 0.0
-            twice = twice or (before[i] * after[i] > 0.0 and before[i] * between[i] < 0.0)
-    if not (event or twice):
-        copy(following, state)
-        if kinds.kinks:
-            copy(after, before)
-        if kinds.remembers:
-            copy(remembered, memory)
-    return event, twice, largest, doubt
-
-
-@kernel(inline="always")
-def _step_in_parts(
-    m: Mechanics,
-    kinds: Kinds,
-    room: Workspace,
-    shocks: _Shocks,
-    time: float,
-    step: float,
-    first: float,
-    last: float,
-    direction: float,
-    stuck: bool,
-    tried: bool,
-    twice: bool,
-    next_break: int,
-    next_impulse: int,
-) -> tuple[float, bool, int, int]:
-    """Step with events, in parts between the times at which a force jumps or an impulse strikes.
-
-    Returns direction and stuck at its end, and the next break and impulse. ``tried`` says that ``room`` holds what a
-    step without events led to, ``twice`` that two events of one kind were found: each half has one of them.
-    """
-    breaks, impulse_times = shocks.breaks, shocks.impulse_times
-    finish = time + step
-    breaking = next_break < len(breaks) and breaks[next_break] <= finish
-    at, value = time, first
-    part, whole = (0.5 * step, False) if twice else (step, tried)
-    while True:
-        until, kind = min(at + part, finish), 0
-        if finish - until < 0.25 * step:
-            until = finish
-        if next_break < len(breaks) and breaks[next_break] <= until:
-            until, kind = breaks[next_break], 1
-        if next_impulse < len(impulse_times) and impulse_times[next_impulse] < until:
-            until, kind = impulse_times[next_impulse], 2
-        until_value = first + (last - first) * (until - time) / step
-        if until > at:
-            # Times just inside the part, so that a force which jumps at its ends is taken from within.
-            margin = 1e-9 * (until - at) if breaking else 0.0
-            scaled = (until - at - 2.0 * margin) / m.time_unit
-            direction, stuck = careful_step(
-                m, kinds, room, at + margin, scaled, value, until_value, direction, stuck, whole
-            )
-        at, value = until, until_value
-        if kind == 1:
-            next_break += 1
-        elif kind == 2:
-            for i in range(len(room.state)):
-                room.state[i] += m.force_vector[i] * shocks.impulse_sizes[next_impulse] / m.time_unit
-            next_impulse += 1
-            stuck, direction = False, 0.0
-        elif until >= finish:
-            return direction, stuck, next_break, next_impulse
-
-
 @kernel(inline="always")
 def _doubt_about(m: Mechanics, doubt: float, largest: float) -> float:
     """How coarse the steps were, from the largest difference of forces and the largest force or input."""
@@ -266,18 +129,18 @@ def _doubt_about(m: Mechanics, doubt: float, largest: float) -> float:
 
 @kernel
 def _integrate(
-    m: Mechanics, c: SmoothStep, h: HeldStep, grid: _Grid, shocks: _Shocks, feedback: Feedback, room: Workspace,
+    m: Mechanics, c: SmoothStep, h: HeldStep, grid: Grid, shocks: Shocks, feedback: Feedback, room: Workspace,
     record: _Record,
 ) -> float:  # fmt: skip
     """Run over the grid, fill the record and return the doubt; see :func:`integrate`."""
     state, memory, step, steps = room.state, room.memory, grid.step, len(grid.start)
     kinds = kinds_of(m)
     row = m.state_matrix[len(state) - 1]
-    direct, direction = _begin(m, room, kinds)
+    direct, direction = begin(m, room, kinds)
     at_once = direct.input != 0.0 or direct.force != 0.0
     known, stuck = False, False  # whether ``room.before`` holds the switches at the start of the step
-    next_break = _passed(shocks.breaks, grid.start_time, True)
-    next_impulse = _passed(shocks.impulse_times, grid.start_time, False)
+    next_break = passed(shocks.breaks, grid.start_time, True)
+    next_impulse = passed(shocks.impulse_times, grid.start_time, False)
     largest, doubt, held, passed_first, passed_last = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(steps + 1):
         time = grid.start_time + k * step
@@ -305,14 +168,14 @@ def _integrate(
             break
         last = grid.end[k] + passed_last
         largest = max(largest, abs(first))
-        shocked = _is_shocked(shocks, next_break, next_impulse, time + step)
+        shocked = is_shocked(shocks, next_break, next_impulse, time + step)
         if not (kinds.stepwise or shocked):
             linear_step(c, state, first, last, room.following)
             copy(room.following, state)
             continue
-        tried, twice = not (shocked or stuck or (kinds.dry and direction == 0.0)), False
+        tried, twice = can_be_smooth(kinds, shocked, stuck, direction), False
         if tried:
-            event, twice, size_of_force, difference = _step_unless_event(
+            event, twice, size_of_force, difference = step_unless_event(
                 m, c, kinds, room, time, step, first, last, direction, known and not at_once
             )
             known = not (event or twice)
@@ -322,7 +185,7 @@ def _integrate(
         known = False
         if stuck and first == before and not shocked and held_step(m, h, room, time, step, first, last, kinds):
             continue
-        direction, stuck, next_break, next_impulse = _step_in_parts(
+        direction, stuck, next_break, next_impulse = step_in_parts(
             m, kinds, room, shocks, time, step, first, last, direction, stuck, tried, twice, next_break, next_impulse
         )
     return _doubt_about(m, doubt, largest)
@@ -371,8 +234,8 @@ def integrate(
     """
     steps = len(start)
     record = _Record(np.empty(steps + 1), np.empty(steps + 1), np.empty(steps + 1), np.empty(steps))
-    grid = _Grid(start, end, start_time, step)
-    shocks = _Shocks(breaks, impulse_times, impulse_sizes)
+    grid = Grid(start, end, start_time, step)
+    shocks = Shocks(breaks, impulse_times, impulse_sizes)
     room = workspace_of(m, initial)
     holds = kinds_of(m).dry and m.equations.function == 0
     smooth, held = smooth_step_of(m, step / m.time_unit), held_step_of(m, step / m.time_unit, holds)

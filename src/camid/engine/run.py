@@ -6,6 +6,7 @@ by the compiled integrator on a grid of several steps per frame, and the sensor 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil, inf
 
 import numpy as np
@@ -78,16 +79,16 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
         reference whatever the plant is like, and the control is what tells of the plant.
     """
     acquisition = chain.declared()
-    output = _exactly(chain, signal, acquisition)
+    output = exactly(chain, signal, acquisition)
     if output is None:
         motion = move(chain, signal, time, acquisition)
         if motion.control is not None:
             return motion.control
         return observed(chain, motion, time)
-    return _observed(chain, output, time)
+    return after_sensor(chain, output, time)
 
 
-def _observed(chain: Chain, output: Array, time: Array) -> Array:
+def after_sensor(chain: Chain, output: Array, time: Array) -> Array:
     """What effects on the reading make of it, weighted."""
     for effect in chain.effects:
         output = effect.observe(output, time)
@@ -96,26 +97,27 @@ def _observed(chain: Chain, output: Array, time: Array) -> Array:
 
 def observed(chain: Chain, motion: Motion, time: Array) -> Array:
     """Samples of the sensor, shape (N,), of a motion at the recorded times."""
-    return _observed(chain, _read(chain, motion, time, chain.declared()), time)
+    return after_sensor(chain, read(chain, motion, time, chain.declared()), time)
 
 
-def _overrides(effect: Effect, *names: str) -> bool:
+def overrides(effect: Effect, *names: str) -> bool:
+    """Whether an effect does something by one of these hooks."""
     return any(getattr(type(effect), name) is not getattr(Effect, name) for name in names)
 
 
 def _acts_on_motion(effect: Effect) -> bool:
     """Whether the effect is a force, one that depends on the motion or not."""
     compiled = (effect.force, effect.friction_level)
-    return any(part is not None for part in compiled) or _overrides(effect, "impulses")
+    return any(part is not None for part in compiled) or overrides(effect, "impulses")
 
 
-def _exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
+def exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
     """Output of a linear chain with a held or straight input, or None."""
     if any(part is not None for part in (chain.loop, chain.known_force, chain.equations, chain.input_log)):
         return None
-    if any(_acts_on_motion(e) or _overrides(e, "windows", "measure") for e in chain.effects):
+    if any(_acts_on_motion(e) or overrides(e, "windows", "measure") for e in chain.effects):
         return None
-    shapes = [e for e in chain.effects if _overrides(e, "transform")]
+    shapes = [e for e in chain.effects if overrides(e, "transform")]
     if shapes:
         if acquisition.hold != "zoh" or any(not e.keeps_hold for e in shapes):
             return None
@@ -154,16 +156,8 @@ def _moved(
     Where a change of the motion is ``negligible``, as a share of its standard deviation, that would not count as none,
     they begin with few, and half as many steps as those of the motion are enough where it differs by less from that.
     """
-    mechanics, order = mechanics_of(chain, signal)
-    period = acquisition.period
-    before = chain.initial_state is not None and chain.state_before_record and chain.loop is None
-    delay = acquisition.window()[0] if before else 0
-    initial = _initial_state(chain, len(mechanics.input_vector), order[0])
-    start_time = float(time[0]) - delay * period
-    breaks = np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float)
-    impulses = sorted(i for e in chain.effects for i in e.impulses())
-    times = np.array([t for t, _ in impulses], dtype=float)
-    sizes = np.array([s for _, s in impulses], dtype=float)
+    setting = prepared(chain, signal, time, acquisition)
+    mechanics, period = setting.mechanics, acquisition.period
     steps = chain.steps or _first_steps(chain, acquisition, mechanics)
     fewest = steps
     if chain.steps == ROUGH or negligible > LARGEST_CHANGE:
@@ -175,15 +169,14 @@ def _moved(
         most_doubt = MOST_DOUBT_VELOCITY
     elif any(e.switch is not None for e in chain.effects):
         most_doubt = MOST_DOUBT_EVENTS
-    log = None if chain.input_log is None else (chain.input_log, start_time)
     coarser: Array | None = None
     enough = 0
     while True:
         step = period / steps
-        start, end = grid_input(chain.effects, signal, acquisition, delay, steps, chain.loop, chain.known_force, log)
+        start, end = setting.input_on_grid(chain, signal, acquisition, steps)
         feedback = feedback_of(chain.loop, steps)
         position, velocity, integral, velocity_end, doubt = integrate(
-            mechanics, initial, start, end, start_time, step, breaks, times, sizes, feedback
+            mechanics, setting.initial, start, end, setting.start_time, step, *setting.shocks, feedback
         )
         # A motion that runs away may do so with any step, so that not much is spent on it.
         trusted = doubt <= most_doubt and (steps >= fewest or chain.steps is not None)
@@ -198,10 +191,54 @@ def _moved(
                 break
         coarser = position
         steps = 2 * steps
-    jumps = np.outer(sizes, jump_of(mechanics)) if impulses else np.zeros((0, 3))
+    _, times, sizes = setting.shocks
+    jumps = np.outer(sizes, jump_of(mechanics)) if len(sizes) else np.zeros((0, 3))
     control = None if chain.loop is None else feedback.control
-    motion = Motion(start_time, step, position, velocity, integral, velocity_end, times, jumps, control)
+    motion = Motion(setting.start_time, step, position, velocity, integral, velocity_end, times, jumps, control)
     return motion, enough or steps
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a run of the integrator begins with, whatever its steps.
+
+    Attributes
+    ----------
+    mechanics : Mechanics
+    initial : ndarray, shape (q,)
+    delay : int
+        Periods by which the grid begins before the record.
+    start_time : float
+        Of the grid, in seconds.
+    shocks : tuple of ndarray
+        Times in seconds at which a force jumps, and times and sizes of impulses, both sorted.
+    """
+
+    mechanics: Mechanics
+    initial: Array
+    delay: int
+    start_time: float
+    shocks: tuple[Array, Array, Array]
+
+    def input_on_grid(self, chain: Chain, signal: Array, acquisition: Acquisition, steps: int) -> tuple[Array, Array]:
+        """Input at the start and end of each of so many steps in a period; see :func:`grid_input`."""
+        log = None if chain.input_log is None else (chain.input_log, self.start_time)
+        return grid_input(chain.effects, signal, acquisition, self.delay, steps, chain.loop, chain.known_force, log)
+
+
+def prepared(chain: Chain, signal: Array, time: Array, acquisition: Acquisition) -> Setting:
+    """What a run of the integrator begins with."""
+    mechanics, order = mechanics_of(chain, signal)
+    before = chain.initial_state is not None and chain.state_before_record and chain.loop is None
+    delay = acquisition.window()[0] if before else 0
+    impulses = sorted(i for e in chain.effects for i in e.impulses())
+    shocks = (
+        np.array(sorted(t for e in chain.effects for t in e.breaks()), dtype=float),
+        np.array([t for t, _ in impulses], dtype=float),
+        np.array([s for _, s in impulses], dtype=float),
+    )
+    initial = _initial_state(chain, len(mechanics.input_vector), order[0])
+    return Setting(mechanics, initial, delay, float(time[0]) - delay * acquisition.period, shocks)
 
 
 def _initial_state(chain: Chain, size: int, first: int) -> Array:
@@ -229,7 +266,7 @@ def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -
 def few_steps_of(chain: Chain, signal: Array) -> int:
     """Steps per period of a rough simulation, for other chains that are to be compared with it."""
     acquisition = chain.declared()
-    if _exactly(chain, signal, acquisition) is not None:
+    if exactly(chain, signal, acquisition) is not None:
         return FEWEST_STEPS
     return _few(_first_steps(chain, acquisition, mechanics_of(chain, signal)[0]), chain, acquisition)
 
@@ -252,19 +289,24 @@ def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool, negligib
         Change of the motion, as a share of its standard deviation, for which they need not become finer.
     """
     acquisition = chain.declared()
-    if _exactly(chain, signal, acquisition) is not None:
+    if exactly(chain, signal, acquisition) is not None:
         return FEWEST_STEPS
     if finest:
         return _moved(chain, signal, time, acquisition, negligible)[1]
     return _first_steps(chain, acquisition, mechanics_of(chain, signal)[0])
 
 
-def _read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -> Array:
-    """What the sensor makes of a motion."""
+def exposures(time: Array, acquisition: Acquisition) -> tuple[Array, Array]:
+    """Start and end of the exposures in seconds, shape (N,), where no effect shifts them."""
     frames = time[0] + acquisition.period * np.arange(len(time))
     exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)
     end = frames - acquisition.latency
-    start = end - exposure
+    return end - exposure, end
+
+
+def read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -> Array:
+    """What the sensor makes of a motion."""
+    start, end = exposures(time, acquisition)
     for effect in chain.effects:
         start, end = effect.windows(motion, start, end)
     for effect in chain.effects:
@@ -287,7 +329,7 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
         fastest = max(fastest, STEP_SMOOTH * least / acquisition.period)
     events = any(e.friction_level is not None or e.switch is not None for e in chain.effects)
     steps = ceil(acquisition.period * fastest / (STEP_EVENTS if events else STEP_SMOOTH))
-    bent = any(_overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects)
+    bent = any(overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects)
     if bent and chain.input_log is None:
         steps = max(steps, INPUT_STEPS, ceil(acquisition.period * fastest / STEP_INPUT))
     steps = max(steps, _stable_steps(chain, acquisition, STEP_STIFF))

@@ -10,7 +10,6 @@ parameters of effects do to the output, which so keep their meaning (Plumlee 201
 from __future__ import annotations
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,9 +17,10 @@ from numpy.typing import NDArray
 
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect, LearnedForce
 from camid.fitting.fit import Fitted, evaluate, sensitivities
+from camid.fitting.law_columns import law_columns
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
 from camid.fitting.smoothness import SmoothCurve, smooth_curve
 
 Array = NDArray[np.float64]
@@ -132,7 +132,8 @@ def judged_to_first_order(
         curve = _curve(problem, fitted, law)
         try:
             start = np.zeros(curve.directions.shape[1])
-            step = _Step.about(problem, fitted.model.plus(law), start, curve, table).apart(coefficients)
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual, table)
+            step = step.apart(coefficients)
         except (ValueError, ArithmeticError):
             continue
         # A law that does nothing changes nothing of the other derivatives.
@@ -161,8 +162,8 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
         If the chain diverges with the law.
     """
     curve = _curve(problem, fitted, law)
-    step = _Step.about(problem, fitted.model.plus(law), np.zeros(curve.directions.shape[1]), curve)
-    step = step.apart(coefficients)
+    start = np.zeros(curve.directions.shape[1])
+    step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual).apart(coefficients)
     curve = step.curve
     for _ in range(ROUNDS):
         following = step.fitted()
@@ -255,16 +256,21 @@ class _Step:
     smooth: SmoothCurve
 
     @classmethod
-    def about(cls, problem: Problem, model: Model, weights: Array, curve: _Curve, table: Array | None = None) -> _Step:
-        """With the derivatives by the packed numbers, where they are known."""
-        pinned = problem.pinned(model, finest=True)
+    def about(
+        cls, problem: Problem, model: Model, weights: Array, curve: _Curve, left: Array, table: Array | None = None
+    ) -> _Step:
+        """With the derivatives by the packed numbers, where they are known.
+
+        An error of the simulation is negligible beside what is ``left``, shape (M,).
+        """
+        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(left))
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
             raise ValueError("the simulation diverges with this law")
         if table is None:
             table = sensitivities(pinned, packing, packing.pack(model), simulated)
-        columns = _derivatives(pinned, model, curve, weights, simulated)
+        columns = _derivatives(pinned, model, curve, simulated)
         residual = problem.output - simulated
         smooth = _smoothed(residual, table, columns, weights, curve)
         return cls(problem, pinned, model, weights, curve, packing, residual, table, columns, smooth)
@@ -296,24 +302,27 @@ class _Step:
         # The prior is one more residual for each weight; weights are measured so that it has the variance of the noise.
         factor = np.linalg.cholesky(self.curve.roughness)
         to_weights = np.sqrt(self.smooth.ratio) * np.linalg.inv(factor.T)
-        known: dict[bytes, _Step] = {}
+        known: dict[bytes, tuple[Model, Array, Array]] = {}
 
-        def at(vector: Array) -> _Step:
-            """The chain linearised about a point, with the steps of the integrator that suit the begin."""
-            others, weights = np.split(vector, [len(vector) - len(self.weights)])
-            model = _with_weights(self.packing.unpack(others), self.curve, to_weights @ weights)
-            return known.setdefault(vector.tobytes(), replace(self, model=model, weights=to_weights @ weights))
+        def at(vector: Array) -> tuple[Model, Array, Array]:
+            """Model and weights at a point, and what it simulates with the steps of the integrator of the begin."""
+            key = vector.tobytes()
+            if key not in known:
+                others, weights = np.split(vector, [len(vector) - len(self.weights)])
+                model = _with_weights(self.packing.unpack(others), self.curve, to_weights @ weights)
+                known[key] = model, to_weights @ weights, self.pinned.simulate_fitted(model)
+            return known[key]
 
         def residual(vector: Array) -> Array:
-            simulated = self.pinned.simulate_fitted(at(vector).model)
-            rows = np.nan_to_num(self.problem.output - simulated, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
+            rows = self.problem.output - at(vector)[2]
+            rows = np.nan_to_num(rows, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
             return np.concatenate([rows, vector[len(vector) - len(self.weights) :]])
 
         def derivative(vector: Array) -> Array:
-            model = at(vector).model
-            packing, simulated = self.packing, self.pinned.simulate_fitted(model)
+            model, _, simulated = at(vector)
+            packing = self.packing
             table = sensitivities(self.pinned, packing, packing.pack(model), simulated)
-            columns = _derivatives(self.pinned, model, self.curve, at(vector).weights, simulated) @ to_weights
+            columns = _derivatives(self.pinned, model, self.curve, simulated) @ to_weights
             count = columns.shape[1]
             prior = np.hstack([np.zeros((count, table.shape[1])), np.eye(count)])
             return np.vstack([-np.hstack([table, columns]), prior])
@@ -330,8 +339,8 @@ class _Step:
             ftol=SETTLED,
             max_nfev=MOST_STEPS,
         )
-        best = at(found.x)
-        return _Step.about(self.problem, best.model, best.weights, self.curve)
+        best, weights, simulated = at(found.x)
+        return _Step.about(self.problem, best, weights, self.curve, self.problem.output - simulated)
 
     def nuisance(self) -> Array:
         """Derivatives by the law, measured so that its prior has the precision one, shape (M, m)."""
@@ -346,18 +355,10 @@ def _smoothed(residual: Array, table: Array, columns: Array, weights: Array, cur
     return smooth_curve(left, target, curve.roughness, len(residual) - basis.shape[1])
 
 
-def _derivatives(pinned: Problem, model: Model, curve: _Curve, weights: Array, simulated: Array) -> Array:
-    """Derivatives of the simulated output by the law's weights, shape (M, m), by one-sided differences."""
+def _derivatives(pinned: Problem, model: Model, curve: _Curve, simulated: Array) -> Array:
+    """Derivatives of the simulated output by the law's weights, shape (M, m)."""
     size = DIFFERENCE * curve.unit
-
-    def derivative(way: Array) -> Array:
-        moved = pinned.simulate_fitted(_with_weights(model, curve, weights + size * way))
-        return (moved - simulated) / size
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        columns = np.column_stack(list(pool.map(derivative, np.eye(len(weights)))))
-    columns[~np.isfinite(columns)] = 0.0
-    return columns
+    return law_columns(pinned, model, len(model.effects) - 1, curve.directions, size, simulated)
 
 
 def _with_weights(model: Model, curve: _Curve, weights: Array) -> Model:

@@ -8,7 +8,6 @@ law, a constant and a straight line, is taken out of it as it was taken out of t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,10 +15,10 @@ from numpy.typing import NDArray
 
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect
 from camid.fitting.fit import Fitted, sensitivities
+from camid.fitting.law_columns import law_columns
 from camid.fitting.learned_law import DIFFERENCE, coefficient_is_free, largest_force, orthonormal, visited
 from camid.fitting.packing import Packing
-from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -137,15 +136,11 @@ class LawTable:
         assert isinstance(law, LearnedEffect)
         # A law on more points than the grid, as a formula is, keeps them.
         points = grid if len(grid) > len(law.knots) else law.knots
-        heights = bend_of(law, points)
-
-        def with_bends(bends: Array) -> Model:
-            other = on_points(law, points, bends)
-            effects = tuple(other if i == index else e for i, e in enumerate(fitted.model.effects))
-            return replace(fitted.model, effects=effects)
-
-        model = with_bends(heights)
-        pinned = problem.pinned(model, finest=True)
+        other = on_points(law, points, bend_of(law, points))
+        model = replace(
+            fitted.model, effects=tuple(other if i == index else e for i, e in enumerate(fitted.model.effects))
+        )
+        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(fitted.residual))
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
@@ -153,13 +148,8 @@ class LawTable:
         table = sensitivities(pinned, packing, packing.pack(model), simulated)
         size = DIFFERENCE * (float(np.ptp(grid)) if isinstance(law, LearnedCurve) else _unit(problem, fitted, law))
 
-        def derivative(way: Array) -> Array:
-            hat = np.interp(points, grid, way)
-            return (pinned.simulate_fitted(with_bends(heights + size * hat)) - simulated) / size
-
-        with ThreadPoolExecutor(WORKERS) as pool:
-            columns = np.column_stack(list(pool.map(derivative, np.eye(len(grid)))))
-        columns[~np.isfinite(columns)] = 0.0
+        hats = np.column_stack([np.interp(points, grid, way) for way in np.eye(len(grid))])
+        columns = law_columns(pinned, model, index, hats, size, simulated)
         absorbed = absorbed_of(problem, fitted, law, grid)
         return cls(grid, bend_of(law, grid), problem.output - simulated, table, packing.names, columns, absorbed)
 

@@ -259,10 +259,18 @@ class Problem:
                 return True
         return False
 
+    def fitted_chains(self, model: Model) -> list[tuple[Chain, Array, Array, NDArray[np.bool_]]]:
+        """For each recording with rows that are fitted its chain, input, times and which rows those are.
+
+        The recordings end with the last of these rows.
+        """
+        short = self if self._needs_whole_input(model) else self._until_last_fitted
+        recordings = zip(short.experiments, short.times, strict=True)
+        return [(short.chain(model, i), e.signal, t, e.used) for i, (e, t) in enumerate(recordings) if e.used.any()]
+
     def simulate_fitted(self, model: Model) -> Array:
         """What is compared with the outputs, the fitted rows of all recordings, concatenated; shape (M,)."""
-        short = self if self._needs_whole_input(model) else self._until_last_fitted
-        parts = [short.simulate_one(model, i)[e.used] for i, e in enumerate(short.experiments) if e.used.any()]
+        parts = [run(chain, signal, time)[used] for chain, signal, time, used in self.fitted_chains(model)]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
