@@ -192,7 +192,7 @@ def _law_of(chain: Chain, law: LearnedForce, index: int, ways: Array, size: floa
         knots=law.knots,
         heights=heights[first:].copy(),
         place=np.searchsorted(rows, np.arange(count + 1)),
-        column=columns,
+        column=np.ascontiguousarray(columns),
         share=shares[rows, columns],
         changes=np.ascontiguousarray(size * shares.T),
         size=size,
