@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 MOST_NUMBERS = 2_000_000
 # Changes of the law beside those that differences of whole runs take: over a single step rounding hardly shows.
 FINER = 1e-2
+# Product of two rows, as a share of its parts, that is no more than their rounding.
+ROUNDING = 1e-12
 # Columns that compiled loops take at a time; columns of zeros fill up the last ones.
 LANES = 16
 
@@ -86,8 +88,8 @@ def _by_motion(
         return None
     setting = prepared(chain, signal, time, acquisition)
     mechanics = setting.mechanics
-    at_once = mechanics.measured @ mechanics.force_vector != 0.0
-    if mechanics.forces.implicit or at_once or (curve and mechanics.measured @ mechanics.input_vector != 0.0):
+    at_once = _meets(mechanics.measured, mechanics.force_vector)
+    if mechanics.forces.implicit or at_once or (curve and _meets(mechanics.measured, mechanics.input_vector)):
         return None
     steps = int(chain.steps or 0)
     step = acquisition.period / steps
@@ -120,6 +122,11 @@ def _by_motion(
         else:
             columns.append(_of_reading(chain, read(chain, motion, time, acquisition), reader.mean(changes), time, size))
     return np.hstack(columns)[:, : ways.shape[1]]
+
+
+def _meets(row: Array, vector: Array) -> bool:
+    """Whether a product is more than the rounding of its sum."""
+    return bool(abs(row @ vector) > ROUNDING * (np.abs(row) @ np.abs(vector)))
 
 
 def _driven(
@@ -185,7 +192,7 @@ def _law_of(chain: Chain, law: LearnedForce, index: int, ways: Array, size: floa
         knots=law.knots,
         heights=heights[first:].copy(),
         place=np.searchsorted(rows, np.arange(count + 1)),
-        column=columns,
+        column=np.ascontiguousarray(columns),
         share=shares[rows, columns],
         changes=np.ascontiguousarray(size * shares.T),
         size=size,

@@ -51,7 +51,7 @@ class Run(NamedTuple):
     rows: NDArray[np.int64]
 
 
-@kernel(inline="always")
+@kernel
 def take_step(
     m: Mechanics,
     run: Run,
