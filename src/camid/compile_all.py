@@ -36,6 +36,19 @@ def engine() -> None:
     run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (friction,)), _signal(30), _time(30))
 
 
+def learned_laws() -> None:
+    """The derivatives of a run by the values of a law."""
+    from camid.chain.acquisition import Acquisition
+    from camid.chain.plant import second_order
+    from camid.effects.learned import LearnedForce
+    from camid.engine.law_derivatives import by_law
+    from camid.engine.mechanics import Chain
+
+    law = LearnedForce(variables="velocity", knots=[-1.0, 0.0, 1.0], values=[-0.1, 0.0, 0.1])
+    chain = Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (law,), steps=2)
+    by_law(chain, _signal(30), _time(30), 0, np.eye(3), 1e-4)
+
+
 def effects() -> None:
     """The forces of all effects, and the actuators that remember."""
     from camid.effects import known_effects
@@ -96,7 +109,7 @@ def concealed() -> None:
 
 
 # What takes longest comes first, so that no processor waits at the end.
-PARTS: tuple[Callable[[], None], ...] = (identification, engine, starts, concealed, effects, images)
+PARTS: tuple[Callable[[], None], ...] = (learned_laws, identification, engine, starts, concealed, effects, images)
 
 
 def _signal(count: int) -> Array:

@@ -18,6 +18,8 @@ from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
+Array = NDArray[np.float64]
+
 # A noise-like effect is named where its absence would show as much in fewer recordings than this.
 LARGEST_P_VALUE = 1e-4
 # Rows are left out already where they are suspect: few rows more or less cost nothing.
