@@ -74,6 +74,15 @@ class Hypothesis:
         Fisher information that earlier recordings hold.
     criterion, misfit : float
         By how much its criterion and its sum of squares (in variances of the noise) exceed those of the likeliest.
+    variant : bool
+        Whether it is a name with other values than those that fit the earlier recordings best; they are then known
+        around these values: ``information`` is of them, and
+    slope : ndarray, shape (p,), optional
+        half of the derivative of the sum of squares,
+    beyond : float
+        by how much that exceeds the name's own,
+    held : frozenset of str
+        parameters that keep their values.
     """
 
     identifier: str
@@ -86,11 +95,25 @@ class Hypothesis:
     information: Array
     criterion: float = 0.0
     misfit: float = 0.0
+    variant: bool = False
+    slope: Array | None = None
+    beyond: float = 0.0
+    held: frozenset[str] = frozenset()
 
     @property
     def effect(self) -> Effect | None:
         """The effect of its name, with its parameters; None where it has none."""
         return next((e for e in self.model.effects if e.identifier == self.identifier), None)
+
+    @property
+    def rival_only(self) -> bool:
+        """Whether it is no name of the diagnosis, and only held against those."""
+        return bool(self.identifier) and self.weight <= 0.0
+
+    @property
+    def is_name(self) -> bool:
+        """Whether it may be right, and has its own values."""
+        return bool(self.identifier) and not self.variant and not self.rival_only
 
     @property
     def count(self) -> int:
@@ -150,13 +173,29 @@ class Hypothesis:
     def prior(self, packing: Packing) -> Array:
         """Information of earlier recordings on packed parameters in their own units, shape (p, p)."""
         names = stable_names(packing.names, packing.template.effects)
-        places = [self.known.get(name, -1) for name in names]
+        found, rows = self._places(names)
         result = np.zeros((len(names), len(names)))
-        found = [i for i, place in enumerate(places) if place >= 0]
-        rows = [places[i] for i in found]
         if found:
             result[np.ix_(found, found)] = self.information[np.ix_(rows, rows)]
         return result
+
+    def pull(self, packing: Packing) -> Array:
+        """Half of the derivative of the earlier recordings' sum of squares by the same parameters, shape (p,)."""
+        names = stable_names(packing.names, packing.template.effects)
+        found, rows = self._places(names)
+        result = np.zeros(len(names))
+        if self.slope is not None and found:
+            result[found] = self.slope[rows]
+        return result
+
+    def free(self, packing: Packing) -> NDArray[np.bool_]:
+        """Which packed parameters may be fitted, shape (p,)."""
+        return np.array([n not in self.held for n in stable_names(packing.names, packing.template.effects)], bool)
+
+    def _places(self, names: list[str]) -> tuple[list[int], list[int]]:
+        """Parameters that earlier recordings know and that are free: their places among names, and in what is known."""
+        found = [i for i, name in enumerate(names) if name in self.known and name not in self.held]
+        return found, [self.known[names[i]] for i in found]
 
 
 def hypothesis_of(
@@ -196,8 +235,11 @@ def hypothesis_of(
             where=simulation.source,
             hint="name the one that tells most",
         )
-    # What depends on the time of one recording is not there in the next.
-    effects = tuple(e for e in effects_of(simulation) if not (e.noise_like or e.of_one_recording))
+    # What depends on the time of one recording is not there in the next; but a diagnosis holds the name in question
+    # against both recordings with the same values.
+    effects = tuple(
+        e for e in effects_of(simulation) if not e.noise_like and (e.identifier == identifier or not e.of_one_recording)
+    )
     simulation = replace(simulation, initial_state="zero", remainder=None)
     problem = _template(simulation, period)
     model = replace(model_of(problem, effects), initial=(None,))

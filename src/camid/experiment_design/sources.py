@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.remaining_hypotheses import conditions_of, information_of
 from camid.diagnosis.weights import Member, relative_weight
 from camid.effects.declared import effects_of
@@ -20,6 +21,7 @@ from camid.experiment_design.columns import Columns
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis, hypothesis_of
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.prediction import NoiseModel
+from camid.experiment_design.together import Earlier, Recorded
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import RecordingSource, experiments_of
@@ -31,8 +33,8 @@ Array = NDArray[np.float64]
 DIAGNOSIS = "diagnosis.json"
 # Version of diagnosis.json that is read.
 SCHEMA = 1
-# Names that weigh less are not designed for.
-LEAST_WEIGHT = 0.02
+# Names that weigh less are not designed for: all that a diagnosis lists.
+LEAST_WEIGHT = 0.01
 # How far the travel may reach beyond that of the recordings where nothing is said, as a share of it.
 BEYOND = 0.1
 
@@ -54,6 +56,8 @@ class Known:
     source : str
     warnings : tuple of str
         What a design cannot take into account.
+    earlier : Earlier or None
+        The recordings that were diagnosed; None where only what hypotheses know of them is known.
     """
 
     hypotheses: list[Hypothesis]
@@ -64,6 +68,7 @@ class Known:
     conditions: Mapping[str, Any]
     source: str
     warnings: tuple[str, ...] = ()
+    earlier: Earlier | None = None
 
     @property
     def columns(self) -> Columns:
@@ -103,6 +108,19 @@ def known_from_folder(folder: Path) -> Known:
         return known_from_mapping(content, str(folder))
     except (KeyError, TypeError) as error:
         raise InputError(f"{error} is missing or of another kind", where=str(path), hint="diagnose again") from None
+
+
+def known_from_diagnosis(diagnosis: Diagnosis) -> Known:
+    """What a diagnosis says, and the recordings that it was made of."""
+    known = known_from_mapping(diagnosis.to_mapping(), "diagnosis")
+    if diagnosis.residual_of != "output" or not known.noise:
+        return known
+    recorded = tuple(
+        Recorded(s.time, s.signal, s.recorded, s.fitted) for s in (diagnosis.signals, *diagnosis.further_signals)
+    )
+    noise = NoiseModel(float(known.noise), known.whitening)
+    at_rest = diagnosis.improved.initial_state == "zero"
+    return replace(known, earlier=Earlier(recorded, noise, float(known.conditions["period"]), at_rest))
 
 
 def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
