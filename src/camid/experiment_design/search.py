@@ -221,7 +221,8 @@ class Search:
 
     def _join(self, best: dict[str, Candidate]) -> None:
         """Try the best members one after another, each for half of the time: one may separate what another does not."""
-        ranked = [c for c in sorted(best.values(), key=lambda c: -c.score) if c.kind != RELEASE][: REFINED + 1]
+        # What has no numbers is a release, or joined already.
+        ranked = [c for c in sorted(best.values(), key=lambda c: -c.score) if len(c.numbers)][: REFINED + 1]
         for one in ranked:
             for other in ranked:
                 if one is other or one.played.period != other.played.period or self._over(1.0):

@@ -141,7 +141,8 @@ class Judge:
         for law in self.general:
             if law.special == name and law.identifier not in present:
                 gap = law.more * log(total) + law.penalty
-                found.append((Member(law.identifier, gap, 0.0, general=True), 0.0))
+                # What its additional numbers fit of the noise varies as χ² of their number does.
+                found.append((Member(law.identifier, gap, 0.0, general=True), sqrt(2.0 * law.more)))
         return found
 
     def _member(self, pair: Pair, rows: int) -> tuple[Member, float]:

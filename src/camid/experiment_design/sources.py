@@ -24,6 +24,7 @@ from camid.experiment_design.prediction import NoiseModel
 from camid.experiment_design.together import Earlier, Recorded
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.fitting.problem import Problem
 from camid.identification.from_recordings import RecordingSource, experiments_of
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
@@ -226,7 +227,16 @@ def known_from_simulations(
     _refuse_one_structure(hypotheses)
     noise, whitening = conditions.noise, np.array(conditions.whitening)
     rows, experiments = conditions.rows, conditions.experiments
-    return Known(hypotheses, noise, whitening, rows, experiments, conditions.to_mapping(), source)
+    earlier = _recorded(best.problem, NoiseModel(noise, whitening)) if noise > 0.0 else None
+    return Known(hypotheses, noise, whitening, rows, experiments, conditions.to_mapping(), source, earlier=earlier)
+
+
+def _recorded(problem: Problem, noise: NoiseModel) -> Earlier:
+    """The recordings of a fit."""
+    pairs = zip(problem.experiments, problem.times, strict=True)
+    recorded = tuple(Recorded(time, e.signal, e.output, e.used) for e, time in pairs)
+    at_rest = not any(e.estimate_initial_state for e in problem.experiments)
+    return Earlier(recorded, noise, float(problem.acquisition.period), at_rest)
 
 
 def _refuse_one_structure(hypotheses: Sequence[Hypothesis]) -> None:
