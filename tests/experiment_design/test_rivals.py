@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from camid.diagnosis.results_folder import write_diagnosis
 from camid.diagnosis.watch import Watch
+from camid.errors import InputError
 from camid.experiment_design.general_laws import general_laws
 from camid.experiment_design.hypothesis import Played, hypothesis_of
 from camid.experiment_design.left_out import left_out
@@ -15,7 +17,14 @@ from camid.experiment_design.prediction import NoiseModel, responses
 from camid.experiment_design.refit import Past, left_after_fit, refitted_together
 from camid.experiment_design.run import Task, design_for
 from camid.experiment_design.separation import pairs_of
-from camid.experiment_design.sources import Wishes, known_from_diagnosis, known_from_simulations, limits_of, noise_of
+from camid.experiment_design.sources import (
+    Wishes,
+    known_from_diagnosis,
+    known_from_folder,
+    known_from_simulations,
+    limits_of,
+    noise_of,
+)
 from camid.experiment_design.together import Earlier, Recorded
 from camid.simulation.file import load_simulation
 from tests.experiment_design.test_design import believed
@@ -186,3 +195,15 @@ def test_a_design_with_the_recordings_of_its_diagnosis(diagnosis):
     assert set(found.outputs) == listed
     likely = next(e for e in found.expectations if e.identifier == "gain-asymmetry")
     assert likely.weight > 0.9
+
+
+def test_the_recordings_of_a_folder_are_those_of_its_diagnosis(diagnosis, first, tmp_path):
+    write_diagnosis(diagnosis, tmp_path / "diagnosis", report=False)
+    known = known_from_folder(tmp_path / "diagnosis", [first])
+    assert known.earlier.agrees(known.hypotheses)
+    (own,), (written,) = known_from_diagnosis(diagnosis).earlier.recorded, known.earlier.recorded
+    for one, other in zip(vars(own).values(), vars(written).values(), strict=True):
+        np.testing.assert_allclose(one, other)
+    with pytest.raises(InputError, match="not the recordings that were diagnosed"):
+        known_from_folder(tmp_path / "diagnosis", [first.assign(y=first["y"] + 0.1)])
+    assert known_from_folder(tmp_path / "diagnosis").earlier is None

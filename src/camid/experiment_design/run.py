@@ -28,7 +28,7 @@ from camid.experiment_design.together import Earlier
 Array = NDArray[np.float64]
 
 # Rows of simulations that a design may cost: some ten seconds of a plant of second order with friction.
-SIMULATED_ROWS = 3e6
+SIMULATED_ROWS = 5e6
 # The same for a second search, which knows the values of rivals that fits have found, as a share.
 AGAIN = 0.5
 # Experiments that are checked by a fit in each of the two.

@@ -18,13 +18,13 @@ from camid.diagnosis.weights import Member, relative_weight
 from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.experiment_design.columns import Columns
+from camid.experiment_design.earlier_recordings import of_diagnosis, of_files, of_problem
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis, hypothesis_of
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.prediction import NoiseModel
-from camid.experiment_design.together import Earlier, Recorded
+from camid.experiment_design.together import Earlier
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
-from camid.fitting.problem import Problem
 from camid.identification.from_recordings import RecordingSource, experiments_of
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
@@ -77,14 +77,16 @@ class Known:
         return Columns.of(self.hypotheses[0].simulation)
 
 
-def known_from_folder(folder: Path) -> Known:
+def known_from_folder(folder: Path, recordings: Sequence[RecordingSource] = ()) -> Known:
     """What the folder of a diagnosis says, or its diagnosis.json.
+
+    With the ``recordings`` that were diagnosed they are known as well, and not only what the hypotheses know of them.
 
     Raises
     ------
     InputError
-        If there is no diagnosis, one of a version that is not known, or one without the remaining hypotheses, as the
-        first ones of version 1 were.
+        If these are others, or there is no diagnosis, one of a version that is not known, or one without the remaining
+        hypotheses, as the first ones of version 1 were.
     """
     path = folder / DIAGNOSIS if folder.is_dir() else folder
     try:
@@ -106,7 +108,12 @@ def known_from_folder(folder: Path) -> Known:
             "it does not hold the simulations of the remaining hypotheses", where=str(path), hint="diagnose again"
         )
     try:
-        return known_from_mapping(content, str(folder))
+        known = known_from_mapping(content, str(folder))
+        if not recordings or not known.noise:
+            return known
+        simulation = load_simulation(content["hypotheses"][0]["simulation"])
+        noise, period = NoiseModel(known.noise, known.whitening), float(known.conditions["period"])
+        return replace(known, earlier=of_files(path.parent, recordings, simulation, noise, period))
     except (KeyError, TypeError) as error:
         raise InputError(f"{error} is missing or of another kind", where=str(path), hint="diagnose again") from None
 
@@ -114,14 +121,10 @@ def known_from_folder(folder: Path) -> Known:
 def known_from_diagnosis(diagnosis: Diagnosis) -> Known:
     """What a diagnosis says, and the recordings that it was made of."""
     known = known_from_mapping(diagnosis.to_mapping(), "diagnosis")
-    if diagnosis.residual_of != "output" or not known.noise:
+    if not known.noise:
         return known
-    recorded = tuple(
-        Recorded(s.time, s.signal, s.recorded, s.fitted) for s in (diagnosis.signals, *diagnosis.further_signals)
-    )
-    noise = NoiseModel(float(known.noise), known.whitening)
-    at_rest = diagnosis.improved.initial_state == "zero"
-    return replace(known, earlier=Earlier(recorded, noise, float(known.conditions["period"]), at_rest))
+    noise = NoiseModel(known.noise, known.whitening)
+    return replace(known, earlier=of_diagnosis(diagnosis, noise, float(known.conditions["period"])))
 
 
 def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
@@ -227,16 +230,8 @@ def known_from_simulations(
     _refuse_one_structure(hypotheses)
     noise, whitening = conditions.noise, np.array(conditions.whitening)
     rows, experiments = conditions.rows, conditions.experiments
-    earlier = _recorded(best.problem, NoiseModel(noise, whitening)) if noise > 0.0 else None
+    earlier = of_problem(best.problem, NoiseModel(noise, whitening)) if noise > 0.0 else None
     return Known(hypotheses, noise, whitening, rows, experiments, conditions.to_mapping(), source, earlier=earlier)
-
-
-def _recorded(problem: Problem, noise: NoiseModel) -> Earlier:
-    """The recordings of a fit."""
-    pairs = zip(problem.experiments, problem.times, strict=True)
-    recorded = tuple(Recorded(time, e.signal, e.output, e.used) for e, time in pairs)
-    at_rest = not any(e.estimate_initial_state for e in problem.experiments)
-    return Earlier(recorded, noise, float(problem.acquisition.period), at_rest)
 
 
 def _refuse_one_structure(hypotheses: Sequence[Hypothesis]) -> None:
