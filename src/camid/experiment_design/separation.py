@@ -26,7 +26,7 @@ RESERVE, HALFWAY = 0.5, 10.0
 LARGEST_ODDS = 1e25
 # A name that is not listed may come back: it is behind by so much evidence now, and leaves such a share of the mismatch
 # that an experiment shows.
-UNLISTED_GAP, UNLISTED_SHARE = 4.0, 0.1
+UNLISTED_GAP, UNLISTED_SHARE = 6.0, 0.1
 # Noise of the next recording, in standard deviations, with its probabilities (Gauss and Hermite).
 NOISE, PROBABILITIES = np.polynomial.hermite_e.hermegauss(7)
 PROBABILITIES = PROBABILITIES / PROBABILITIES.sum()
