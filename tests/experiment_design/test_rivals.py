@@ -9,6 +9,7 @@ import pytest
 from camid.diagnosis.results_folder import write_diagnosis
 from camid.diagnosis.watch import Watch
 from camid.errors import InputError
+from camid.experiment_design import run
 from camid.experiment_design.general_laws import general_laws
 from camid.experiment_design.hypothesis import Played, hypothesis_of
 from camid.experiment_design.left_out import left_out
@@ -207,3 +208,14 @@ def test_the_recordings_of_a_folder_are_those_of_its_diagnosis(diagnosis, first,
     with pytest.raises(InputError, match="not the recordings that were diagnosed"):
         known_from_folder(tmp_path / "diagnosis", [first.assign(y=first["y"] + 0.1)])
     assert known_from_folder(tmp_path / "diagnosis").earlier is None
+
+
+def test_what_long_recordings_cost_is_bounded(diagnosis, monkeypatch):
+    """They are not fitted again: rivals are followed by their information."""
+    known = known_from_diagnosis(diagnosis)
+    limits, noise = limits_of(known, Wishes(duration=4.0)), noise_of(known, Wishes())
+    task = Task(known.hypotheses, limits, noise, known.rows, known.experiments, known.earlier)
+    _, past = run._with_rivals(task)
+    assert past is not None
+    monkeypatch.setattr(run, "MOST_EARLIER_ROWS", known.earlier.rows - 1)
+    assert run._with_rivals(task) == (task, None)

@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 SIMULATED_ROWS = 5e6
 # The same for a second search, which knows the values of rivals that fits have found, as a share.
 AGAIN = 0.5
+# Rows of earlier recordings that rivals are fitted to: fits to longer ones would take longer than all the rest, and the
+# longer they are the farther the information holds around the best fit.
+MOST_EARLIER_ROWS = 6000
 # Experiments that are checked by a fit in each of the two.
 CHECKED = 4
 # Evidence below which names stay together whatever is played (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
@@ -128,7 +131,7 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
 def _with_rivals(task: Task) -> tuple[Task, Past | None]:
     """The task with rivals that are not listed, and what is known of the earlier recordings, if they are there."""
     earlier, every = task.earlier, task.hypotheses
-    if earlier is None or not task.names or not earlier.agrees(every):
+    if earlier is None or not task.names or earlier.rows > MOST_EARLIER_ROWS or not earlier.agrees(every):
         return task, None
     sums = own_sums(every, earlier)
     rivals = left_out(every, earlier, sums)
