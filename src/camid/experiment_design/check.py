@@ -76,5 +76,5 @@ class Check:
     def _rows(self, candidate: Candidate) -> float:
         """About how many rows the fits of all rivals to one experiment simulate."""
         rows = len(candidate.played.signal) + (0 if self._past is None else self._past.earlier.rows)
-        pairs = pairs_of(candidate.found, self.task.noise)
-        return EVALUATIONS * rows * sum(2.0 + self.task.hypotheses[p.rival].count for p in pairs)
+        rivals = [self.task.hypotheses[p.rival] for p in pairs_of(candidate.found, self.task.noise)]
+        return EVALUATIONS * rows * sum((2.0 + h.count) * h.effort(candidate.played) for h in rivals)

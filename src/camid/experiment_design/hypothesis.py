@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # Rows of the recording that a problem is made with, before it gets those of an experiment.
 TEMPLATE_ROWS = 8
+# Steps of the integrator in a frame that a row of a simulation stands for where costs are counted in rows.
+STEPS_OF_A_ROW = 3.0
 # The question of simulations that are held against each other.
 GIVEN = "given"
 
@@ -157,6 +159,12 @@ class Hypothesis:
         # What a simulation leaves open of the clocks is as it was found.
         model = replace(model, constants={**self.problem.kind.constants(), **model.constants})
         return replace(self.problem, experiments=[experiment], times=[time]), model
+
+    def effort(self, played: Played) -> float:
+        """Rows that the simulation of one row costs, in those of a plant with friction."""
+        problem, model = self.at(played)
+        (steps,) = problem.pinned(model, finest=False).steps or (1,)
+        return max(steps / STEPS_OF_A_ROW, 1.0)
 
     @property
     def added(self) -> float:

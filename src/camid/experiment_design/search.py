@@ -85,6 +85,7 @@ class Search:
     ) -> None:
         self.hypotheses, self.limits, self.noise, self.score = list(hypotheses), limits, noise, score
         self.others: list[Hypothesis] = []
+        self._efforts: dict[tuple[str, str, float], float] = {}
         self.budget, self.watch = simulated_rows, watch
         self.spent = 0.0
         self.looked_at = 0
@@ -172,12 +173,21 @@ class Search:
             return None
         self.looked_at += 1
         every = [*self.hypotheses, *self.others]
-        self.spent += len(signal) * sum(2.0 + len(h.known or range(8)) - len(h.held) for h in every)
+        self.spent += len(signal) * sum(
+            self._effort(h, played) * (2.0 + len(h.known or range(8)) - len(h.held)) for h in every
+        )
         try:
             found = responses(every, played, self.noise)
         except (ValueError, ArithmeticError, np.linalg.LinAlgError):
             return None
         return Candidate(kind, described, played, found, self.score(found))
+
+    def _effort(self, hypothesis: Hypothesis, played: Played) -> float:
+        """What a row of a hypothesis costs, as the first experiment of this period has shown."""
+        key = (hypothesis.identifier, hypothesis.question, played.period)
+        if key not in self._efforts:
+            self._efforts[key] = hypothesis.effort(played)
+        return self._efforts[key]
 
     def _over(self, share: float) -> bool:
         return self.spent >= share * self.budget or self.watch.no_time_for("more candidates")

@@ -18,7 +18,7 @@ from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel
 from camid.fitting.fit import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import Problem
+from camid.fitting.problem import NEGLIGIBLE, Problem
 
 Array = NDArray[np.float64]
 
@@ -139,7 +139,9 @@ class Together:
             model = replace(model, initial=(*model.initial, *played_from.initial))
             self.noises, self.shares = [*self.noises, noise], [*self.shares, FITTED_SHARE]
         self.hypothesis = hypothesis
-        self.problem = problem.pinned(model, finest=finest)
+        # Steps of the integrator need not be finer than the noise lets one see.
+        negligible = NEGLIGIBLE * earlier.noise.deviation / problem.output_spread
+        self.problem = problem.pinned(model, finest=finest, negligible=negligible)
         self.packing = Packing.of(self.problem, model)
         self.free = hypothesis.free(self.packing)
         self.start = self.packing.pack(model)
