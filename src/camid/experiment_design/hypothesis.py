@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # Rows of the recording that a problem is made with, before it gets those of an experiment.
 TEMPLATE_ROWS = 8
+# Steps of the integrator in a frame that a row of a simulation stands for where costs are counted in rows.
+STEPS_OF_A_ROW = 3.0
 # The question of simulations that are held against each other.
 GIVEN = "given"
 
@@ -74,6 +76,15 @@ class Hypothesis:
         Fisher information that earlier recordings hold.
     criterion, misfit : float
         By how much its criterion and its sum of squares (in variances of the noise) exceed those of the likeliest.
+    variant : bool
+        Whether it is a name with other values than those that fit the earlier recordings best; they are then known
+        around these values: ``information`` is of them, and
+    slope : ndarray, shape (p,), optional
+        half of the derivative of the sum of squares,
+    beyond : float
+        by how much that exceeds the name's own,
+    held : frozenset of str
+        parameters that keep their values.
     """
 
     identifier: str
@@ -86,11 +97,25 @@ class Hypothesis:
     information: Array
     criterion: float = 0.0
     misfit: float = 0.0
+    variant: bool = False
+    slope: Array | None = None
+    beyond: float = 0.0
+    held: frozenset[str] = frozenset()
 
     @property
     def effect(self) -> Effect | None:
         """The effect of its name, with its parameters; None where it has none."""
         return next((e for e in self.model.effects if e.identifier == self.identifier), None)
+
+    @property
+    def rival_only(self) -> bool:
+        """Whether it is no name of the diagnosis, and only held against those."""
+        return bool(self.identifier) and self.weight <= 0.0
+
+    @property
+    def is_name(self) -> bool:
+        """Whether it may be right, and has its own values."""
+        return bool(self.identifier) and not self.variant and not self.rival_only
 
     @property
     def count(self) -> int:
@@ -135,6 +160,12 @@ class Hypothesis:
         model = replace(model, constants={**self.problem.kind.constants(), **model.constants})
         return replace(self.problem, experiments=[experiment], times=[time]), model
 
+    def effort(self, played: Played) -> float:
+        """Rows that the simulation of one row costs, in those of a plant with friction."""
+        problem, model = self.at(played)
+        (steps,) = problem.pinned(model, finest=False).steps or (1,)
+        return max(steps / STEPS_OF_A_ROW, 1.0)
+
     @property
     def added(self) -> float:
         """A bias of the input that is declared and not estimated."""
@@ -150,13 +181,29 @@ class Hypothesis:
     def prior(self, packing: Packing) -> Array:
         """Information of earlier recordings on packed parameters in their own units, shape (p, p)."""
         names = stable_names(packing.names, packing.template.effects)
-        places = [self.known.get(name, -1) for name in names]
+        found, rows = self._places(names)
         result = np.zeros((len(names), len(names)))
-        found = [i for i, place in enumerate(places) if place >= 0]
-        rows = [places[i] for i in found]
         if found:
             result[np.ix_(found, found)] = self.information[np.ix_(rows, rows)]
         return result
+
+    def pull(self, packing: Packing) -> Array:
+        """Half of the derivative of the earlier recordings' sum of squares by the same parameters, shape (p,)."""
+        names = stable_names(packing.names, packing.template.effects)
+        found, rows = self._places(names)
+        result = np.zeros(len(names))
+        if self.slope is not None and found:
+            result[found] = self.slope[rows]
+        return result
+
+    def free(self, packing: Packing) -> NDArray[np.bool_]:
+        """Which packed parameters may be fitted, shape (p,)."""
+        return np.array([n not in self.held for n in stable_names(packing.names, packing.template.effects)], bool)
+
+    def _places(self, names: list[str]) -> tuple[list[int], list[int]]:
+        """Parameters that earlier recordings know and that are free: their places among names, and in what is known."""
+        found = [i for i, name in enumerate(names) if name in self.known and name not in self.held]
+        return found, [self.known[names[i]] for i in found]
 
 
 def hypothesis_of(
@@ -196,8 +243,11 @@ def hypothesis_of(
             where=simulation.source,
             hint="name the one that tells most",
         )
-    # What depends on the time of one recording is not there in the next.
-    effects = tuple(e for e in effects_of(simulation) if not (e.noise_like or e.of_one_recording))
+    # What depends on the time of one recording is not there in the next; but a diagnosis holds the name in question
+    # against both recordings with the same values.
+    effects = tuple(
+        e for e in effects_of(simulation) if not e.noise_like and (e.identifier == identifier or not e.of_one_recording)
+    )
     simulation = replace(simulation, initial_state="zero", remainder=None)
     problem = _template(simulation, period)
     model = replace(model_of(problem, effects), initial=(None,))

@@ -69,6 +69,8 @@ class Response:
     prior : ndarray, shape (p, p)
         What is known of them before.
     packing : Packing
+    pull : ndarray, shape (p,), optional
+        Half of the derivative of the earlier recordings' sum of squares; none where the hypothesis fits them best.
     """
 
     hypothesis: Hypothesis
@@ -76,6 +78,7 @@ class Response:
     table: Array
     prior: Array
     packing: Packing
+    pull: Array | None = None
 
     @cached_property
     def information(self) -> Array:
@@ -84,9 +87,9 @@ class Response:
 
     def left_of(self, difference: Array) -> float:
         """D of a whitened difference of outputs, shape (N,), on the rows that would be fitted."""
-        along = FITTED_SHARE * (self.table.T @ difference)
+        along = FITTED_SHARE * (self.table.T @ difference) - (0.0 if self.pull is None else self.pull)
         left = FITTED_SHARE * float(difference @ difference) - float(along @ solved(self.information, along))
-        return max(left, 0.0)
+        return max(left + self.hypothesis.beyond, 0.0)
 
     def growth(self, difference: Array, rows: NDArray[np.int64]) -> Array:
         """The same if the experiment ended after so many rows, shape (K,)."""
@@ -161,9 +164,11 @@ def response(hypothesis: Hypothesis, played: Played, noise: NoiseModel) -> Respo
     packing = Packing.of(problem, model)
     vector = packing.pack(model)
     table = np.zeros((len(output), len(vector)))
-    table[used] = sensitivities(problem, packing, vector, output[used])
+    free = np.flatnonzero(hypothesis.free(packing))
+    table[np.ix_(used, free)] = sensitivities(problem, packing, vector, output[used], free.tolist())
     prior = hypothesis.prior(packing) * np.outer(packing.units, packing.units)
-    return Response(hypothesis, output, noise.whitened(table), prior, packing)
+    pull = None if hypothesis.slope is None else hypothesis.pull(packing) * packing.units
+    return Response(hypothesis, output, noise.whitened(table), prior, packing, pull)
 
 
 def responses(hypotheses: Sequence[Hypothesis], played: Played, noise: NoiseModel) -> list[Response]:

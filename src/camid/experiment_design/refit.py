@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.experiment_design.hypothesis import Hypothesis, Played
-from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel
-from camid.experiment_design.separation import Pair
+from camid.experiment_design.other_values import around
+from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
+from camid.experiment_design.separation import Pair, most_left, values_of
+from camid.experiment_design.together import Earlier, Together
 from camid.fitting.fit import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.problem import WORKERS
@@ -20,11 +22,96 @@ Array = NDArray[np.float64]
 
 # Evaluations of one fit.
 STEPS = 15
+# Share of what was expected below which what a rival leaves after a fit is news to a search.
+NEWS = 0.8
 TOLERANCE = 1e-4
+# Values from which a fit to all recordings starts, evaluations of each with few steps of the integrator, and of the
+# best one.
+STARTS, FIRST_STEPS, LAST_STEPS = 3, 6, 10
+
+
+@dataclass(frozen=True)
+class Past:
+    """Earlier recordings, and what each hypothesis leaves of them in variances of the noise."""
+
+    earlier: Earlier
+    sums: Sequence[float]
+
+
+def refitted_together(
+    hypotheses: Sequence[Hypothesis],
+    played: Played,
+    noise: NoiseModel,
+    pairs: Sequence[Pair],
+    found: Sequence[Response],
+    past: Past,
+) -> tuple[list[Pair], list[Hypothesis]]:
+    """The same with rivals that are fitted to the earlier recordings and the experiment, from several values.
+
+    Parameters
+    ----------
+    hypotheses : sequence of Hypothesis
+    played : Played
+    noise : NoiseModel
+    pairs : sequence of Pair
+    found : sequence of Response
+        Of the hypotheses, and behind them of their other values.
+    past : Past
+
+    Returns
+    -------
+    list of Pair, list of Hypothesis
+        The second are rivals with the values that leave less than was expected.
+    """
+    truths = {}
+    for i in {p.true for p in pairs}:
+        problem, model = hypotheses[i].at(played)
+        truths[i] = problem.pinned(model, finest=True).simulate_one(model, 0)
+
+    def checked(pair: Pair) -> tuple[Pair, Hypothesis | None]:
+        rival, true = hypotheses[pair.rival], hypotheses[pair.true]
+        starts = _starts(found, pair, noise)
+        whole, vector, cost = _least(rival, starts, past.earlier, (played, truths[pair.true], noise))
+        left = max(cost - past.sums[pair.rival], 0.0)
+        if not np.isfinite(left) or left >= pair.left:
+            return pair, None
+        alone = Together(rival, past.earlier)
+        model = replace(whole.packing.unpack(vector), initial=alone.packing.template.initial)
+        moved = around(alone, alone.packing.pack(model), past.sums[pair.rival])
+        return replace(pair, left=min(left, most_left(true, rival))), moved if left < NEWS * pair.left else None
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        every = list(pool.map(checked, pairs))
+    return [pair for pair, _ in every], [moved for _, moved in every if moved is not None]
+
+
+def _starts(found: Sequence[Response], pair: Pair, noise: NoiseModel) -> list[Hypothesis]:
+    """A rival's own values, and the others that leave least of a difference to first order."""
+    truth = noise.whitened(found[pair.true].output)
+    others = [k for k in values_of(found, found[pair.rival].hypothesis) if k != pair.rival]
+    others.sort(key=lambda k: found[k].left_of(truth - noise.whitened(found[k].output)))
+    return [found[k].hypothesis for k in (pair.rival, *others[: STARTS - 1])]
+
+
+def _least(
+    rival: Hypothesis, starts: Sequence[Hypothesis], earlier: Earlier, experiment: tuple[Played, Array, NoiseModel]
+) -> tuple[Together, Array, float]:
+    """The fit of a rival to all recordings that leaves least, its values, and its sum of squares."""
+    rough, fine = Together(rival, earlier, *experiment), Together(rival, earlier, *experiment, finest=True)
+    initial = rough.packing.template.initial
+    begins = [rough.packing.pack(replace(s.model, initial=initial)) for s in starts]
+    if len(begins) > 1:
+        tried = [rough.least(begin, FIRST_STEPS) for begin in begins]
+        begins = [min(tried, key=lambda one: one[1])[0]]
+    vector, cost = fine.least(begins[0], LAST_STEPS)
+    return fine, vector, cost
 
 
 def refitted(hypotheses: Sequence[Hypothesis], played: Played, noise: NoiseModel, pairs: Sequence[Pair]) -> list[Pair]:
-    """The same pairs with what each rival leaves after a fit; what a fit makes worse stays as it was."""
+    """The same pairs with what each rival leaves after a fit; what a fit makes worse stays as it was.
+
+    Earlier recordings are there to second order; see :func:`refitted_together`.
+    """
     truths = {}
     for i in {p.true for p in pairs}:
         problem, model = hypotheses[i].at(played)

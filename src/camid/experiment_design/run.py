@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -11,23 +12,30 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.watch import Watch
 from camid.errors import InputError
+from camid.experiment_design.check import Check
+from camid.experiment_design.general_laws import general_laws
 from camid.experiment_design.hypothesis import Hypothesis, Played
+from camid.experiment_design.left_out import left_out
 from camid.experiment_design.limits import Limits
+from camid.experiment_design.other_values import own_sums
 from camid.experiment_design.prediction import TIMES, NoiseModel, Response, travelled
-from camid.experiment_design.refit import refitted
+from camid.experiment_design.refit import Past
 from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.search import Candidate, Search
 from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, pairs_of
+from camid.experiment_design.together import Earlier
 
 Array = NDArray[np.float64]
 
 # Rows of simulations that a design may cost: some ten seconds of a plant of second order with friction.
-SIMULATED_ROWS = 4e6
-# Experiments that are checked by a fit, and rows of simulations that checks beside the first may take; a fit evaluates
-# the rival and each of its derivatives about so often.
+SIMULATED_ROWS = 5e6
+# The same for a second search, which knows the values of rivals that fits have found, as a share.
+AGAIN = 0.5
+# Rows of earlier recordings that rivals are fitted to: fits to longer ones would take longer than all the rest, and the
+# longer they are the farther the information holds around the best fit.
+MOST_EARLIER_ROWS = 6000
+# Experiments that are checked by a fit in each of the two.
 CHECKED = 4
-CHECKED_ROWS = 8e6
-EVALUATIONS = 6.0
 # Evidence below which names stay together whatever is played (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
 NO_EVIDENCE = 2.0
 # Times as long as was allowed for which the growth of the evidence is carried on.
@@ -47,6 +55,8 @@ class Task:
         Rows of earlier recordings that were fitted.
     experiments : int
         Earlier experiments with different inputs.
+    earlier : Earlier or None
+        The earlier recordings; None where they are known by the hypotheses' information alone.
     """
 
     hypotheses: list[Hypothesis]
@@ -54,17 +64,22 @@ class Task:
     noise: NoiseModel
     rows_before: int
     experiments: int = 1
+    earlier: Earlier | None = None
 
-    @property
+    @cached_property
     def judge(self) -> Judge:
         """What turns evidence into weights after the next experiment."""
-        return Judge(self.hypotheses, self.rows_before, self.experiments + 1)
+        return Judge(self.hypotheses, self.rows_before, self.experiments + 1, general_laws(self.hypotheses))
 
     @property
     def names(self) -> list[int]:
-        """Places of the hypotheses that exclude another one."""
+        """Places of the names that exclude another one."""
         every = self.hypotheses
-        return [i for i, h in enumerate(every) if any(excludes(h, o) for j, o in enumerate(every) if j != i)]
+        return [
+            i
+            for i, h in enumerate(every)
+            if not h.rival_only and any(excludes(h, o) for j, o in enumerate(every) if j != i)
+        ]
 
 
 def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_ROWS, checked: int = CHECKED) -> Design:
@@ -80,6 +95,7 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
         for hypothesis in task.hypotheses:  # refuses a camera that cannot be
             hypothesis.at(Played(np.zeros(10), period, exposure))
     _refuse_rest_outside(task)
+    task, past = _with_rivals(task)
     judge, noise, names = task.judge, task.noise, task.names
 
     def score(found: Sequence[Response]) -> float:
@@ -87,7 +103,8 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
 
     watch.say("looking at experiments")
     search = Search(task.hypotheses, task.limits, noise, score, simulated_rows, watch)
-    best = search.best()
+    check = Check(task, past, checked, watch)
+    best = search.best(check.others)
     if not best and watch.no_time_for("experiments"):
         raise InputError("the time is up, and no experiment was looked at yet", hint="allow more with --time-limit")
     if not best:
@@ -95,15 +112,31 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
             "no experiment keeps the travel under every hypothesis",
             hint="allow more travel, or a smaller input",
         )
-    watch.say("fitting the rivals to the best ones")
     pairs: list[Pair] = []
     chosen = best[0]
     if names:
-        chosen, pairs = _checked(task, best[:checked], watch)
+        watch.say("fitting the rivals to the best ones")
+        check.add(best)
+        if check.news and not watch.no_time_for("a second search"):
+            watch.say("looking at experiments that also tell what the fits have found")
+            best = search.again(best, check.others, AGAIN * simulated_rows)
+            check.add(best)
+        chosen, pairs = check.best
     others = {c.kind: c.score for c in best}
     said = _said(task, chosen, pairs, others)
     seconds = perf_counter() - started
     return replace(said, looked_at=search.looked_at, seconds=seconds, warnings=_same_laws(said.expectations))
+
+
+def _with_rivals(task: Task) -> tuple[Task, Past | None]:
+    """The task with rivals that are not listed, and what is known of the earlier recordings, if they are there."""
+    earlier, every = task.earlier, task.hypotheses
+    if earlier is None or not task.names or earlier.rows > MOST_EARLIER_ROWS or not earlier.agrees(every):
+        return task, None
+    sums = own_sums(every, earlier)
+    rivals = left_out(every, earlier, sums)
+    more = own_sums(rivals, earlier)
+    return replace(task, hypotheses=[*every, *rivals]), Past(earlier, [*sums, *more])
 
 
 def _same_laws(expectations: Sequence[Expectation]) -> list[str]:
@@ -122,33 +155,11 @@ def information(found: Response) -> float:
     return float(0.5 * np.sum(np.log(np.maximum(values, 1e-6))))
 
 
-def _checked(task: Task, best: Sequence[Candidate], watch: Watch) -> tuple[Candidate, list[Pair]]:
-    """The one of the best experiments that says most after real fits, and its pairs."""
-    judge = task.judge
-    found: list[tuple[float, int, list[Pair]]] = []
-    spent = 0.0
-    for i, candidate in enumerate(best):
-        spent += _rows_of_a_check(task, candidate)
-        if found and spent > CHECKED_ROWS:
-            break
-        if found and watch.no_time_for("fits of more experiments"):
-            break
-        pairs = refitted(task.hypotheses, candidate.played, task.noise, pairs_of(candidate.found, task.noise))
-        found.append((judge.score(pairs, len(candidate.played.signal)), i, pairs))
-    _, index, pairs = max(found, key=lambda item: (item[0], -item[1]))
-    return best[index], pairs
-
-
-def _rows_of_a_check(task: Task, candidate: Candidate) -> float:
-    """About how many rows the fits of all rivals to one experiment simulate."""
-    pairs = pairs_of(candidate.found, task.noise)
-    return EVALUATIONS * len(candidate.played.signal) * sum(2.0 + task.hypotheses[p.rival].count for p in pairs)
-
-
 def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, float]) -> Design:
     """What is to be expected of an experiment."""
     played = chosen.played
-    ranges = [travelled(h, played) for h in task.hypotheses]
+    listed = [h for h in task.hypotheses if not h.rival_only]
+    ranges = [travelled(h, played) for h in listed]
     rows = np.unique(np.linspace(0, len(played.signal), TIMES + 1).astype(np.int64)[1:])
     times = np.asarray(rows * played.period, dtype=np.float64)
     expectations, growth = [], {}
@@ -159,14 +170,14 @@ def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, fl
         growth[expectation.identifier] = grown
     likeliest = max(range(len(task.hypotheses)), key=lambda i: task.hypotheses[i].weight)
     return Design(
-        task.hypotheses,
+        listed,
         task.limits,
         chosen.kind,
         chosen.described,
         played,
         expectations,
         _determined(chosen.found[likeliest]),
-        {h.identifier: r.output for h, r in zip(task.hypotheses, chosen.found, strict=True) if h.identifier},
+        {r.hypothesis.identifier: r.output for r in chosen.found if r.hypothesis.is_name},
         (min(r[0] for r in ranges), max(r[1] for r in ranges)),
         others,
         growth,

@@ -44,7 +44,7 @@ class Candidate:
         Numbers that say which member it is.
     played : Played
     found : list of Response
-        What the hypotheses predict.
+        What the hypotheses predict, and behind them those with other values.
     score : float
         What is maximised.
     numbers : ndarray, shape (d,)
@@ -84,14 +84,20 @@ class Search:
         watch: Watch,
     ) -> None:
         self.hypotheses, self.limits, self.noise, self.score = list(hypotheses), limits, noise, score
+        self.others: list[Hypothesis] = []
+        self._efforts: dict[tuple[str, str, float], float] = {}
         self.budget, self.watch = simulated_rows, watch
         self.spent = 0.0
         self.looked_at = 0
 
-    def best(self) -> list[Candidate]:
-        """The best experiment of every family and of joined pairs, the best first; none where none keeps the travel."""
+    def best(self, others: Sequence[Hypothesis] = ()) -> list[Candidate]:
+        """The best experiment of every family and of joined pairs, the best first; none where none keeps the travel.
+
+        ``others`` are names with other values, by which rivals are judged, too.
+        """
         from scipy.stats import qmc
 
+        self.others = list(others)
         settings = self.limits.settings
         starts: list[float | None] = [None, *self.limits.positions]
         best: dict[str, Candidate] = {}
@@ -113,7 +119,34 @@ class Search:
         if not best:
             return []
         for candidate in sorted(best.values(), key=lambda c: -c.score)[:REFINED]:
-            self._keep(best, self._refined(candidate, FIRST_LOOK + (1.0 - FIRST_LOOK - JOINING) / REFINED))
+            self._keep(best, self._refined(candidate, (1.0 - FIRST_LOOK - JOINING) / REFINED * self.budget))
+        self._join(best)
+        return sorted(best.values(), key=lambda c: -c.score)
+
+    def again(self, earlier: Sequence[Candidate], others: Sequence[Hypothesis], more_rows: float) -> list[Candidate]:
+        """What is best of earlier candidates, of those near them and of pairs, now that rivals have other values, too.
+
+        Parameters
+        ----------
+        earlier : sequence of Candidate
+        others : sequence of Hypothesis
+            Names with other values, all that are known.
+        more_rows : float
+            Rows of simulations that it may cost.
+        """
+        self.others = list(others)
+        self.budget = self.spent + more_rows
+        best: dict[str, Candidate] = {}
+        for one in earlier:
+            if best and self._over(1.0):
+                break
+            setting = one.played.period, one.played.exposure
+            new = self.played(one.kind, one.described, one.played.signal, setting, one.played.position)
+            self._keep(best, None if new is None else replace(new, numbers=one.numbers))
+        alone = [c for c in sorted(best.values(), key=lambda c: -c.score) if len(c.numbers)]
+        share = (1.0 - JOINING) * (self.budget - self.spent) / REFINED
+        for candidate in alone[:REFINED]:
+            self._keep(best, self._refined(candidate, share))
         self._join(best)
         return sorted(best.values(), key=lambda c: -c.score)
 
@@ -139,12 +172,22 @@ class Search:
         if played is None or (not np.any(played.signal) and position is None):
             return None
         self.looked_at += 1
-        self.spent += len(signal) * sum(2.0 + len(h.known or range(8)) for h in self.hypotheses)
+        every = [*self.hypotheses, *self.others]
+        self.spent += len(signal) * sum(
+            self._effort(h, played) * (2.0 + len(h.known or range(8)) - len(h.held)) for h in every
+        )
         try:
-            found = responses(self.hypotheses, played, self.noise)
+            found = responses(every, played, self.noise)
         except (ValueError, ArithmeticError, np.linalg.LinAlgError):
             return None
         return Candidate(kind, described, played, found, self.score(found))
+
+    def _effort(self, hypothesis: Hypothesis, played: Played) -> float:
+        """What a row of a hypothesis costs, as the first experiment of this period has shown."""
+        key = (hypothesis.identifier, hypothesis.question, played.period)
+        if key not in self._efforts:
+            self._efforts[key] = hypothesis.effort(played)
+        return self._efforts[key]
 
     def _over(self, share: float) -> bool:
         return self.spent >= share * self.budget or self.watch.no_time_for("more candidates")
@@ -154,15 +197,15 @@ class Search:
         if new is not None and np.isfinite(new.score) and (new.kind not in best or new.score > best[new.kind].score):
             best[new.kind] = new
 
-    def _refined(self, start: Candidate, share: float) -> Candidate | None:
-        """The best that Nelder and Mead's simplex finds around a member of a family."""
+    def _refined(self, start: Candidate, rows: float) -> Candidate | None:
+        """The best that Nelder and Mead's simplex finds around a member of a family for so many rows."""
         from scipy.optimize import minimize
 
         family = next((f for f in FAMILIES if f.name == start.kind), None)
         if family is None:
             return None
         setting, position = (start.played.period, start.played.exposure), start.played.position
-        best, until = start, self.spent + (share - FIRST_LOOK) * self.budget
+        best, until = start, self.spent + rows
 
         def loss(numbers: Array) -> float:
             nonlocal best
@@ -188,7 +231,8 @@ class Search:
 
     def _join(self, best: dict[str, Candidate]) -> None:
         """Try the best members one after another, each for half of the time: one may separate what another does not."""
-        ranked = [c for c in sorted(best.values(), key=lambda c: -c.score) if c.kind != RELEASE][: REFINED + 1]
+        # What has no numbers is a release, or joined already.
+        ranked = [c for c in sorted(best.values(), key=lambda c: -c.score) if len(c.numbers)][: REFINED + 1]
         for one in ranked:
             for other in ranked:
                 if one is other or one.played.period != other.played.period or self._over(1.0):
@@ -209,8 +253,9 @@ class Search:
         if travel is None:
             return played
         for _ in range(MOST_SHRINKS):
-            self.spent += len(played.signal) * len(self.hypotheses)
-            ranges = [travelled(h, played) for h in self.hypotheses]
+            listed = [h for h in self.hypotheses if not h.rival_only]
+            self.spent += len(played.signal) * len(listed)
+            ranges = [travelled(h, played) for h in listed]
             low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
             rest = self.hypotheses[0].model.constants.get("offset", 0.0)
             factor = shrink_factor((low, high), travel, rest)

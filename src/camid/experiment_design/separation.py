@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import exp, log
+from dataclasses import dataclass, replace
+from math import hypot, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Comparison, Member, calibrated, relative_weight, weight_outside
+from camid.diagnosis.weights import Comparison, Member, relative_weight, weights
+from camid.experiment_design.general_laws import GeneralLaw
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
 
@@ -17,8 +18,18 @@ Array = NDArray[np.float64]
 
 # Weight of one name from which it is the answer.
 DECIDED = 0.95
-# Evidence beyond this many natural units says nothing more.
-ENOUGH = 60.0
+# Odds of all rivals together at which one name is nearly the answer: physics outside the catalogue keeps the rest.
+LEFT_TO_RIVALS = 0.02
+# What more odds count than that, at most, and half of it at so many natural units: a search climbs it from where
+# nothing is decided, and afterwards prefers what has more in reserve.
+RESERVE, HALFWAY = 0.5, 10.0
+LARGEST_ODDS = 1e25
+# A name that is not listed may come back: it is behind by so much evidence now, and leaves such a share of the mismatch
+# that an experiment shows.
+UNLISTED_GAP, UNLISTED_SHARE = 6.0, 0.1
+# Noise of the next recording, in standard deviations, with its probabilities (Gauss and Hermite).
+NOISE, PROBABILITIES = np.polynomial.hermite_e.hermegauss(7)
+PROBABILITIES = PROBABILITIES / PROBABILITIES.sum()
 
 
 @dataclass(frozen=True)
@@ -42,18 +53,36 @@ class Pair:
 
 
 def pairs_of(found: Sequence[Response], noise: NoiseModel) -> list[Pair]:
-    """All pairs of names for the same effect."""
+    """All pairs of names for the same effect; of a rival whose other values are there, too, what the best leave."""
     whitened = [noise.whitened(r.output) for r in found]
     result = []
     for i, one in enumerate(found):
-        if not one.hypothesis.identifier:
+        if not one.hypothesis.is_name:
             continue
         without = next((k for k, r in enumerate(found) if _is_without(r.hypothesis, one.hypothesis)), None)
         mismatch = 0.0 if without is None else found[without].left_of(whitened[i] - whitened[without])
         for j, other in enumerate(found):
-            if j != i and excludes(one.hypothesis, other.hypothesis):
-                result.append(Pair(i, j, other.left_of(whitened[i] - whitened[j]), mismatch))
+            if j != i and not other.hypothesis.variant and excludes(one.hypothesis, other.hypothesis):
+                left = min(found[k].left_of(whitened[i] - whitened[k]) for k in values_of(found, other.hypothesis))
+                result.append(Pair(i, j, min(left, most_left(one.hypothesis, other.hypothesis)), mismatch))
     return result
+
+
+def values_of(found: Sequence[Response], name: Hypothesis) -> list[int]:
+    """Places of the responses of a name: as it was fitted, and with other values."""
+    every = ((k, r.hypothesis) for k, r in enumerate(found))
+    return [k for k, h in every if (h.identifier, h.question) == (name.identifier, name.question)]
+
+
+def most_left(true: Hypothesis, rival: Hypothesis) -> float:
+    """What a rival leaves at most: a law of which the true one is a special case fits all that this one does."""
+    return max(true.misfit - rival.misfit, 0.0) if _special_case(rival) == true.identifier else np.inf
+
+
+def _special_case(hypothesis: Hypothesis) -> str | None:
+    """Name of the special case of a hypothesis's effect."""
+    simple = None if hypothesis.effect is None else hypothesis.effect.simplified()
+    return None if simple is None else simple.identifier
 
 
 def excludes(one: Hypothesis, other: Hypothesis) -> bool:
@@ -87,11 +116,14 @@ class Judge:
         Rows that were fitted before.
     experiments : int
         Experiments with different inputs, the next one included.
+    general : sequence of GeneralLaw
+        Laws of the catalogue that are no hypotheses, and have one of these for a special case.
     """
 
     hypotheses: Sequence[Hypothesis]
     rows_before: int
     experiments: int = 2
+    general: Sequence[GeneralLaw] = ()
 
     def evidence(self, pair: Pair, rows: int) -> float:
         """Expected difference of the criterion that the experiment adds."""
@@ -100,28 +132,35 @@ class Judge:
         growth = log1p(fitted / self.rows_before) if self.rows_before else log(max(fitted, 1.0))
         return weight_of_evidence(pair.left, self.rows_before, fitted) + more * growth
 
-    def _member(self, pair: Pair, rows: int) -> Member:
-        """The rival beside the true one after the experiment."""
+    def _members(self, true: int, pairs: Sequence[Pair], rows: int) -> list[tuple[Member, float]]:
+        """The rivals of a name after the experiment, each with the standard deviation of its gap over the noise."""
+        found = [self._member(p, rows) for p in pairs if p.true == true]
+        name = self.hypotheses[true].identifier
+        present = {m.identifier for m, _ in found}
+        total = max(self.rows_before + FITTED_SHARE * rows, 1.0)
+        for law in self.general:
+            if law.special == name and law.identifier not in present:
+                gap = law.more * log(total) + law.penalty
+                # What its additional numbers fit of the noise varies as χ² of their number does.
+                found.append((Member(law.identifier, gap, 0.0, general=True), sqrt(2.0 * law.more)))
+        return found
+
+    def _member(self, pair: Pair, rows: int) -> tuple[Member, float]:
         true, rival = self.hypotheses[pair.true], self.hypotheses[pair.rival]
         gap = rival.criterion - true.criterion + self.evidence(pair, rows)
-        without = next((h for h in self.hypotheses if _is_without(h, true)), None)
-        mismatch = pair.mismatch + (0.0 if without is None else max(without.misfit - true.misfit, 0.0))
+        mismatch = pair.mismatch + (self._mismatch(pair.true) or 0.0)
         left = pair.left + max(rival.misfit - true.misfit, 0.0)
         share = left / mismatch if mismatch > 0.0 else 1.0
-        simple = None if true.effect is None else true.effect.simplified()
-        rivals = None if rival.effect is None else rival.effect.simplified()
-        special = simple is not None and simple.identifier == rival.identifier
-        general = rivals is not None and rivals.identifier == true.identifier
-        sibling = simple is not None and rivals is not None and simple.identifier == rivals.identifier
-        return Member(rival.identifier, gap, min(share, 1.0), special, general, sibling)
-
-    def separation(self, pair: Pair, rows: int) -> float:
-        """Natural logarithm of the odds against a rival that does not saturate: what a search climbs."""
-        member = self._member(pair, rows)
-        if member.special or member.general:
-            return min(0.5 * member.gap, ENOUGH)
-        weight = relative_weight(member, self._experiments(pair.true))
-        return min(-log(max(weight, exp(-ENOUGH))), ENOUGH)
+        simple, of_rival = _special_case(true), _special_case(rival)
+        member = Member(
+            rival.identifier,
+            gap,
+            min(share, 1.0),
+            simple is not None and simple == rival.identifier,
+            of_rival is not None and of_rival == true.identifier,
+            simple is not None and simple == of_rival,
+        )
+        return member, self._spread(pair.true, pair.left, rows)
 
     def _experiments(self, true: int) -> int:
         """How many experiments count of a name; see :class:`camid.diagnosis.weights.Comparison`."""
@@ -129,22 +168,67 @@ class Judge:
         return 1 if effect is not None and effect.linear_dynamics else self.experiments
 
     def weight(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
-        """Weight that the diagnosis would state for a name, if it is right and leaves nothing."""
-        experiments = self._experiments(true)
-        rivals = [self._member(p, rows) for p in pairs if p.true == true]
-        among = 1.0 / (1.0 + sum(relative_weight(m, experiments) for m in rivals))
-        if self.hypotheses[true].question == GIVEN:  # one of them is right
-            return among
-        outside = weight_outside(Comparison((), share=1.0, left=0.0, experiments=experiments), calibrated())
-        return among * (1.0 - outside)
+        """Weight that the diagnosis is expected to state for a name, if it is right and leaves nothing.
+
+        It is the mean over the noise of the next recording: evidence of ten may as well come as two or eighteen.
+        """
+        experiments, name = self._experiments(true), self.hypotheses[true].identifier
+        rivals = self._members(true, pairs, rows)
+        mean = 0.0
+        for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
+            members = _recorded(name, rivals, float(noise))
+            names, outside = weights(Comparison(members, share=1.0, left=0.0, experiments=experiments))
+            own = dict(names).get(name, 0.0)
+            # One of the simulations that are held against each other is right.
+            mean += float(probability) * (own / (1.0 - outside) if self.hypotheses[true].question == GIVEN else own)
+        return mean
+
+    def separation(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
+        """What a search climbs for a name that is right: about the probability that one recording decides for it."""
+        experiments, name = self._experiments(true), self.hypotheses[true].identifier
+        rivals = self._members(true, pairs, rows)
+        if self.hypotheses[true].question != GIVEN:
+            rivals.append(self._not_listed(next(p for p in pairs if p.true == true), rows))
+        mean = 0.0
+        for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
+            own, *others = (relative_weight(m, experiments) for m in _recorded(name, rivals, float(noise)))
+            odds = max(sum(others), 1.0 / LARGEST_ODDS) / max(own, 1.0 / LARGEST_ODDS)
+            reserve = -log(odds) / (HALFWAY + abs(log(odds)))
+            mean += float(probability) * (LEFT_TO_RIVALS / (LEFT_TO_RIVALS + odds) + RESERVE * reserve)
+        return mean
+
+    def _not_listed(self, pair: Pair, rows: int) -> tuple[Member, float]:
+        """What stands for the names that a diagnosis has left out."""
+        left = UNLISTED_SHARE * pair.mismatch
+        gap = UNLISTED_GAP + weight_of_evidence(left, self.rows_before, FITTED_SHARE * rows)
+        return Member("", gap, UNLISTED_SHARE), self._spread(pair.true, left, rows)
+
+    def _spread(self, true: int, left: float, rows: int) -> float:
+        """Standard deviation of what is evidence of D: twice the log ratio of two laws varies by 2 √D over the noise.
+
+        D itself goes with the square of the effect, of which the earlier recordings tell the size with an uncertainty.
+        """
+        without = self._mismatch(true)
+        size = 0.0 if without is None else 2.0 * left / sqrt(max(without, 1.0))
+        return hypot(2.0 * sqrt(left), size) / (1.0 + left / max(self.rows_before + rows, 1))
+
+    def _mismatch(self, true: int) -> float | None:
+        """What a name removes of the earlier recordings, in variances of the noise; None where that is not known."""
+        name = self.hypotheses[true]
+        without = next((h for h in self.hypotheses if _is_without(h, name)), None)
+        return None if without is None else max(without.misfit - name.misfit, 0.0)
 
     def score(self, pairs: Sequence[Pair], rows: int) -> float:
-        """What a search maximises: the mean over the names, by their weights, of the evidence against the nearest."""
-        total, weights = 0.0, 0.0
-        for i, hypothesis in enumerate(self.hypotheses):
-            own = [self.separation(p, rows) for p in pairs if p.true == i]
-            if own:
-                # A rival that is still near counts most, and the others a little, too.
-                total += hypothesis.weight * (min(own) + 0.25 * float(np.mean(own)))
-                weights += hypothesis.weight
-        return total / weights if weights > 0.0 else 0.0
+        """What a search maximises: the mean of the separation over the names, by their weights."""
+        names = sorted({p.true for p in pairs})
+        total = sum(self.hypotheses[i].weight for i in names)
+        parts = [self.hypotheses[i].weight * self.separation(i, pairs, rows) for i in names]
+        return sum(parts) / total if total > 0.0 else 0.0
+
+
+def _recorded(name: str, rivals: Sequence[tuple[Member, float]], noise: float) -> tuple[Member, ...]:
+    """A name and its rivals after a recording with such noise, measured by the likeliest of them."""
+    gaps = [member.gap + spread * noise for member, spread in rivals]
+    least = min([0.0, *gaps])
+    others = (replace(m, gap=gap - least) for (m, _), gap in zip(rivals, gaps, strict=True))
+    return Member(name, -least, 0.0), *others

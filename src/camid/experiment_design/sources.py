@@ -12,14 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.remaining_hypotheses import conditions_of, information_of
 from camid.diagnosis.weights import Member, relative_weight
 from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.experiment_design.columns import Columns
+from camid.experiment_design.earlier_recordings import of_diagnosis, of_files, of_problem
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis, hypothesis_of
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.prediction import NoiseModel
+from camid.experiment_design.together import Earlier
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import RecordingSource, experiments_of
@@ -31,8 +34,8 @@ Array = NDArray[np.float64]
 DIAGNOSIS = "diagnosis.json"
 # Version of diagnosis.json that is read.
 SCHEMA = 1
-# Names that weigh less are not designed for.
-LEAST_WEIGHT = 0.02
+# Names that weigh less are not designed for: all that a diagnosis lists.
+LEAST_WEIGHT = 0.01
 # How far the travel may reach beyond that of the recordings where nothing is said, as a share of it.
 BEYOND = 0.1
 
@@ -54,6 +57,8 @@ class Known:
     source : str
     warnings : tuple of str
         What a design cannot take into account.
+    earlier : Earlier or None
+        The recordings that were diagnosed; None where only what hypotheses know of them is known.
     """
 
     hypotheses: list[Hypothesis]
@@ -64,6 +69,7 @@ class Known:
     conditions: Mapping[str, Any]
     source: str
     warnings: tuple[str, ...] = ()
+    earlier: Earlier | None = None
 
     @property
     def columns(self) -> Columns:
@@ -71,14 +77,16 @@ class Known:
         return Columns.of(self.hypotheses[0].simulation)
 
 
-def known_from_folder(folder: Path) -> Known:
+def known_from_folder(folder: Path, recordings: Sequence[RecordingSource] = ()) -> Known:
     """What the folder of a diagnosis says, or its diagnosis.json.
+
+    With the ``recordings`` that were diagnosed they are known as well, and not only what the hypotheses know of them.
 
     Raises
     ------
     InputError
-        If there is no diagnosis, one of a version that is not known, or one without the remaining hypotheses, as the
-        first ones of version 1 were.
+        If these are others, or there is no diagnosis, one of a version that is not known, or one without the remaining
+        hypotheses, as the first ones of version 1 were.
     """
     path = folder / DIAGNOSIS if folder.is_dir() else folder
     try:
@@ -100,9 +108,23 @@ def known_from_folder(folder: Path) -> Known:
             "it does not hold the simulations of the remaining hypotheses", where=str(path), hint="diagnose again"
         )
     try:
-        return known_from_mapping(content, str(folder))
+        known = known_from_mapping(content, str(folder))
+        if not recordings or not known.noise:
+            return known
+        simulation = load_simulation(content["hypotheses"][0]["simulation"])
+        noise, period = NoiseModel(known.noise, known.whitening), float(known.conditions["period"])
+        return replace(known, earlier=of_files(path.parent, recordings, simulation, noise, period))
     except (KeyError, TypeError) as error:
         raise InputError(f"{error} is missing or of another kind", where=str(path), hint="diagnose again") from None
+
+
+def known_from_diagnosis(diagnosis: Diagnosis) -> Known:
+    """What a diagnosis says, and the recordings that it was made of."""
+    known = known_from_mapping(diagnosis.to_mapping(), "diagnosis")
+    if not known.noise:
+        return known
+    noise = NoiseModel(known.noise, known.whitening)
+    return replace(known, earlier=of_diagnosis(diagnosis, noise, float(known.conditions["period"])))
 
 
 def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
@@ -208,7 +230,8 @@ def known_from_simulations(
     _refuse_one_structure(hypotheses)
     noise, whitening = conditions.noise, np.array(conditions.whitening)
     rows, experiments = conditions.rows, conditions.experiments
-    return Known(hypotheses, noise, whitening, rows, experiments, conditions.to_mapping(), source)
+    earlier = of_problem(best.problem, NoiseModel(noise, whitening)) if noise > 0.0 else None
+    return Known(hypotheses, noise, whitening, rows, experiments, conditions.to_mapping(), source, earlier=earlier)
 
 
 def _refuse_one_structure(hypotheses: Sequence[Hypothesis]) -> None:

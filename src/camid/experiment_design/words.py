@@ -12,6 +12,8 @@ from camid.experiment_design.columns import Column, Columns
 from camid.experiment_design.result import Design
 from camid.number_text import number, percentage, plain, printable, span, with_deviation
 
+# Weight of a name from which a sentence says that it stays undecided.
+LIKELY = 0.1
 # Names of the numbers of families, and their units.
 NUMBERS = {
     "hold": ("held for", "s"),
@@ -63,12 +65,14 @@ def sentence(design: Design) -> str:
         return text + "it determines the coefficients best."
     rate = number(evidence / design.duration, 2)
     text += f"expected ΔBIC {number(evidence, 2)} against the nearest rival ({rate} a second)"
-    undecided = [e for e in design.expectations if e.seconds is None]
+    weights = {h.identifier: h.weight for h in design.hypotheses}
+    likely = [e for e in design.expectations if weights[e.identifier] >= LIKELY] or design.expectations
+    undecided = [e for e in likely if e.seconds is None]
     if undecided:
         pairs = "; ".join(f"{title_of(e.identifier)} from {title_of(e.rival)}" for e in undecided)
         return f"{text}. Within the limits of the recording it would not tell apart: {pairs}."
-    decided = design.seconds_to_decide
-    return f"{text}, one name at 95 % after about {number(float(decided or 0.0), 2)} s."
+    decided = max(e.seconds or 0.0 for e in likely)
+    return f"{text}, one name at 95 % after about {number(decided, 2)} s."
 
 
 def print_design(design: Design, written: list[Path]) -> None:
