@@ -31,7 +31,7 @@ from camid.errors import InputError, need
     "--recording",
     type=click.Path(path_type=Path),
     multiple=True,
-    help="With simulations: a recording that they are fitted to first.",
+    help="With simulations: a recording that they are fitted to first; with a diagnosis: those it was made of.",
 )
 @click.option("--picture/--no-picture", default=True, show_default=True, help="Also draw design.png.")
 @click.option(

@@ -18,8 +18,8 @@ from camid.experiment_design.result import Design
 from camid.experiment_design.run import Task, design_for
 from camid.experiment_design.sources import (
     Wishes,
+    known_from_diagnosis,
     known_from_folder,
-    known_from_mapping,
     known_from_simulations,
     limits_of,
     noise_of,
@@ -70,7 +70,8 @@ def design(
     noise : float, optional
         Standard deviation of a reading.
     recording : path, DataFrame, or list of them, optional
-        Recordings of the rig, for simulations: they are fitted to it first.
+        Recordings of the rig, for simulations: they are fitted to it first. For the folder of a diagnosis: those that
+        were diagnosed, so that rivals are fitted to them and the experiment together.
     progress : callable, optional
         Called with a sentence about the current step.
     time_limit : float, optional
@@ -119,13 +120,14 @@ def _designed(
     period = 1.0 / min(wishes.frame_rates) if wishes.frame_rates else None
     try:
         if isinstance(source, Diagnosis):
-            known = known_from_mapping(source.to_mapping(), "diagnosis")
+            known = known_from_diagnosis(source)
         elif isinstance(source, str | os.PathLike) and _is_diagnosis(Path(source)):
-            known = known_from_folder(Path(source))
+            known = known_from_folder(Path(source), recordings)
         else:
             sources = list(source) if isinstance(source, list | tuple) else [source]
             known = known_from_simulations(sources, recordings, period)
-        task = Task(known.hypotheses, limits_of(known, wishes), noise_of(known, wishes), known.rows, known.experiments)
+        limits, noise = limits_of(known, wishes), noise_of(known, wishes)
+        task = Task(known.hypotheses, limits, noise, known.rows, known.experiments, known.earlier)
         found = design_for(task, watch)
     except InputError:
         raise

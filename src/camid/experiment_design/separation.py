@@ -174,10 +174,11 @@ class Judge:
         """
         experiments, name = self._experiments(true), self.hypotheses[true].identifier
         rivals = self._members(true, pairs, rows)
+        gain = max(p.mismatch for p in pairs if p.true == true) + (self._mismatch(true) or 0.0)
         mean = 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
             members = _recorded(name, rivals, float(noise))
-            names, outside = weights(Comparison(members, share=1.0, left=0.0, experiments=experiments))
+            names, outside = weights(Comparison(members, share=1.0, left=0.0, gain=gain, experiments=experiments))
             own = dict(names).get(name, 0.0)
             # One of the simulations that are held against each other is right.
             mean += float(probability) * (own / (1.0 - outside) if self.hypotheses[true].question == GIVEN else own)
