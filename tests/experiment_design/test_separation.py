@@ -33,7 +33,8 @@ def weight(first, rival, left=1e4, experiments=2):
 
 
 def stated(experiments):
-    return 1.0 - weight_outside(Comparison((), 1.0, 0.0, experiments=experiments), calibrated())
+    """Of a law that removes ten thousand variances of the noise."""
+    return 1.0 - weight_outside(Comparison((), 1.0, 0.0, gain=1e4, experiments=experiments), calibrated())
 
 
 FRICTION, DELAY = CoulombFriction(force=1.0), Delay(delay=0.01)
@@ -66,7 +67,7 @@ def test_a_weight_is_expected_over_the_noise_of_the_next_recording():
     two = judge(0.5, 0.5)
     expected = [two.weight(0, [Pair(0, 1, left, 1e4)], 500) for left in (4.0, 16.0, 64.0, 256.0)]
     assert expected == sorted(expected)
-    certain = (1.0 - weight_outside(Comparison((), 1.0, 0.0, experiments=2), calibrated())) / (1.0 + exp(-8.0))
+    certain = stated(2) / (1.0 + exp(-8.0))
     assert expected[1] < certain - 0.02
     assert expected[3] == pytest.approx(stated(2), abs=1e-3)
 

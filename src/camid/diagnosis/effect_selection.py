@@ -249,7 +249,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
                 laws = screen(problem, others, signatures=searches.signatures)
                 laws = [c for c in laws if c.effect.identifier != identifier]
                 found = hypotheses(problem, others, laws, effort=RIVALS, watch=watch, incumbent=own)
-                searches.keep(others, [*found, _last(problem, own, index)])
+                searches.keep(others, [*found, _last(own, index)])
             special = special_case(problem, current, index, {h.identifier for h in found})
             found = found if special is None else [*found, special]
             found += relatives_in_place(problem, current, index)
@@ -269,9 +269,9 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
     return Decision(base, current, rivals, without)
 
 
-def _last(problem: Problem, hypothesis: Hypothesis, index: int) -> Hypothesis:
+def _last(hypothesis: Hypothesis, index: int) -> Hypothesis:
     """The same hypothesis with one of its effects as the last, as one beside the others."""
     effects = list(hypothesis.fitted.model.effects)
     effects.append(effects.pop(index))
-    fitted = evaluate(problem, replace(hypothesis.fitted.model, effects=tuple(effects)))
+    fitted = evaluate(hypothesis.fitted.problem, replace(hypothesis.fitted.model, effects=tuple(effects)))
     return replace(hypothesis, fitted=fitted)

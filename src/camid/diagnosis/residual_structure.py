@@ -67,7 +67,7 @@ def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequ
     noise = max(float(np.mean(residual**2)), 1e-300)
     if float(np.mean(errors**2)) < LARGER_ERROR_RATIO * noise:
         return False
-    uncertain = _variance_of_prediction(problem, final, validation)
+    uncertain = _variance_of_prediction(final, validation)
     ratio = float(np.mean(errors**2)) / (noise + uncertain)
     ratio = min(ratio, float(np.mean(raw**2)) / (max(float(np.mean(final.residual**2)), 1e-300) + uncertain))
     if ratio > FAILED_ERROR_RATIO and final.model.effects:
@@ -81,9 +81,9 @@ def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequ
     return bool(ratio - 1.0 > LARGER_STANDARD_ERRORS * spread)
 
 
-def _variance_of_prediction(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> float:
+def _variance_of_prediction(final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> float:
     """Mean square of the error that uncertain coefficients make on rows that were not fitted."""
-    table = evaluate(problem.with_used(list(validation)), final.model).sensitivities
+    table = evaluate(final.problem.with_used(list(validation)), final.model).sensitivities
     covariance = final.covariance
     known = np.isfinite(np.diag(covariance))
     table, covariance = table[:, known], covariance[np.ix_(known, known)]

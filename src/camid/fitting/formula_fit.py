@@ -126,7 +126,7 @@ def fit_formula(
         ftol=SETTLED,
         max_nfev=MOST_STEPS,
     )
-    fitted = evaluate(problem, chain.model(found.x))
+    fitted = evaluate(chain.pinned, chain.model(found.x))
     table = chain.derivatives(found.x, chain.simulated(found.x))
     return FormulaFit(fitted, found.x[split:], _covariance(fitted, table)[split:, split:], table[:, split:])
 

@@ -174,7 +174,7 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
     deviations = np.sqrt(np.maximum(np.diag(curve.directions @ step.smooth.covariance @ curve.directions.T), 0.0))
     # An earlier law was fitted beside the packed numbers, too.
     beside = [step.nuisance()] if fitted.nuisance is None else [fitted.nuisance, step.nuisance()]
-    result = replace(evaluate(problem, step.model), nuisance=np.hstack(beside))
+    result = replace(evaluate(step.pinned, step.model), nuisance=np.hstack(beside))
     return LearnedLaw(result, deviations, step.smooth.log_evidence, step.smooth.without)
 
 

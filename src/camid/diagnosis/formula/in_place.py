@@ -77,7 +77,7 @@ def in_place(
     curves = [each for each in staying if each.law.values["variables"] not in done]
     effects = (*before.effects[: known + len(kept)], *(each.law for each in formulas), law)
     model = replace(before, effects=effects)
-    fitted = fit(problem, model, steps=ALL_STEPS) if curves else evaluate(problem, model)
+    fitted = fit(problem, model, steps=ALL_STEPS) if curves else evaluate(candidate.fit.fitted.problem, model)
     fitted = replace(fitted, nuisance=np.hstack([*_earlier(formulas), _nuisance(candidate)]))
     new = LearnedLaw(fitted, _deviations(candidate, law), *_log_evidence(named.fitted, candidate))
     return replace(named, laws=(*formulas, new, *relearned(problem, fitted, curves, named)))
