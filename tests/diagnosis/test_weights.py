@@ -10,7 +10,6 @@ from camid.diagnosis.verdict import different_inputs
 from camid.diagnosis.weights import (
     LARGEST_CLASS,
     LEAST_WEIGHT,
-    UNSEEN,
     Comparison,
     Constants,
     Member,
@@ -20,10 +19,10 @@ from camid.diagnosis.weights import (
 from camid.effects import known_effects
 from camid.effects.base import Effect
 
-CONSTANTS = Constants(0.3, 0.05, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
+CONSTANTS = Constants(0.3, 0.05, 40.0, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
 LEAD = Member("coulomb-friction", 0.0, 0.0)
 # Finely shown: a ten thousandth of it may be there without a test seeing it.
-ALONE = Comparison((LEAD,), share=0.9, left=0.0, gain=1e4 * UNSEEN)
+ALONE = Comparison((LEAD,), share=0.9, left=0.0, gain=4e5)
 
 
 def of(*members, **changes):
@@ -140,5 +139,5 @@ def test_a_law_that_is_shown_finely_leaves_less_room_for_another():
 
 def test_what_is_left_adds_to_what_no_test_sees():
     seen = replace(ALONE, gain=400.0, left=0.09)
-    assert seen.unexplained == pytest.approx(0.2)
+    assert seen.unexplained(40.0) == pytest.approx(0.2)
     assert weight_outside(seen, CONSTANTS) == pytest.approx(weight_outside(replace(ALONE, gain=200.0), CONSTANTS))

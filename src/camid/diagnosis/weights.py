@@ -25,9 +25,6 @@ LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4
 # Prior probability of a law of which dry friction is the special case: rigs have dry friction more often.
 GENERAL_LAW = 0.3
-# Structure in what is left, in variances of the noise, that the tests of a place see in every second recording: the
-# noncentrality of sixty functions at a p-value of 2·10⁻⁴.
-UNSEEN = 47.0
 # Shares below this are zero.
 LEAST_SHARE = 1e-9
 
@@ -42,6 +39,8 @@ class Constants:
         Prior probability that a law is another one of its name.
     law_error : float
         Mean share of the mismatch that the catalogue's law then leaves.
+    unseen : float
+        Variances of the noise that physics outside the catalogue may leave without a test seeing it.
     outside, outside_left : float
         Log odds of physics outside the catalogue where nothing is left, per unit of the logarithm of the share left.
     beside_share, beside_place : float
@@ -54,6 +53,7 @@ class Constants:
 
     other_law: float
     law_error: float
+    unseen: float
     outside: float
     outside_left: float
     beside_share: float
@@ -123,11 +123,13 @@ class Comparison:
     noise: bool = False
     experiments: int = 1
 
-    @property
-    def unexplained(self) -> float:
-        """Share of what the effect removes that is left, or that may be without a test seeing it; at most one."""
+    def unexplained(self, unseen: float) -> float:
+        """Share of what the effect removes that is left, or that may be without a test seeing it; at most one.
+
+        ``unseen`` are variances of the noise.
+        """
         left = self.left / self.share if self.share > 0.0 else 0.0
-        return min(left + UNSEEN / max(self.gain, UNSEEN), 1.0)
+        return min(left + unseen / max(self.gain, unseen), 1.0)
 
 
 @cache
@@ -183,7 +185,7 @@ def weight_outside(comparison: Comparison, constants: Constants) -> float:
     """Weight of physics outside the catalogue."""
     if comparison.noise:
         return _probability(constants.noise + constants.noise_beside * (not comparison.strongest))
-    odds = constants.outside + constants.outside_left * log(max(comparison.unexplained, LEAST_SHARE))
+    odds = constants.outside + constants.outside_left * log(max(comparison.unexplained(constants.unseen), LEAST_SHARE))
     # Another input is another chance for a law outside the catalogue to leave something.
     odds *= comparison.experiments
     if not comparison.strongest:
