@@ -22,7 +22,7 @@ from camid.experiment_design.prediction import TIMES, NoiseModel, Response, trav
 from camid.experiment_design.refit import Past
 from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.search import Candidate, Search
-from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, pairs_of
+from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, most_left, pairs_of
 from camid.experiment_design.together import Earlier
 
 Array = NDArray[np.float64]
@@ -203,9 +203,9 @@ def _expectation(
     )
     base = np.zeros(len(rows)) if without is None else _growth(found[without], output, noise, rows)
     for pair in own:
-        # What the fit took from the first order it takes from the beginning on.
-        share = pair.left / first_order[pair.rival].left if first_order[pair.rival].left > 0.0 else 1.0
-        grown[pair.rival] = share * _growth(found[pair.rival], output, noise, rows)
+        # It ends with what the rival leaves once it is fitted: what that takes, it takes from the beginning on.
+        growth = _growth(found[pair.rival], output, noise, rows)
+        grown[pair.rival] = growth * (pair.left / growth[-1]) if growth[-1] > 0.0 else growth
 
     def weight_after(k: int) -> float:
         now = [replace(p, left=float(grown[p.rival][k]), mismatch=float(base[k])) for p in own]
@@ -236,8 +236,12 @@ def _growth(found: Response, output: Array, noise: NoiseModel, rows: NDArray[np.
 
 def _beyond(judge: Judge, true: int, own: list[Pair], rows: int, played: Played) -> float | None:
     """Seconds until one name has 95 % if the experiment goes on in the same way; None if it never has."""
+    limits = [most_left(judge.hypotheses[true], judge.hypotheses[p.rival]) for p in own]
     for factor in np.geomspace(1.1, LONGEST, 60):
-        longer = [replace(p, left=factor * p.left, mismatch=factor * p.mismatch) for p in own]
+        longer = [
+            replace(p, left=min(factor * p.left, most), mismatch=factor * p.mismatch)
+            for p, most in zip(own, limits, strict=True)
+        ]
         if judge.weight(true, longer, round(factor * rows)) >= DECIDED:
             return float(factor * rows * played.period)
     return None
