@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.residual_structure import FAILED_ERROR_RATIO
 from camid.diagnosis.simplest_effects import without_effect
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted
@@ -40,12 +41,21 @@ def borne_out(
     watch : Watch
     """
     while decision.rivals and not watch.no_time_for("holding the effects against rows that were not fitted"):
-        evidence = [held_out_evidence(problem, decision.fitted, without, judging) for without in decision.without]
+        fitted = decision.fitted
+        evidence = [held_out_evidence(problem, fitted, without, judging) for without in decision.without]
         worst = int(np.argmin(evidence))
-        if evidence[worst] >= -REFUTED:
+        # What inexact laws leave is no noise, and no density predicts it: there an effect has to fail altogether.
+        coloured = len(fitted.noise.whitening) > 1
+        if evidence[worst] >= -REFUTED or (coloured and not _fails(problem, decision, worst, judging)):
             break
         decision = without_effect(problem, decision, known, worst)
     return decision
+
+
+def _fails(problem: Problem, decision: Decision, index: int, judging: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether squared errors on rows that were not fitted are some times larger with an effect than without it."""
+    errors, others = (_errors(problem, each, judging) for each in (decision.fitted, decision.without[index]))
+    return not float(errors @ errors) <= FAILED_ERROR_RATIO * float(others @ others)
 
 
 def held_out_evidence(problem: Problem, fitted: Fitted, without: Fitted, judging: Sequence[NDArray[np.bool_]]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,17 +79,7 @@ def findings(
         names, unlisted = weights(comparison)
         own = next((w for name, w in names if name == effect.identifier), 0.0)
         others = [*((name, w) for name, w in names if name != effect.identifier), (UNLISTED, unlisted)]
-        runner = ranked[1] if len(ranked) > 1 else None
-        evidence = {
-            "share": float(removed[i]),
-            **common,
-            "validation_gain": 1.0 - (without[-1] / without[i]) ** 2 if without[i] > 0.0 else None,
-            "nrmse_without": without[i],
-            "false_alarm_probability": p_value(problem, decision.without[i], decision.fitted, effect.identifier),
-            "delta_bic": float(decision.without[i].criterion_beyond(ranked[0].fitted) - ranked[0].penalty),
-            "next_best": None if runner is None else runner.identifier,
-            "delta_bic_to_next_best": None if runner is None else float(runner.beyond(ranked[0])),
-        }
+        evidence = {"share": float(removed[i]), **common, **_evidence(problem, decision, i, effect, without)}
         result.append(
             Finding(
                 effect.identifier,
@@ -108,6 +99,22 @@ def findings(
             )
         )
     return sorted(result, key=lambda f: -f.evidence["share"])
+
+
+def _evidence(
+    problem: Problem, decision: Decision, index: int, effect: Effect, without: Sequence[float]
+) -> dict[str, Any]:
+    """What diagnosis.json says for one of the effects found, but for the shares that it removes."""
+    ranked, other = decision.rivals[index], decision.without[index]
+    runner = ranked[1] if len(ranked) > 1 else None
+    return {
+        "validation_gain": 1.0 - (without[-1] / without[index]) ** 2 if without[index] > 0.0 else None,
+        "nrmse_without": without[index],
+        "false_alarm_probability": p_value(problem, other, decision.fitted, effect.identifier),
+        "delta_bic": float(other.criterion_beyond(ranked[0].fitted) - ranked[0].penalty),
+        "next_best": None if runner is None else runner.identifier,
+        "delta_bic_to_next_best": None if runner is None else float(runner.beyond(ranked[0])),
+    }
 
 
 def gain_of(decision: Decision, index: int) -> float:

@@ -153,9 +153,8 @@ def _moved(
 ) -> tuple[Motion, int]:
     """Motion before the sensor, and steps per period that are enough.
 
-    Where a change of the motion is ``negligible``, its root mean square as a share of the motion's standard deviation,
-    that would not count as none, they begin with few, and half as many steps as those of the motion are enough where it
-    differs by less from that.
+    Where a change of the motion is ``negligible``, as a share of its standard deviation, that would not count as none,
+    they begin with few, and half as many steps as those of the motion are enough where it differs by less from that.
     """
     setting = prepared(chain, signal, time, acquisition)
     mechanics, period = setting.mechanics, acquisition.period
@@ -184,10 +183,10 @@ def _moved(
         if trusted or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):
             break
         if coarser is not None:
-            change, spread = position[::2] - coarser, np.std(position)
-            if np.max(np.abs(change)) <= LARGEST_CHANGE * spread:
+            change, spread = np.max(np.abs(position[::2] - coarser)), np.std(position)
+            if change <= LARGEST_CHANGE * spread:
                 break
-            if np.sqrt(np.mean(change**2)) <= negligible * spread:
+            if change <= negligible * spread:
                 enough = steps // 2
                 break
         coarser = position
@@ -287,8 +286,7 @@ def steps_of(chain: Chain, signal: Array, time: Array, *, finest: bool, negligib
     finest : bool
         Whether they become finer until the motion no longer changes, at the cost of a simulation or more.
     negligible : float
-        Root mean square of a change of the motion, as a share of its standard deviation, for which they need not become
-        finer.
+        Change of the motion, as a share of its standard deviation, for which they need not become finer.
     """
     acquisition = chain.declared()
     if exactly(chain, signal, acquisition) is not None:

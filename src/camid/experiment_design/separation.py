@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import hypot, log, sqrt
+from math import hypot, inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,7 +174,8 @@ class Judge:
         """
         experiments, name = self._experiments(true), self.hypotheses[true].identifier
         rivals = self._members(true, pairs, rows)
-        gain = max(p.mismatch for p in pairs if p.true == true) + (self._mismatch(true) or 0.0)
+        # Without a simulation without the effect nobody knows how much of the motion it makes.
+        gain = max(p.mismatch for p in pairs if p.true == true) + (self._mismatch(true) or 0.0) or inf
         mean = 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
             members = _recorded(name, rivals, float(noise))
