@@ -153,10 +153,22 @@ def places(problem: Problem, fitted: Fitted, spread: Array | None = None) -> lis
         Relative standard deviation of the noise in each row, where it is uneven: a few rows in which it is large would
         look like a structure.
     """
-    view = metrics(problem, fitted)[-1] if spread is None else Metric.of(problem, fitted, np.ones(1), spread)
     motions = problem.motion(fitted.model)
+    if spread is None:
+        view = metrics(problem, fitted)[-1]
+    else:
+        view = Metric.of(problem, fitted, np.ones(1), spread, _bend_of_the_reading(problem, fitted, motions))
     # One table at a time: each is as long as the recordings, and tens of columns wide.
     return [_place_test(problem, view, place, regressors(problem, fitted, motions, place)) for place in QUESTIONS]
+
+
+def _bend_of_the_reading(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, Array]]) -> Array:
+    """Second derivative of the readings on the fitted rows, shape (M, 1): what times that scatter do to their mean."""
+    bends = []
+    for index, (position, _) in enumerate(motions):
+        seen = problem.kind.position_seen(problem, fitted.model, index, position)
+        bends.append(np.gradient(np.gradient(seen)))
+    return problem.fitted(bends)[:, None]
 
 
 def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> PlaceTest:

@@ -156,11 +156,14 @@ class Metric:
     spread: Array | None = None
 
     @classmethod
-    def of(cls, problem: Problem, base: Fitted, whitening: Array, spread: Array | None = None) -> Metric:
-        """Metric of a fitted model."""
+    def of(
+        cls, problem: Problem, base: Fitted, whitening: Array, spread: Array | None = None, beside: Array | None = None
+    ) -> Metric:
+        """Metric of a fitted model; columns ``beside`` it, shape (M, c), are no sign of anything either."""
         rows = 1.0 if spread is None else spread[:, None]
         # What a learned law could do is no sign of anything else, either.
         table = base.sensitivities if base.nuisance is None else np.hstack([base.sensitivities, base.nuisance])
+        table = table if beside is None else np.hstack([table, beside])
         basis = projector(problem.whitened(table, whitening) / rows)
         residual = problem.whitened(base.residual, whitening) / (1.0 if spread is None else spread)
         residual = residual - basis @ (basis.T @ residual)
