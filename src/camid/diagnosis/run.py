@@ -280,9 +280,8 @@ def _residue(setting: Setting, decision: Decision, final: Fitted, before: list[m
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
     spread = uneven_spread(problem, final, [effect for effect, _ in noise_effects])
-    after = before
-    if spread is not None or final is not decision.base:
-        after = mismatch_location.places(problem, final, spread)
+    known = spread is None and final is decision.base
+    after = before if known else mismatch_location.places(problem, final, spread)
     reasons = reasons_for_structure(problem, final, after, setting.judging, {f.identifier for f in found})
     if reasons:  # what looks like jitter, outliers or colour may be the structure
         found = [f for f in found if known_effects()[f.identifier].shows_in_values]
