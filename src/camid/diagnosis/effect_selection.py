@@ -42,6 +42,9 @@ FALSE_ALARM_BESIDE_OTHERS = 1e-4
 FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
 # Share of the mismatch that inexact laws may leave.
 LAW_ERROR = 0.04
+# Share of the mismatch from which an effect is worth a look at what shows beside it, though what it leaves is so
+# coloured that chance may do as much: what another effect does is structure until that is found, too.
+WORTH_A_LOOK = 0.3
 MOST_SWAPS = 4
 SWAP_MARGIN = 2.0
 # Fall of the criterion that betrays another minimum of the coefficients, and how often the search restarts from one.
@@ -156,6 +159,7 @@ def select_effects(
     rivals: list[list[Hypothesis]] = []
     known = len(base.model.effects)
     searches = searches or Searches()
+    doubtful: Fitted | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
@@ -171,15 +175,21 @@ def select_effects(
         screened = None
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
         ranked = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
-        if not ranked or p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
+        if not ranked:
             break
+        if p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
+            if doubtful is not None or ranked[0].fitted.cost > (1.0 - WORTH_A_LOOK) * current.cost:
+                break
+            doubtful, current = current, ranked[0].fitted
+            rivals.append(ranked)
+            continue
         without_effect = _without_its_effect(problem, ranked[0])
         if current.criterion_beyond(without_effect) > ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
             # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
             current, restarts = without_effect, restarts + 1
             base = base if beside else without_effect
             continue
-        left, current = current, ranked[0].fitted
+        left, current, doubtful = current, ranked[0].fitted, None
         rivals.append(ranked)
         whole = _merged(problem, current, known)
         if whole is not None and current.criterion_beyond(whole) > 0.0:
@@ -187,6 +197,9 @@ def select_effects(
         enough = len(current.model.effects) - known >= FEWEST_EFFECTS
         if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
             break
+    if doubtful is not None:
+        current = doubtful
+        rivals.pop()
     # A general law that took in its special case has the rivals of two effects.
     if len(rivals) < 2:
         return Decision(base, current, rivals, [base] * len(rivals))

@@ -274,17 +274,19 @@ class _OutputError:
         """The vector of least squares near a start, shape (p,)."""
         from scipy.optimize import least_squares
 
-        found = least_squares(
-            self.residual,
-            start,
-            jac=self.jacobian,
-            bounds=(self.packing.lower, self.packing.upper),
-            x_scale="jac",
-            ftol=self.tolerance,
-            xtol=1e-9,
-            gtol=None,
-            max_nfev=steps,
-        )
+        # Where nothing has a derivative the step is nought by nought: the fit stays where it is, and that is right.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = least_squares(
+                self.residual,
+                start,
+                jac=self.jacobian,
+                bounds=(self.packing.lower, self.packing.upper),
+                x_scale="jac",
+                ftol=self.tolerance,
+                xtol=1e-9,
+                gtol=None,
+                max_nfev=steps,
+            )
         return np.asarray(found.x)
 
 
