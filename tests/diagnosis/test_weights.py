@@ -19,7 +19,7 @@ from camid.diagnosis.weights import (
 from camid.effects import known_effects
 from camid.effects.base import Effect
 
-CONSTANTS = Constants(0.3, 0.05, 40.0, 0.0, 0.5, -0.5, 1.0, -2.0, 1.5)
+CONSTANTS = Constants(0.3, 0.05, 40.0, 0.0, 0.5, -0.5, 0.7, -2.0, 1.5)
 LEAD = Member("coulomb-friction", 0.0, 0.0)
 # Finely shown: a ten thousandth of it may be there without a test seeing it.
 ALONE = Comparison((LEAD,), share=0.9, left=0.0, gain=4e5)
@@ -72,10 +72,18 @@ def test_what_is_left_speaks_for_physics_outside_the_catalogue():
     assert found[0] == pytest.approx(1e-4**0.5 / (1.0 + 1e-4**0.5))
 
 
-def test_a_weak_effect_beside_a_strong_one_may_stand_for_its_law_most_of_all_at_its_place():
-    strong, weak = (weight_outside(replace(ALONE, share=s, strongest=False), CONSTANTS) for s in (0.5, 0.01))
-    elsewhere = weight_outside(replace(ALONE, share=0.01, strongest=False, same_place=False), CONSTANTS)
-    assert strong < elsewhere < weak
+def test_a_weak_effect_beside_a_strong_one_may_stand_for_its_law():
+    alone, beside = (weight_outside(replace(ALONE, share=0.5, strongest=s), CONSTANTS) for s in (True, False))
+    weak = weight_outside(replace(ALONE, share=0.01, strongest=False), CONSTANTS)
+    assert alone < beside < weak
+
+
+def test_what_is_linear_and_outside_the_catalogue_is_imitated_with_every_input():
+    law, linear = (replace(ALONE, linear=linear) for linear in (False, True))
+    assert weight_outside(linear, CONSTANTS) > weight_outside(law, CONSTANTS)
+    twice = [weight_outside(replace(each, experiments=2), CONSTANTS) for each in (law, linear)]
+    assert twice[0] < weight_outside(law, CONSTANTS)
+    assert twice[1] == weight_outside(linear, CONSTANTS)
 
 
 def test_an_effect_on_the_noise_may_be_the_shadow_of_another():

@@ -32,9 +32,9 @@ def weight(first, rival, left=1e4, experiments=2):
     return judge.weight(0, [Pair(0, 1, left, 1e4)], 500)
 
 
-def stated(experiments):
+def stated(**changes):
     """Of a law that removes ten thousand variances of the noise."""
-    return 1.0 - weight_outside(Comparison((), 1.0, 0.0, gain=1e4, experiments=experiments), calibrated())
+    return 1.0 - weight_outside(Comparison((), 1.0, 0.0, gain=1e4, experiments=2, **changes), calibrated())
 
 
 FRICTION, DELAY = CoulombFriction(force=1.0), Delay(delay=0.01)
@@ -43,13 +43,13 @@ FRICTION, DELAY = CoulombFriction(force=1.0), Delay(delay=0.01)
 def test_what_is_promised_is_what_a_diagnosis_states_where_nothing_is_left():
     """Physics outside the catalogue keeps its weight however far the rivals are behind."""
     found = weight(name("coulomb-friction", FRICTION), name("delay", DELAY))
-    assert found == pytest.approx(stated(2), abs=1e-6)
+    assert found == pytest.approx(stated(), abs=1e-6)
     assert 0.95 < found < 1.0
 
 
 def test_another_input_says_nothing_of_what_imitates_linear_dynamics():
     found = weight(name("delay", DELAY), name("coulomb-friction", FRICTION))
-    assert found == pytest.approx(stated(1), abs=1e-6)
+    assert found == pytest.approx(stated(linear=True), abs=1e-6)
 
 
 def test_one_of_two_simulations_is_right():
@@ -59,7 +59,7 @@ def test_one_of_two_simulations_is_right():
 
 def test_equal_rivals_share_the_weight():
     found = weight(name("coulomb-friction", FRICTION), name("delay", DELAY), left=0.0)
-    assert found == pytest.approx(0.5 * stated(2), rel=1e-6)
+    assert found == pytest.approx(0.5 * stated(), rel=1e-6)
 
 
 def test_a_weight_is_expected_over_the_noise_of_the_next_recording():
@@ -67,9 +67,9 @@ def test_a_weight_is_expected_over_the_noise_of_the_next_recording():
     two = judge(0.5, 0.5)
     expected = [two.weight(0, [Pair(0, 1, left, 1e4)], 500) for left in (4.0, 16.0, 64.0, 256.0)]
     assert expected == sorted(expected)
-    certain = stated(2) / (1.0 + exp(-8.0))
+    certain = stated() / (1.0 + exp(-8.0))
     assert expected[1] < certain - 0.02
-    assert expected[3] == pytest.approx(stated(2), abs=1e-3)
+    assert expected[3] == pytest.approx(stated(), abs=1e-3)
 
 
 def test_two_names_decided_are_worth_more_than_one_beyond_doubt():

@@ -30,7 +30,7 @@ def drawn(count, seed):
             left=float(generator.choice([0.0, 0.01, 0.1])),
             gain=float(10.0 ** generator.uniform(1.5, 5.0)),
             strongest=bool(generator.random() < 0.7),
-            same_place=bool(generator.random() < 0.5),
+            linear=bool(generator.random() < 0.3),
             noise=bool(generator.random() < 0.1),
         )
         names, unlisted = weights(comparison, TRUE)
@@ -70,11 +70,11 @@ def test_a_rig_with_a_strong_effect_is_compared():
     assert comparison.strongest
 
 
-@pytest.mark.parametrize(("effect", "number", "experiments"), [("cubic-stiffness", 60, 2), ("actuator-lag", 480, 1)])
-def test_two_recordings_are_two_experiments_of_a_law_and_one_of_linear_dynamics(effect, number, experiments):
+@pytest.mark.parametrize(("effect", "number", "chances"), [("cubic-stiffness", 60, 2), ("actuator-lag", 480, 1)])
+def test_two_recordings_are_two_chances_for_a_law_and_one_for_linear_dynamics(effect, number, chances):
     case = next(c for c in plan(7, number) if c.effects == (effect,))
     ((comparison, _),) = read_comparisons(calibration.comparisons_of_two([case]))
-    assert (comparison.members[0].identifier, comparison.experiments) == (effect, experiments)
+    assert (comparison.members[0].identifier, comparison.chances) == (effect, chances)
 
 
 def test_what_is_outside_the_catalogue_is_counted_beside_what_is_stated():

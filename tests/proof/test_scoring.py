@@ -10,7 +10,7 @@ import pytest
 from camid.proof.figures import confusion_matrix, recovered_share, run_time, sample, strength, weights
 from camid.proof.figures.confusion_matrix import count
 from camid.proof.figures.sample import outcome
-from camid.proof.rates import by_strength, coverage, median, rate, reliability
+from camid.proof.rates import by_strength, coverage, largest_difference_by_chance, median, rate, reliability
 from camid.proof.score_table import recovered_shares
 from camid.proof.scoring import class_of, named_effects, own_weight, parameter_rows, score, weight_rows
 from camid.proof.sealed_files import HELD_OUT
@@ -209,6 +209,16 @@ def test_reliability_and_coverage_tables_count_every_row():
         {"id": "delay", "parameter": "delay", "true": [1.0, 2.0], "value": [1.1, 2.0], "covered": [False, True]}
     )
     assert coverage(parameters).loc[0, ["share", "intervals"]].tolist() == [0.5, 2]
+
+
+def test_weights_that_are_exactly_right_differ_by_chance_as_drawn_samples_do():
+    generator = np.random.default_rng(5)
+    table = pd.DataFrame({"weight": [0.1, 0.5, 0.9], "members": [400, 40, 60]})
+    drawn = generator.binomial(table["members"], table["weight"], (20000, 3)) / table["members"].to_numpy()
+    worst = np.abs(drawn - table["weight"].to_numpy()).max(axis=1)
+    limit = largest_difference_by_chance(table)
+    assert np.mean(worst <= limit + 1e-3) == pytest.approx(0.95, abs=0.02)
+    assert np.isnan(largest_difference_by_chance(table.iloc[:0]))
 
 
 def test_table_holds_every_rate_against_its_target():

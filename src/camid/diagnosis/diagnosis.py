@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.provenance import Provenance
-from camid.diagnosis.weights import Comparison
+from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
@@ -116,6 +116,12 @@ class Finding:
     separating_experiment: str | None = None
     comparison: Comparison | None = None
     simulated: bool = True
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether physics outside the catalogue is likelier than all its names together."""
+        named = self.weight + sum(weight for name, weight in self.alternatives if name != UNLISTED)
+        return named < HEADLINE_WEIGHT
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding, Location, NormalisedErrors
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.weights import UNLISTED
+from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
 from camid.number_text import SPACE, percentage, plain, with_deviation
 
-# Weight that a name needs to stand in the headline.
-HEADLINE_WEIGHT = 0.5
 # Error, as a share of the output's standard deviation, from which a simulation explains hardly anything.
 EXPLAINS_NOTHING = 0.9
 # A simulation as given that errs more than the re-estimated one by this factor, with coefficients that are off by as
@@ -41,7 +39,7 @@ def headline(finding: Finding) -> str:
     listed += [(known_effects()[name].title, weight) for name, weight in finding.alternatives if name != UNLISTED]
     if finding.weight >= HEADLINE_WEIGHT:
         return f"{finding.title}{_details(finding)}"
-    if sum(weight for _, weight in listed) >= HEADLINE_WEIGHT:
+    if not finding.is_doubtful:
         ordered = sorted(listed, key=lambda pair: -pair[1])
         names = [f"{within_sentence(title)} ({_share(weight, 2)})" for title, weight in ordered]
         return f"one of {', '.join(names[:-1])} or {names[-1]}"
@@ -127,8 +125,10 @@ def explanation(
     if learned:
         sentences.append(_held(found, learned))
         sentences.append(f"What is left beside it is {'still structured' if structured else 'noise'}.")
-    elif verdict == "partly-explained":
+    elif structured and verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
+    elif verdict == "partly-explained":
+        sentences.append("What is left is noise, but that what acts like a law of the catalogue is that law is not likely.")
     return " ".join(sentences + _indistinct(found))
 
 

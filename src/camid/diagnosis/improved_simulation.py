@@ -55,13 +55,20 @@ def improved_simulation(
 
 
 def remainder_of(
-    verdict: str, believed: Simulation, problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]
+    modelled: bool,
+    structured: bool,
+    believed: Simulation,
+    problem: Problem,
+    final: Fitted,
+    validation: Sequence[NDArray[np.bool_]],
 ) -> float | None:
-    """What the improved simulation says is left unexplained: root mean square, on fitted or validation rows."""
-    if verdict == "adequate":
-        return believed.remainder
-    if verdict == "explained":
-        return None
+    """What the improved simulation says is left unexplained: root mean square, on fitted or validation rows.
+
+    ``modelled`` says whether anything is, with or without a name, and ``structured`` whether what has one leaves more
+    than noise.
+    """
+    if not structured:
+        return None if modelled else believed.remainder
     simulated = problem.simulate(final.model)
     held_out = np.concatenate(
         [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]

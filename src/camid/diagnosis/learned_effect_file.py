@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from camid.diagnosis.diagnosis import Array, Diagnosis
-from camid.diagnosis.explanation import HEADLINE_WEIGHT
 from camid.diagnosis.formula_program import DEFINED, IMPORTED, FormulaProgram, program_of
 from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.weights import HEADLINE_WEIGHT
 from camid.effects import known_effects
 from camid.effects.plant_force import motion_sign, static_force
 from camid.number_text import printable

@@ -314,7 +314,7 @@ def _diagnosis(
     if held is not decision:
         found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
-    verdict = verdict_of(bool(found or learned), bool(named.reasons))
+    verdict = verdict_of(found, bool(learned), bool(named.reasons))
     location = _location(problem, base, found, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
@@ -322,7 +322,7 @@ def _diagnosis(
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.start, base, final, setting.validation)
-    remainder = remainder_of(verdict, believed, problem, final, judging)
+    remainder = remainder_of(bool(found or learned), bool(named.reasons), believed, problem, final, judging)
     conditions = conditions_of(problem, final)
     diagnosis = Diagnosis(
         verdict,

@@ -73,8 +73,8 @@ def findings(
             beside_laws if effect.identifier in decision.certain else left,
             gain_of(decision, i),
             i == strongest,
-            effect.place == effects[strongest].place,
-            experiments=1 if effect.linear_dynamics else different_inputs(problem),
+            linear=effect.linear_dynamics,
+            experiments=different_inputs(problem),
         )
         names, unlisted = weights(comparison)
         own = next((w for name, w in names if name == effect.identifier), 0.0)
@@ -214,16 +214,20 @@ def beside_others(noise: Sequence[Finding], motion: Sequence[Finding]) -> list[F
     return result
 
 
-def verdict_of(named: bool, structured: bool) -> str:
+def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str:
     """One of the four verdicts.
+
+    A mismatch is explained where what has a name leaves nothing but noise, and each name is likelier than physics
+    outside the catalogue that only acts like it.
 
     Parameters
     ----------
-    named : bool
-        Whether something is modelled, with a name or without.
+    found : sequence of Finding
+    learned : bool
+        Whether a law without a name is modelled.
     structured : bool
         Whether what has a name leaves more than noise.
     """
-    if named:
-        return "partly-explained" if structured else "explained"
-    return "unexplained" if structured else "adequate"
+    if not found and not learned:
+        return "unexplained" if structured else "adequate"
+    return "partly-explained" if structured or any(f.is_doubtful for f in found) else "explained"

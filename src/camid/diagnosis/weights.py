@@ -23,6 +23,8 @@ UNLISTED = "unlisted"  # alternative of a finding that stands for physics outsid
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
 LEAST_WEIGHT = 0.01
 LARGEST_CLASS = 4
+# Weight that a name needs to stand in the headline.
+HEADLINE_WEIGHT = 0.5
 # Prior probability of a law of which dry friction is the special case: rigs have dry friction more often.
 GENERAL_LAW = 0.3
 # Shares below this are zero.
@@ -43,9 +45,12 @@ class Constants:
         Variances of the noise that physics outside the catalogue may leave without a test seeing it.
     outside, outside_left : float
         Log odds of physics outside the catalogue where nothing is left, per unit of the logarithm of the share left.
-    beside_share, beside_place : float
-        Log odds that an effect beside a stronger one has in addition: per unit of the logarithm of the share that it
-        removes, and if it sits at the place of the strongest.
+    beside_share : float
+        Log odds that an effect beside a stronger one has in addition, per unit of the logarithm of the share that it
+        removes.
+    linear : float
+        Log odds that linear dynamics have in addition: what is linear and outside the catalogue is imitated by them
+        with every input, and by two of them to any accuracy.
     noise, noise_beside : float
         Log odds that an effect on the noise is the shadow of something else, and in addition where another effect is
         named.
@@ -57,7 +62,7 @@ class Constants:
     outside: float
     outside_left: float
     beside_share: float
-    beside_place: float
+    linear: float
     noise: float
     noise_beside: float
 
@@ -105,13 +110,12 @@ class Comparison:
         Mismatch that the effect removes, in variances of the noise: how finely the recording shows its law.
     strongest : bool
         Whether no other effect removes more; of an effect on the noise, whether no other is named.
-    same_place : bool
-        Whether it sits at the place of the strongest.
+    linear : bool
+        Whether it is linear dynamics.
     noise : bool
         Whether it is an effect on the noise.
     experiments : int
-        How many experiments with different inputs are explained; of linear dynamics one, since what is linear too and
-        imitates them does so with every input.
+        How many experiments with different inputs are explained.
     """
 
     members: tuple[Member, ...]
@@ -119,9 +123,17 @@ class Comparison:
     left: float
     gain: float = inf
     strongest: bool = True
-    same_place: bool = True
+    linear: bool = False
     noise: bool = False
     experiments: int = 1
+
+    @property
+    def chances(self) -> int:
+        """How many experiments had a chance to show that it is another law, one of linear dynamics.
+
+        What is linear, too, and imitates them does so with every input.
+        """
+        return 1 if self.linear else self.experiments
 
     def unexplained(self, unseen: float) -> float:
         """Share of what the effect removes that is left, or that may be without a test seeing it; at most one.
@@ -155,7 +167,7 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     """
     constants = constants or calibrated()
     unlisted = weight_outside(comparison, constants)
-    raw = [(m.identifier, relative_weight(m, comparison.experiments, constants)) for m in comparison.members]
+    raw = [(m.identifier, relative_weight(m, comparison.chances, constants)) for m in comparison.members]
     total = sum(value for _, value in raw)
     raw = sorted(((name, value / total) for name, value in raw), key=lambda item: -item[1])
     kept = [item for item in raw if item[1] >= LEAST_WEIGHT][:LARGEST_CLASS]
@@ -163,14 +175,14 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     return [(name, value / total * (1.0 - unlisted)) for name, value in kept], unlisted
 
 
-def relative_weight(member: Member, experiments: int = 1, constants: Constants | None = None) -> float:
-    """Weight of a name relative to the likeliest, whose is one.
+def relative_weight(member: Member, chances: int = 1, constants: Constants | None = None) -> float:
+    """Weight of a name relative to the likeliest, whose is one; see :attr:`Comparison.chances`.
 
     That the rig has another law than the catalogue's, which the likeliest happens to imitate, has to happen again in
     every experiment with another input. A name's prior odds hold whether its law is exact or not.
     """
     constants = constants or calibrated()
-    other_law = constants.other_law**experiments
+    other_law = constants.other_law**chances
     exact = exp(-0.5 * max(member.gap, 0.0))
     prior = GENERAL_LAW / (1.0 - GENERAL_LAW)
     # What a special case leaves is what makes its general law general.
@@ -187,10 +199,10 @@ def weight_outside(comparison: Comparison, constants: Constants) -> float:
         return _probability(constants.noise + constants.noise_beside * (not comparison.strongest))
     odds = constants.outside + constants.outside_left * log(max(comparison.unexplained(constants.unseen), LEAST_SHARE))
     # Another input is another chance for a law outside the catalogue to leave something.
-    odds *= comparison.experiments
+    odds *= comparison.chances
+    odds += constants.linear * comparison.linear
     if not comparison.strongest:
         odds += constants.beside_share * log(max(comparison.share, LEAST_SHARE))
-        odds += constants.beside_place * comparison.same_place
     return _probability(odds)
 
 

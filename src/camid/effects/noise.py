@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.base import Array, Effect, Recognition
+from camid.effects.outlier_share import outlier_share
 from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -275,9 +276,12 @@ class Outliers(Effect):
         if _at_an_edge(situation, far) >= AT_AN_EDGE * count:
             return None
         share = count / total
+        # Those that lie near are outliers, too, and a count of the far ones misses them.
+        mixed = outlier_share(residual[usable], share, spread)
+        share, deviation = mixed or (share, sqrt(share * (1.0 - share) / total))
         return Recognition(
             cls(fraction=share),
-            {"fraction": sqrt(share * (1.0 - share) / total)},
+            {"fraction": deviation},
             min(rarest, 1.0),
             far,
         )

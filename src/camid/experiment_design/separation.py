@@ -162,24 +162,23 @@ class Judge:
         )
         return member, self._spread(pair.true, pair.left, rows)
 
-    def _experiments(self, true: int) -> int:
-        """How many experiments count of a name; see :class:`camid.diagnosis.weights.Comparison`."""
+    def _comparison(self, true: int, members: tuple[Member, ...] = (), gain: float = inf) -> Comparison:
+        """What a name that is right and leaves nothing is compared with."""
         effect = self.hypotheses[true].effect
-        return 1 if effect is not None and effect.linear_dynamics else self.experiments
+        linear = effect is not None and effect.linear_dynamics
+        return Comparison(members, share=1.0, left=0.0, gain=gain, linear=linear, experiments=self.experiments)
 
     def weight(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
         """Weight that the diagnosis is expected to state for a name, if it is right and leaves nothing.
 
         It is the mean over the noise of the next recording: evidence of ten may as well come as two or eighteen.
         """
-        experiments, name = self._experiments(true), self.hypotheses[true].identifier
-        rivals = self._members(true, pairs, rows)
+        name, rivals = self.hypotheses[true].identifier, self._members(true, pairs, rows)
         # Without a simulation without the effect nobody knows how much of the motion it makes.
         gain = max(p.mismatch for p in pairs if p.true == true) + (self._mismatch(true) or 0.0) or inf
         mean = 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
-            members = _recorded(name, rivals, float(noise))
-            names, outside = weights(Comparison(members, share=1.0, left=0.0, gain=gain, experiments=experiments))
+            names, outside = weights(self._comparison(true, _recorded(name, rivals, float(noise)), gain))
             own = dict(names).get(name, 0.0)
             # One of the simulations that are held against each other is right.
             mean += float(probability) * (own / (1.0 - outside) if self.hypotheses[true].question == GIVEN else own)
@@ -187,13 +186,13 @@ class Judge:
 
     def separation(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
         """What a search climbs for a name that is right: about the probability that one recording decides for it."""
-        experiments, name = self._experiments(true), self.hypotheses[true].identifier
-        rivals = self._members(true, pairs, rows)
+        name, rivals = self.hypotheses[true].identifier, self._members(true, pairs, rows)
+        chances = self._comparison(true).chances
         if self.hypotheses[true].question != GIVEN:
             rivals.append(self._not_listed(next(p for p in pairs if p.true == true), rows))
         mean = 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
-            own, *others = (relative_weight(m, experiments) for m in _recorded(name, rivals, float(noise)))
+            own, *others = (relative_weight(m, chances) for m in _recorded(name, rivals, float(noise)))
             odds = max(sum(others), 1.0 / LARGEST_ODDS) / max(own, 1.0 / LARGEST_ODDS)
             reserve = -log(odds) / (HALFWAY + abs(log(odds)))
             mean += float(probability) * (LEFT_TO_RIVALS / (LEFT_TO_RIVALS + odds) + RESERVE * reserve)

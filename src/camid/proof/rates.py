@@ -86,6 +86,39 @@ def reliability(weights: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["low", "high", "weight", "share", "from", "to", "members"])
 
 
+def largest_difference_by_chance(table: pd.DataFrame, level: float = 0.95) -> float:
+    """Largest difference of stated and true over all bins that weights which are exactly right keep below.
+
+    How many of a bin are right is binomial with the bin's mean weight then, which spreads a little more than the sum of
+    the single draws does.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From :func:`reliability`, the bins that count.
+    level : float
+        Probability with which they keep below.
+
+    Returns
+    -------
+    float
+        In units of the weights; not a number without a bin.
+    """
+    from scipy.optimize import brentq
+    from scipy.stats import binom
+
+    if table.empty:
+        return float("nan")
+    members, weight = table["members"].to_numpy(), table["weight"].to_numpy()
+
+    def excess(difference: float) -> float:
+        low, high = members * (weight - difference), members * (weight + difference)
+        inside = binom.cdf(np.floor(high), members, weight) - binom.cdf(np.ceil(low) - 1, members, weight)
+        return float(np.prod(inside)) - level
+
+    return float(brentq(excess, 0.0, 1.0, xtol=1e-4))
+
+
 def coverage(parameters: pd.DataFrame) -> pd.DataFrame:
     """Coverage of the 95 % intervals, one row per parameter: ``id``, ``parameter``, ``share``, …, ``intervals``."""
     rows = []

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from camid.number_text import SPACE, number, plain, span
-from camid.proof.rates import median, rate, reliability
+from camid.proof.rates import largest_difference_by_chance, median, rate, reliability
 from camid.proof.scoring import COLOURED_NOISE, STRONG
 
 HIGH_SNR = 30.0  # dB: between the 20 and the 40 dB of the recordings with an effect outside the catalogue
@@ -193,7 +193,10 @@ def calibration(weights: pd.DataFrame) -> list[Line]:
     worst = 100.0 * float((table["share"] - table["weight"]).abs().max()) if len(table) else np.nan
     brier = float(((weights["weight"] - weights["right"]) ** 2).mean())
     words = f"stated weights: largest difference from what is true, of ten bins with {FEWEST_MEMBERS} cases or more"
+    exact = 100.0 * largest_difference_by_chance(table)
+    by_chance = "the same of weights that are exactly right: exceeded in one in twenty samples of this size"
     return [
+        Line("reliability_by_chance", by_chance, "points", exact, np.nan, np.nan, len(weights)),
         Line("reliability", words, "points", worst, np.nan, np.nan, len(weights), at_most=7.0),
         Line("brier", "stated weights: Brier score", "1", brier, np.nan, np.nan, len(weights)),
     ]

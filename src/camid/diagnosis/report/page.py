@@ -19,6 +19,7 @@ from camid.diagnosis.learned_effect_file import NAME, effect_file
 from camid.diagnosis.next_experiment import next_experiments
 from camid.diagnosis.report import summary
 from camid.diagnosis.report.words import with_titles
+from camid.diagnosis.weights import HEADLINE_WEIGHT
 from camid.effects import known_effects
 
 if TYPE_CHECKING:
@@ -246,7 +247,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
         "rows": len(diagnosis.signals.time),
         "structure_below": STRUCTURE_BELOW,
         "likely": summary.LIKELY,
-        "headline_weight": summary.HEADLINE_WEIGHT,
+        "headline_weight": HEADLINE_WEIGHT,
         "number": number_text.number,
         "plain": number_text.plain,
         "span": number_text.span,

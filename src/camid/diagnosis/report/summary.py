@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
-from camid.diagnosis.explanation import HEADLINE_WEIGHT, wrong_coefficients
+from camid.diagnosis.explanation import wrong_coefficients
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.weights import UNLISTED
+from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.number_text import number, percentage, plain, printable, probability, span, with_deviation
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 # What is said of a name that only resembles the law that stands in its place.
 NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
+DOUBTFUL = "what is left out is modelled and what remains is noise, but not all of it is likely to have a name here"
 # Where a law without a name carries what the named ones leave, or all.
 LEARNED_REST = "something is named, a law without a name was learned for what that leaves"
 LEARNED_ALL = "what is left out has no name; a law was learned for it"
@@ -52,6 +53,8 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
     if diagnosis.findings and diagnosis.findings[0].weight < HEADLINE_WEIGHT:
         meaning = WITHOUT_A_NAME[diagnosis.verdict]
+    if diagnosis.verdict == "partly-explained" and not diagnosis.structured:
+        meaning = DOUBTFUL
     if diagnosis.learned:
         meaning = LEARNED_REST if diagnosis.findings else LEARNED_ALL
         meaning += ", and something remains" if diagnosis.structured else ", and what is left is noise"
