@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.provenance import Provenance
-from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison
+from camid.diagnosis.weights import UNLISTED, Comparison
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
@@ -118,10 +118,9 @@ class Finding:
     simulated: bool = True
 
     @property
-    def is_doubtful(self) -> bool:
-        """Whether physics outside the catalogue is likelier than all its names together."""
-        named = self.weight + sum(weight for name, weight in self.alternatives if name != UNLISTED)
-        return named < HEADLINE_WEIGHT
+    def named(self) -> float:
+        """Weight of all its names together; what they leave is that of physics outside the catalogue."""
+        return self.weight + sum(weight for name, weight in self.alternatives if name != UNLISTED)
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""

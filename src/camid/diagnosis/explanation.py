@@ -39,7 +39,7 @@ def headline(finding: Finding) -> str:
     listed += [(known_effects()[name].title, weight) for name, weight in finding.alternatives if name != UNLISTED]
     if finding.weight >= HEADLINE_WEIGHT:
         return f"{finding.title}{_details(finding)}"
-    if not finding.is_doubtful:
+    if finding.named >= HEADLINE_WEIGHT:
         ordered = sorted(listed, key=lambda pair: -pair[1])
         names = [f"{within_sentence(title)} ({_share(weight, 2)})" for title, weight in ordered]
         return f"one of {', '.join(names[:-1])} or {names[-1]}"
@@ -128,7 +128,7 @@ def explanation(
     elif structured and verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
     elif verdict == "partly-explained":
-        sentences.append("What is left is noise, but that what acts like a law of the catalogue is that law is not likely.")
+        sentences.append("What is left is noise, but it is likelier than not that something here has another name.")
     return " ".join(sentences + _indistinct(found))
 
 

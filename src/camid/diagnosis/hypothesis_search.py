@@ -25,6 +25,9 @@ NOMINAL_START_ERROR = 0.1
 MOST_FROM_NOMINAL = 7
 # Factor of a coefficient beyond which it has run away from the nominal one, which is known within a factor of three.
 RUN_AWAY = 30.0
+# Shapes of the best effect that are fitted, too, where it is linear dynamics, which costs next to nothing, and the share
+# of its best one's screened gain that they need.
+MOST_FURTHER_SHAPES, NEARLY = 6, 0.5
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
@@ -108,6 +111,11 @@ def hypotheses(
             return None
         return _fitted_first(problem, base, _start_of(candidate), effort.steps)
 
+    def fitted_whole(effect: Effect) -> Hypothesis | None:
+        if watch.no_time_for(f"other shapes of {effect.identifier}"):
+            return None
+        return fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), ALL_STEPS)
+
     # From coefficients that have run away a few steps lead nowhere, and neither do a few from the nominal ones there.
     lost = nominal is not None and has_run_away(base, nominal)
 
@@ -137,6 +145,8 @@ def hypotheses(
         first += _simpler(problem, base, first)
         first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
         ranked = best_of_each(first)
+        further = _further_shapes(screened, starts, ranked[0].identifier) if ranked else []
+        ranked = best_of_each([*ranked, *(h for h in pool.map(fitted_whole, further) if h is not None)])
         near = _near_the_best(ranked, base, effort, incumbent)
         again = pool.map(lambda h: fitted_again(h, ranked[0]), near)
         thorough = [
@@ -197,6 +207,20 @@ def best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
         if known is None or hypothesis.beyond(known) < 0.0:
             best[hypothesis.identifier] = hypothesis
     return in_order(list(best.values()))
+
+
+def _further_shapes(
+    screened: Sequence[ScreenedEffect], tried: Sequence[ScreenedEffect], identifier: str
+) -> list[Effect]:
+    """Shapes of the likeliest effect that the screening nearly prefers, as it has them: a resonance has many minima."""
+    shapes = [c for c in screened if c.effect.identifier == identifier and c.effect.linear_dynamics]
+    known = [_start_of(c) for c in tried if c.effect.identifier == identifier]
+    further: list[Effect] = []
+    for candidate in shapes:
+        new = not any(alike(candidate.effect, k) for k in [*known, *further])
+        if candidate.gain >= NEARLY * shapes[0].gain and new:
+            further.append(candidate.effect)
+    return further[:MOST_FURTHER_SHAPES]
 
 
 def _near_the_best(

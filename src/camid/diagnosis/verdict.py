@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from camid.diagnosis.diagnosis import Finding, ParameterEstimate
 from camid.diagnosis.effect_selection import Decision, p_value
 from camid.diagnosis.hypothesis import members_of
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.weights import UNLISTED, Comparison, Member, weights
+from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition
 from camid.effects.separating_experiment import advice
@@ -217,8 +218,8 @@ def beside_others(noise: Sequence[Finding], motion: Sequence[Finding]) -> list[F
 def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str:
     """One of the four verdicts.
 
-    A mismatch is explained where what has a name leaves nothing but noise, and each name is likelier than physics
-    outside the catalogue that only acts like it.
+    A mismatch is explained where what has a name leaves nothing but noise, and that all of it has its name is likelier
+    than that something of it is physics outside the catalogue, which only acts like it.
 
     Parameters
     ----------
@@ -230,4 +231,5 @@ def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str
     """
     if not found and not learned:
         return "unexplained" if structured else "adequate"
-    return "partly-explained" if structured or any(f.is_doubtful for f in found) else "explained"
+    named = prod(finding.named for finding in found)
+    return "partly-explained" if structured or named < HEADLINE_WEIGHT else "explained"

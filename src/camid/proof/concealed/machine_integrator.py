@@ -205,6 +205,8 @@ def _run(p: Array, begin: float, h: float, count: int, start: Array, value: Arra
             while segment + 1 < len(start) and start[segment + 1] <= t + 1e-9 * h:
                 segment += 1
                 state[s.POSITION if p[s.MASS] == 0.0 else s.VELOCITY] += kick[segment]
+                if kick[segment] != 0.0 and direction != 0:  # a blow may turn what slides, which does not stop then
+                    direction = int(np.sign(state[s.VELOCITY]))
             now, rise = 0.0, 0.0
             if segment >= 0:
                 now, rise = value[segment] + slope[segment] * (t - start[segment]), slope[segment]
