@@ -69,15 +69,15 @@ def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hyp
 def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Laws with more detail of the likeliest effect that has such, fitted, each from the one before it.
 
-    They are called for where the likeliest of all leaves structure, or may be a finer law of another name.
+    They are called for where the likeliest of all leaves structure or has another name, or may be a finer law of one.
     """
     if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
         return []
     found: list[Hypothesis] = []
     for hypothesis in ranked:
-        structured = len(ranked[0].fitted.noise.whitening) > 1
+        behind = hypothesis is not ranked[0] or len(hypothesis.fitted.noise.whitening) > 1
         starts = _finer_starts(problem, hypothesis)
-        if not starts or not (structured or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
+        if not starts or not (behind or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
             continue
         while starts:
             fitted = _until_white(problem, starts)

@@ -216,6 +216,8 @@ class Signatures:
 
 def alike(one: Effect, other: Effect) -> bool:
     """Whether two guesses of the same effect are about the same."""
+    if type(one) is not type(other):
+        return False
     words = [{k: v for k, v in e.values.items() if isinstance(v, str)} for e in (one, other)]
     return words[0] == words[1] and bool(np.allclose(one.vector, other.vector, rtol=ALIKE, atol=0.0))
 

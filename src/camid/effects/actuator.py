@@ -59,7 +59,7 @@ class DeadZone(Effect):
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Subtract the half width."""
         width = self.values["half_width"]
-        return _both(lambda u: np.sign(u) * np.maximum(np.abs(u) - width, 0.0), start, end)
+        return at_both_ends(lambda u: np.sign(u) * np.maximum(np.abs(u) - width, 0.0), start, end)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -92,13 +92,19 @@ class Saturation(Effect):
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Clip at the limit."""
         limit = self.values["limit"]
-        return _both(lambda u: np.clip(u, -limit, limit), start, end)
+        return at_both_ends(lambda u: np.clip(u, -limit, limit), start, end)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Several shares of the largest input."""
         for share in LARGE_SHARES:
             yield cls(limit=share * situation.largest("signal")).measured_from(situation.largest("signal"))
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """With a knee that is not sharp (camid.effects.gradual_saturation)."""
+        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
@@ -262,7 +268,7 @@ class GainAsymmetry(Effect):
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Scale negative commands."""
         ratio = self.values["ratio"]
-        return _both(lambda u: np.where(u < 0.0, ratio * u, u), start, end)
+        return at_both_ends(lambda u: np.where(u < 0.0, ratio * u, u), start, end)
 
     @property
     def one_sided(self) -> bool:
@@ -336,7 +342,7 @@ class InputBias(Effect):
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Add the bias."""
-        return _both(lambda u: u + self.values["bias"], start, end)
+        return at_both_ends(lambda u: u + self.values["bias"], start, end)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -344,7 +350,7 @@ class InputBias(Effect):
         yield cls(bias=0.02 * situation.largest("signal"))
 
 
-def _both(function, start: Array, end: Array) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
+def at_both_ends(function, start: Array, end: Array) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
     """A static function of both ends of each step; a held input stays one array."""
     first = function(start)
     return first, (first if end is start else function(end))

@@ -27,8 +27,8 @@ class SineRestoringForce(PendulumGravity):
     parameters = (Parameter("rest", "y", "angle at which it hangs still", scale="one"),)
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """One radian, and the static stiffness."""
-        return [1.0, static_stiffness(plant)]
+        """One radian, and the static stiffness; the input pushes along the arc."""
+        return [1.0, static_stiffness(plant), 0.0]
 
     def observe(self, output: Array, time: Array) -> Array:
         """Angles count from where the sensor has its zero."""

@@ -43,6 +43,41 @@ class LensDistortion(Effect):
         """Small: the effect is proportional to it."""
         yield cls(k1=0.02 / situation.largest("position") ** 2)
 
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """A second coefficient, of either sign, that does a quarter of what the first one does at the edge."""
+        k1 = float(self.values["k1"])
+        edge = situation.largest("position") ** 2
+        return tuple(LensDistortionOfFourthOrder(k1=k1, k2=share * k1 / edge) for share in (0.25, -0.25))
+
+
+class LensDistortionOfFourthOrder(LensDistortion):
+    """Radial distortion that two coefficients describe, as lenses of wide angle need."""
+
+    title = "Lens distortion (two coefficients)"
+    equation = r"w = y\,(1 + k_1 y^2 + k_2 y^4)"
+    parameters = (*LensDistortion.parameters, Parameter("k2", "1/y^4", "second radial coefficient k₂"))
+
+    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
+        """Mean of the distorted position over the exposure."""
+        from camid.chain.motion import WEIGHTS
+
+        points = motion.points(start, end)
+        squares = points**2
+        factor = 1.0 + self.values["k1"] * squares + self.values["k2"] * squares**2
+        return np.asarray((points * factor) @ (0.5 * WEIGHTS))
+
+    def scaled(self, factor: float) -> LensDistortionOfFourthOrder:
+        """Both coefficients in proportion."""
+        return self.with_vector(self.vector * factor)
+
+    def simplified(self) -> LensDistortion:
+        """The first coefficient alone."""
+        return LensDistortion(k1=self.values["k1"])
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """None has more."""
+        return ()
+
 
 class Perspective(Effect):
     """The plane of the motion is not parallel to the image: what is nearer to the camera looks larger."""

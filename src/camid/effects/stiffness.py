@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import sin, sqrt
+from math import cos, sin, sqrt
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, LEAST_FACTOR, AgainstMotion, mobility, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
+
+
+# How the input may push a pendulum: the first is that of a motor at its pivot.
+DRIVES = ("arc", "horizontal")
 
 
 class CubicStiffness(AgainstMotion):
@@ -66,23 +70,33 @@ class QuadraticStiffness(AgainstMotion):
 
 
 class PendulumGravity(Effect):
-    """Restoring force that follows the sine of the displacement, as gravity on a pendulum does."""
+    """Restoring force that follows the sine of the displacement, as gravity on a pendulum does.
+
+    The input pushes along the arc, as a motor at the pivot does, or horizontally, as a pivot that is accelerated does:
+    then only its part along the arc moves the pendulum.
+    """
 
     identifier = "pendulum-gravity"
     place = "plant"
     title = "Gravity on a pendulum"
-    equation = r"f = k\,(A\,\sin(y/A) - y),\quad k = 1/G(0)"
-    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
-    parameters = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
+    equation = r"f = k\,(A\,\sin(y/A) - y)\ \ (+\ u\,(1 - \cos(y/A))\ \mathrm{where\ driven\ across}),\quad k = 1/G(0)"
+    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121; driven across: Ogata (2010), Modern Control Eng., 3.6"
+    parameters = (
+        Parameter("amplitude", "y", "displacement A of one radian", 1e-300),
+        Parameter("drive", "", "how the input pushes: along the arc or horizontally", choices=DRIVES, default=DRIVES[0]),
+    )
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return values[1] * (values[0] * sin(position / values[0]) - position)
+        angle = position / values[0]
+        gravity = values[1] * (values[0] * sin(angle) - position)
+        return gravity + values[2] * signal * (1.0 - cos(angle))
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """Amplitude and static stiffness."""
-        return [self.values["amplitude"], static_stiffness(plant)]
+        """Amplitude, static stiffness, and whether the input pushes horizontally."""
+        across = self.values["drive"] != DRIVES[0]
+        return [self.values["amplitude"], static_stiffness(plant), float(across)]
 
     def scaled(self, factor: float) -> PendulumGravity:
         """Another amplitude: the force is proportional to the inverse of its square while the angle is small."""
@@ -91,8 +105,9 @@ class PendulumGravity(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """From small angles to large ones."""
-        for angle in (0.15, 0.5, 1.2):
-            yield cls(amplitude=situation.largest("position") / angle)
+        for drive in DRIVES:
+            for angle in (0.15, 0.5, 1.2):
+                yield cls(amplitude=situation.largest("position") / angle, drive=drive)
 
 
 class EndStop(AgainstMotion):
