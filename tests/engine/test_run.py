@@ -3,7 +3,7 @@
 import subprocess
 import sys
 import time as clock
-from math import exp, pi, sin
+from math import cos, exp, pi, sin
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from camid.effects import (
     disturbance,
     drift,
     friction,
+    gradual_saturation,
     hysteresis,
     modes,
     plant_force,
@@ -84,6 +85,10 @@ SMOOTH = [
     (stiffness.CubicStiffness(coefficient=1.0), {"force": lambda t, y, v, u, m: y**3}),
     (stiffness.QuadraticStiffness(coefficient=0.05), {"force": lambda t, y, v, u, m: 0.05 * y * y}),
     (stiffness.PendulumGravity(amplitude=3.0), {"force": lambda t, y, v, u, m: 3.0 * sin(y / 3.0) - y}),
+    (
+        stiffness.PendulumDrivenAcross(amplitude=1.5),
+        {"force": lambda t, y, v, u, m: 1.5 * sin(y / 1.5) - y + u * (1.0 - cos(y / 1.5))},
+    ),
     (drift.ParameterDrift(coefficient="stiffness", rate=0.1), drifting(0.1, stiffness=1.0)),
     (drift.ParameterDrift(coefficient="gain", rate=0.1), drifting(0.1, gain=1.0)),
     (
@@ -320,6 +325,9 @@ EXTREME = [
     damping.QuadraticDrag(coefficient=10.0),
     stiffness.CubicStiffness(coefficient=1e4),
     stiffness.PendulumGravity(amplitude=1e-9),
+    stiffness.PendulumDrivenAcross(amplitude=1e-9),
+    gradual_saturation.GradualSaturation(limit=1e-300, sharpness=20.0),
+    gradual_saturation.GradualSaturation(limit=1e300, sharpness=1.0),
     stiffness.EndStop(position=1e-9, stiffness=1e9),
     stiffness.EndStop(position=-0.5, stiffness=1e6),
     hysteresis.Hysteresis(strength=1e3, shape=1e6),

@@ -92,6 +92,22 @@ def test_dry_friction_sticks_until_the_drive_exceeds_it():
     assert trajectory.position[-1] > 0.0
 
 
+def test_a_blow_may_turn_what_slides():
+    """Dry friction stops a mass that comes to rest, and not one that a blow sends the other way."""
+    setup, _ = plain_setup(2, 5, exposure=1.0, latency=0.0, frames=60)
+    level = 0.1 * setup.rig.actuator_constant
+    setup.parameters[[s.DRY_COULOMB, s.DRY_BREAKAWAY]] = level, level
+    setup.parameters[s.DRY_VELOCITY] = 1e-3 * setup.rig.rate / setup.rig.output_scale
+    command = np.full(setup.input_length, 1.0)
+    before = motion(setup, command)
+    node = len(before.position) // 8
+    time, speed = before.start + before.step * node, before.velocity_after[node]
+    assert speed > 0.0
+    setup.kicks.append((time, -3.0 * speed))
+    after = motion(setup, command)
+    assert after.velocity_after[node + 1] == pytest.approx(-2.0 * speed, rel=0.1)
+
+
 def test_stuck_mass_does_not_creep():
     drawn = drafted("coulomb-friction", "catalogue")
     drawn.setup.parameters[:] = drawn.setup_with(drawn.effects).parameters

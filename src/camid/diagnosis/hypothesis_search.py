@@ -25,9 +25,9 @@ NOMINAL_START_ERROR = 0.1
 MOST_FROM_NOMINAL = 7
 # Factor of a coefficient beyond which it has run away from the nominal one, which is known within a factor of three.
 RUN_AWAY = 30.0
-# Shapes of the best effect that are fitted, too, where it is linear dynamics, which costs next to nothing, and the share
-# of its best one's screened gain that they need.
-MOST_FURTHER_SHAPES, NEARLY = 6, 0.5
+# Shapes of the best effect that are fitted, too, where it is a resonance, which costs next to nothing, and the share of
+# its best one's screened gain that they need.
+MOST_FURTHER_SHAPES, NEARLY = 24, 0.1
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
@@ -111,10 +111,11 @@ def hypotheses(
             return None
         return _fitted_first(problem, base, _start_of(candidate), effort.steps)
 
-    def fitted_whole(effect: Effect) -> Hypothesis | None:
-        if watch.no_time_for(f"other shapes of {effect.identifier}"):
+    def fitted_whole(model: Model) -> Hypothesis | None:
+        identifier = model.effects[-1].identifier
+        if watch.no_time_for(f"other shapes of {identifier}"):
             return None
-        return fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), ALL_STEPS)
+        return fitted_hypothesis(problem, identifier, model, ALL_STEPS)
 
     # From coefficients that have run away a few steps lead nowhere, and neither do a few from the nominal ones there.
     lost = nominal is not None and has_run_away(base, nominal)
@@ -145,7 +146,7 @@ def hypotheses(
         first += _simpler(problem, base, first)
         first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
         ranked = best_of_each(first)
-        further = _further_shapes(screened, starts, ranked[0].identifier) if ranked else []
+        further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
         ranked = best_of_each([*ranked, *(h for h in pool.map(fitted_whole, further) if h is not None)])
         near = _near_the_best(ranked, base, effort, incumbent)
         again = pool.map(lambda h: fitted_again(h, ranked[0]), near)
@@ -210,17 +211,23 @@ def best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 
 def _further_shapes(
-    screened: Sequence[ScreenedEffect], tried: Sequence[ScreenedEffect], identifier: str
-) -> list[Effect]:
-    """Shapes of the likeliest effect that the screening nearly prefers, as it has them: a resonance has many minima."""
-    shapes = [c for c in screened if c.effect.identifier == identifier and c.effect.linear_dynamics]
+    base: Model, screened: Sequence[ScreenedEffect], tried: Sequence[ScreenedEffect], best: Hypothesis
+) -> list[Model]:
+    """Models with other shapes of the likeliest effect, if it is a resonance, which has many minima.
+
+    The coefficients are those without it, and those that a fit found beside it.
+    """
+    identifier, beside = best.identifier, best.fitted.model.without(len(base.effects))
+    shapes = [c for c in screened if c.effect.identifier == identifier]
+    if not shapes[0].effect.linear_dynamics or len(shapes[0].effect.vector) < 2:
+        return []
     known = [_start_of(c) for c in tried if c.effect.identifier == identifier]
     further: list[Effect] = []
     for candidate in shapes:
         new = not any(alike(candidate.effect, k) for k in [*known, *further])
         if candidate.gain >= NEARLY * shapes[0].gain and new:
             further.append(candidate.effect)
-    return further[:MOST_FURTHER_SHAPES]
+    return [model.plus(effect) for effect in further[:MOST_FURTHER_SHAPES] for model in (base, beside)]
 
 
 def _near_the_best(

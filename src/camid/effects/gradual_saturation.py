@@ -38,12 +38,22 @@ class GradualSaturation(Saturation):
 
     @compiled
     def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return signal / (1.0 + abs(signal / values[0]) ** values[1]) ** (1.0 / values[1])
+        ratio = abs(signal / values[0])
+        larger = max(ratio, 1.0)
+        return signal / (larger * (1.0 + (min(ratio, 1.0) / larger) ** values[1]) ** (1.0 / values[1]))
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Bend before the limit."""
         limit, sharpness = self.values["limit"], self.values["sharpness"]
-        return at_both_ends(lambda u: u / (1.0 + np.abs(u / limit) ** sharpness) ** (1.0 / sharpness), start, end)
+
+        def bent(signal: Array) -> Array:
+            ratio = np.abs(signal / limit)
+            larger = np.maximum(ratio, 1.0)  # no power of a large ratio, which may be infinite
+            return np.asarray(
+                signal / (larger * (1.0 + (np.minimum(ratio, 1.0) / larger) ** sharpness) ** (1.0 / sharpness))
+            )
+
+        return at_both_ends(bent, start, end)
 
     def scaled(self, factor: float) -> GradualSaturation:
         """Another limit: while that is far off the effect falls with this power of it."""

@@ -275,10 +275,7 @@ class Outliers(Effect):
             return None
         if _at_an_edge(situation, far) >= AT_AN_EDGE * count:
             return None
-        share = count / total
-        # Those that lie near are outliers, too, and a count of the far ones misses them.
-        mixed = outlier_share(residual[usable], share, spread)
-        share, deviation = mixed or (share, sqrt(share * (1.0 - share) / total))
+        share, deviation = outlier_share(residual[usable], far[usable], spread)
         return Recognition(
             cls(fraction=share),
             {"fraction": deviation},

@@ -27,8 +27,8 @@ class SineRestoringForce(PendulumGravity):
     parameters = (Parameter("rest", "y", "angle at which it hangs still", scale="one"),)
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """One radian, and the static stiffness; the input pushes along the arc."""
-        return [1.0, static_stiffness(plant), 0.0]
+        """One radian, and the static stiffness."""
+        return [1.0, static_stiffness(plant)]
 
     def observe(self, output: Array, time: Array) -> Array:
         """Angles count from where the sensor has its zero."""
@@ -37,6 +37,10 @@ class SineRestoringForce(PendulumGravity):
     def scaled(self, factor: float) -> SineRestoringForce:
         """It has no size."""
         return self
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """It is declared, never refined."""
+        return ()
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

@@ -19,10 +19,6 @@ from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
 
-# How the input may push a pendulum: the first is that of a motor at its pivot.
-DRIVES = ("arc", "horizontal")
-
-
 class CubicStiffness(AgainstMotion):
     """A spring that hardens, or softens, with the cube of the displacement."""
 
@@ -70,33 +66,23 @@ class QuadraticStiffness(AgainstMotion):
 
 
 class PendulumGravity(Effect):
-    """Restoring force that follows the sine of the displacement, as gravity on a pendulum does.
-
-    The input pushes along the arc, as a motor at the pivot does, or horizontally, as a pivot that is accelerated does:
-    then only its part along the arc moves the pendulum.
-    """
+    """Restoring force that follows the sine of the displacement, as gravity on a pendulum does."""
 
     identifier = "pendulum-gravity"
     place = "plant"
     title = "Gravity on a pendulum"
-    equation = r"f = k\,(A\,\sin(y/A) - y)\ \ (+\ u\,(1 - \cos(y/A))\ \mathrm{where\ driven\ across}),\quad k = 1/G(0)"
-    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121; driven across: Ogata (2010), Modern Control Eng., 3.6"
-    parameters = (
-        Parameter("amplitude", "y", "displacement A of one radian", 1e-300),
-        Parameter("drive", "", "how the input pushes: along the arc or horizontally", choices=DRIVES, default=DRIVES[0]),
-    )
+    equation = r"f = k\,(A\,\sin(y/A) - y),\quad k = 1/G(0)"
+    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
+    parameters = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        angle = position / values[0]
-        gravity = values[1] * (values[0] * sin(angle) - position)
-        return gravity + values[2] * signal * (1.0 - cos(angle))
+        return values[1] * (values[0] * sin(position / values[0]) - position)
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """Amplitude, static stiffness, and whether the input pushes horizontally."""
-        across = self.values["drive"] != DRIVES[0]
-        return [self.values["amplitude"], static_stiffness(plant), float(across)]
+        """Amplitude and static stiffness."""
+        return [self.values["amplitude"], static_stiffness(plant)]
 
     def scaled(self, factor: float) -> PendulumGravity:
         """Another amplitude: the force is proportional to the inverse of its square while the angle is small."""
@@ -105,9 +91,37 @@ class PendulumGravity(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """From small angles to large ones."""
-        for drive in DRIVES:
+        for law in (PendulumGravity, PendulumDrivenAcross):
             for angle in (0.15, 0.5, 1.2):
-                yield cls(amplitude=situation.largest("position") / angle, drive=drive)
+                yield law(amplitude=situation.largest("position") / angle)
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """Driven across."""
+        return (PendulumDrivenAcross(amplitude=self.values["amplitude"]),)
+
+
+class PendulumDrivenAcross(PendulumGravity):
+    """A pendulum that is pushed horizontally, as one is whose pivot is accelerated.
+
+    Only the part of the input along the arc moves it then, and not all of it as with a motor at the pivot.
+    """
+
+    title = "Gravity on a pendulum that is driven horizontally"
+    equation = r"f = k\,(A\,\sin(y/A) - y) + u\,(1 - \cos(y/A)),\quad k = 1/G(0)"
+    reference = "Ogata (2010), Modern Control Engineering, 5th ed., section 3.3"
+    parameters = (
+        *PendulumGravity.parameters,
+        Parameter("drive", "", "how the input pushes", choices=("horizontal",), default="horizontal"),
+    )
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        angle = position / values[0]
+        return values[1] * (values[0] * sin(angle) - position) + signal * (1.0 - cos(angle))
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """None has more detail."""
+        return ()
 
 
 class EndStop(AgainstMotion):

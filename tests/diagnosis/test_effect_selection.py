@@ -1,0 +1,68 @@
+"""Effects that show only beside each other, and minima in which a search must not stay."""
+
+import numpy as np
+import pytest
+
+import camid
+from camid.chain.plant import TransferFunction
+from camid.diagnosis import effect_selection, hypothesis_search
+from tests.support.mass_on_spring import PERIOD, effect, record, simulation
+
+
+def believed(plant, **changes):
+    """The rig with coefficients off by several per cent."""
+    (numerator,), (one, damping, stiffness) = plant.numerator, plant.denominator
+    moved = {"numerator": [0.95 * numerator], "denominator": [one, 1.05 * damping, 1.04 * stiffness]}
+    return simulation(plant={"transfer_function": moved}, **changes)
+
+
+def friction_and_bias():
+    """Dry friction that differs with the direction, of a rig that is slow beside its input."""
+    plant = TransferFunction((1.69,), (1.0, 1.755, 1.69))
+    law = effect("asymmetric-friction", forward=0.3, backward=0.1)
+    return record(law, plant=plant, noise=0.001), believed(plant)
+
+
+def test_what_one_of_two_effects_leaves_is_no_noise_that_hides_both(monkeypatch):
+    diagnosis = camid.diagnose(*friction_and_bias())
+    assert {f.identifier for f in diagnosis.findings} == {"input-bias", "coulomb-friction"}
+    assert diagnosis.verdict == "explained"
+    # Nothing is found where the search stops at the first that chance explains, too.
+    monkeypatch.setattr(effect_selection, "WORTH_A_LOOK", 1.0)
+    assert camid.diagnose(*friction_and_bias()).findings == []
+
+
+def test_an_effect_that_was_looked_beside_in_vain_is_dropped(monkeypatch):
+    """Coloured noise that a search is made to look into."""
+    random = np.random.default_rng(5)
+    recording = record(noise=0.0)
+    noise = np.convolve(random.standard_normal(len(recording) + 60), 0.9 ** np.arange(60), "valid")[: len(recording)]
+    recording["y"] += 0.02 * noise
+    monkeypatch.setattr(effect_selection, "WORTH_A_LOOK", 0.0)
+    monkeypatch.setattr(effect_selection, "FALSE_ALARM", 1e-12)
+    diagnosis = camid.diagnose(recording, simulation())
+    assert [f.identifier for f in diagnosis.findings] == ["coloured-noise"]
+
+
+@pytest.mark.parametrize("seed", [6, 12])
+def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(seed, monkeypatch):
+    plant, frequency = TransferFunction((3604.2,), (1.0, 6.5, 3622.7)), 252.0
+    count, camera = 436, {"exposure": 0.4 * PERIOD}
+    recording = record(
+        effect("extra-mode", natural_frequency=frequency, damping=0.022),
+        plant=plant,
+        noise=0.01,
+        count=count,
+        signal=np.random.default_rng(seed).choice([-1.0, 1.0], count),
+        **camera,
+    )
+    given = believed(plant, sensor={"column": "y", "kind": "camera", **camera})
+
+    def found():
+        (first, *_) = camid.diagnose(recording, given).findings
+        assert first.identifier == "extra-mode"
+        return first.parameters["natural_frequency"].value
+
+    assert found() == pytest.approx(frequency, rel=0.01)
+    monkeypatch.setattr(hypothesis_search, "MOST_FURTHER_SHAPES", 0)
+    assert found() > 1.1 * frequency

@@ -1,0 +1,80 @@
+"""Laws with more detail that bear the name of a simpler one: what they do, and how a simulation declares them."""
+
+import numpy as np
+import pytest
+
+import camid
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.effects.actuator import Saturation
+from camid.effects.gradual_saturation import GradualSaturation
+from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
+from camid.effects.stiffness import PendulumDrivenAcross, PendulumGravity
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
+from tests.support.mass_on_spring import PERIOD, PLANT, command, record, simulation
+
+TIME = PERIOD * np.arange(300)
+
+
+CAMERA, INSTANT = Acquisition(PERIOD, exposure=PERIOD), Acquisition(PERIOD, sensor="instant")
+
+
+def output(*effects, acquisition=CAMERA):
+    """Of the mass on its spring."""
+    return run(Chain(PLANT, acquisition, effects), command(300), TIME)
+
+
+@pytest.mark.parametrize("sharpness", [1.0, 2.4, 9.0])
+def test_a_gradual_saturation_bends_a_held_input(sharpness):
+    signal = command(300)
+    bent = signal / (1.0 + np.abs(signal / 0.8) ** sharpness) ** (1.0 / sharpness)
+    found = output(GradualSaturation(limit=0.8, sharpness=sharpness))
+    np.testing.assert_allclose(found, sample(PLANT, bent, CAMERA), atol=1e-12)
+
+
+def test_a_controller_s_command_is_bent_alike():
+    law = GradualSaturation(limit=0.8, sharpness=2.4)
+    signal = np.array([-5.0, -0.5, 0.0, 0.3, 1e9])
+    bent = [law.actuated.at(PERIOD, 0.0, 0.0, u, 0.0, values=law.vector.tolist()) for u in signal]
+    np.testing.assert_allclose(bent, law.transform(signal, signal, PERIOD)[0], rtol=1e-12)
+
+
+def test_a_sharp_knee_is_a_corner():
+    signal = np.linspace(-2.0, 2.0, 81)
+    laws = (GradualSaturation(limit=0.8, sharpness=20.0), Saturation(limit=0.8))
+    sharp, corner = (law.transform(signal, signal, PERIOD)[0] for law in laws)
+    assert np.max(np.abs(sharp - corner)) < 0.04 * 0.8
+
+
+def test_a_small_swing_does_not_know_how_it_is_driven():
+    along, across = (output(law(amplitude=1000.0)) for law in (PendulumGravity, PendulumDrivenAcross))
+    np.testing.assert_allclose(along, across, atol=1e-3)
+    along, across = (output(law(amplitude=2.0)) for law in (PendulumGravity, PendulumDrivenAcross))
+    assert np.max(np.abs(along - across)) > 0.05
+
+
+def test_a_lens_of_two_coefficients_bends_the_position():
+    straight = output(acquisition=INSTANT)
+    bent = output(LensDistortionOfFourthOrder(k1=0.05, k2=-0.02), acquisition=INSTANT)
+    np.testing.assert_allclose(bent, straight * (1.0 + 0.05 * straight**2 - 0.02 * straight**4), atol=1e-9)
+    plain, none = (output(e) for e in (LensDistortion(k1=0.05), LensDistortionOfFourthOrder(k1=0.05, k2=0.0)))
+    np.testing.assert_allclose(plain, none, atol=1e-12)
+
+
+LAWS = [
+    ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
+    ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
+    ("lens-distortion", LensDistortionOfFourthOrder(k1=-0.15, k2=0.05), "k2"),
+]
+
+
+@pytest.mark.parametrize(("identifier", "law", "key"), LAWS, ids=[case[0] for case in LAWS])
+def test_the_law_is_found_and_the_improved_simulation_declares_it(identifier, law, key):
+    recording = record(law, noise=0.001, count=1200)
+    found = camid.diagnose(recording, simulation())
+    assert [f.identifier for f in found.findings] == [identifier]
+    (declared,) = found.improved.effects
+    assert key in declared.parameters
+    again = camid.diagnose(record(law, noise=0.001, count=1200, seed=2), found.improved.to_mapping())
+    assert again.verdict == "adequate"
