@@ -7,6 +7,7 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.effects.actuator import Saturation
+from camid.effects.drift import SettlingDrift
 from camid.effects.gradual_saturation import GradualSaturation
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.stiffness import PendulumDrivenAcross, PendulumGravity
@@ -66,6 +67,7 @@ LAWS = [
     ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
     ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
     ("lens-distortion", LensDistortionOfFourthOrder(k1=-0.15, k2=0.05), "k2"),
+    ("parameter-drift", SettlingDrift(coefficient="gain", rate=0.05, time_constant=4.0), "time_constant"),
 ]
 
 

@@ -92,6 +92,10 @@ SMOOTH = [
     (drift.ParameterDrift(coefficient="stiffness", rate=0.1), drifting(0.1, stiffness=1.0)),
     (drift.ParameterDrift(coefficient="gain", rate=0.1), drifting(0.1, gain=1.0)),
     (
+        drift.SettlingDrift(coefficient="gain", rate=0.1, time_constant=2.0),
+        {"force": lambda t, y, v, u, m: -0.2 * (1.0 - exp(-t / 2.0)) * u},
+    ),
+    (
         disturbance.PeriodicDisturbance(amplitude=0.3, frequency=23.0, phase=1.0),
         {"force": lambda t, y, v, u, m: -0.3 * sin(23.0 * t + 1.0)},
     ),

@@ -113,6 +113,9 @@ def test_one_entry_names_one_effect_and_the_best_assignment_counts():
     assert named_effects(pair, [both], in_class=True).sum() == 1
     # Greedy from the left would give the first entry to the first truth and leave the second truth without one.
     assert named_effects(pair, [both, entry("coulomb-friction")], in_class=True).all()
+    # One entry for two truths stands for its own name.
+    assert named_effects(pair, [both], in_class=True).tolist() == [False, True]
+    assert named_effects(pair[::-1], [both], in_class=True).tolist() == [True, False]
     assert named_effects([], [both], in_class=True).shape == (0,)
     assert not named_effects(pair, [], in_class=True).any()
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -81,7 +82,9 @@ class Saturation(Effect):
     title = "Saturation of the actuator"
     equation = r"u' = \max(-s,\ \min(u,\ s))"
     reference = "Khalil (2002), Nonlinear Systems, 3rd ed., section 1.2"
-    parameters = (Parameter("limit", "u", "largest force s in units of the command", 0.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("limit", "u", "largest force s in units of the command", 0.0),
+    )
     separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     keeps_hold = True
 

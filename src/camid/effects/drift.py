@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from math import exp
+from typing import Any, ClassVar
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
@@ -15,6 +16,9 @@ from camid.effects.parameter import Parameter
 from camid.effects.plant_force import static_damping, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
+
+# A drift that settles faster has always been settled.
+LEAST_TIME_CONSTANT = 1e-6
 
 
 class ParameterDrift(Effect):
@@ -26,7 +30,7 @@ class ParameterDrift(Effect):
     drawn_against = "time"
     equation = r"c(t) = c\,(1 + r\,t)"
     reference = "Ljung (1999), System Identification, 2nd ed., section 11.2"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("coefficient", "", "what drifts", choices=("stiffness", "damping", "gain")),
         Parameter("rate", "1/s", "relative change r per second"),
     )
@@ -62,3 +66,45 @@ class ParameterDrift(Effect):
     def invisible(cls, situation: Situation) -> str | None:
         """Of a clock that began long before, the drift is another coefficient."""
         return situation.far_from_zero
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """A drift that comes to its end."""
+        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
+
+
+class SettlingDrift(ParameterDrift):
+    """A coefficient of the plant that changes and settles, as one does of a machine that warms up."""
+
+    title = "Drift of a coefficient that settles"
+    equation = r"c(t) = c\,(1 + r\,\tau\,(1 - e^{-t/\tau}))"
+    reference = "Incropera et al. (2007), Fundamentals of Heat and Mass Transfer, 6th ed., section 5.1"
+    parameters = (*ParameterDrift.parameters, Parameter("time_constant", "s", "time constant τ", LEAST_TIME_CONSTANT))
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        change = values[0] * values[4] * (1.0 - exp(time / -values[4]))
+        return change * (values[1] * position + values[2] * velocity - values[3] * signal)
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Rate at the begin, the coefficients of position, velocity and input that drift, and the time constant."""
+        return [*super().force_values(plant), self.values["time_constant"]]
+
+    def simplified(self) -> ParameterDrift:
+        """The same rate for ever."""
+        return ParameterDrift(coefficient=self.values["coefficient"], rate=self.values["rate"])
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """None has more detail."""
+        return ()
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """Of time constants within the recording, the drift by its end being what it is."""
+        for share in (0.2, 0.6):
+            settled = share * (1.0 - exp(-1.0 / share))
+            yield cls(**(values | {"rate": values["rate"] / settled, "time_constant": share * situation.duration}))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a drift that was found."""
+        yield from ()

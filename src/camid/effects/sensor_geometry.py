@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class LensDistortion(Effect):
     title = "Lens distortion"
     equation = r"w = y\,(1 + k_1 y^2)"
     reference = "Brown (1966), Photogramm. Eng. 32, 444-462"
-    parameters = (Parameter("k1", "1/y^2", "first radial coefficient k₁"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("k1", "1/y^2", "first radial coefficient k₁"),)
     separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     strength = "k1"
 

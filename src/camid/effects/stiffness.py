@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import cos, sin, sqrt
+from typing import ClassVar
 
 import numpy as np
 
@@ -73,7 +74,7 @@ class PendulumGravity(Effect):
     title = "Gravity on a pendulum"
     equation = r"f = k\,(A\,\sin(y/A) - y),\quad k = 1/G(0)"
     reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
-    parameters = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
 
     @compiled

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 STRONG = 3.0
 LARGEST_CLASS = 4
 CONFIDENT = 0.9
+# How much more an assignment of entries to true effects counts for an entry's own name: no two outweigh another effect.
+OWN_NAME = 0.01
 COVERAGE = 0.95
 # Alternative of a finding that stands for physics outside the catalogue and names nothing. It is part of the contract
 # of diagnosis.json, so that it is written here and not imported from what is judged.
@@ -75,7 +77,9 @@ def named_effects(truths: Sequence[str], effects: Sequence[Mapping[str, Any]], *
     offered = np.array([[_offers(e, t, in_class) for e in effects] for t in truths], bool)
     offered = offered.reshape(len(truths), len(effects))
     named = np.zeros(len(truths), bool)
-    rows, columns = linear_sum_assignment(offered, maximize=True)
+    # An entry stands for what it has for its own name before it stands for another of its class.
+    own = np.array([[e["id"] == t for e in effects] for t in truths], bool).reshape(offered.shape)
+    rows, columns = linear_sum_assignment(offered + OWN_NAME * own, maximize=True)
     named[rows] = offered[rows, columns]
     return named
 
