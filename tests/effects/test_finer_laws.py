@@ -9,6 +9,7 @@ from camid.chain.exact import sample
 from camid.effects.actuator import Saturation
 from camid.effects.drift import SettlingDrift
 from camid.effects.gradual_saturation import GradualSaturation
+from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.stiffness import PendulumDrivenAcross, PendulumGravity
 from camid.engine.mechanics import Chain
@@ -41,6 +42,24 @@ def test_a_controller_s_command_is_bent_alike():
     np.testing.assert_allclose(bent, law.transform(signal, signal, PERIOD)[0], rtol=1e-12)
 
 
+@pytest.mark.parametrize("rate", [3.0, 20.0, 1e6])
+def test_a_servo_approaches_its_command_as_its_equation_says(rate):
+    law, signal, fine = RateLimitedLag(rate=rate, time_constant=0.03), command(60), 1e-5
+    start, end = law.transform(signal, signal, PERIOD)
+    value, means = 0.0, []
+    for level in signal:
+        path = np.empty(round(PERIOD / fine))
+        for i in range(len(path)):
+            value += fine * np.clip((level - value) / 0.03, -rate, rate)
+            path[i] = value
+        means.append(path.mean())
+    np.testing.assert_allclose(0.5 * (start + end), means, atol=2e-3)
+    reached = [0.0]
+    for level in signal:
+        reached.append(law.actuated.at(PERIOD, 0.0, 0.0, level, reached[-1], values=law.vector.tolist()))
+    assert np.max(np.abs(np.diff(reached))) <= rate * PERIOD * (1.0 + 1e-12)
+
+
 def test_a_sharp_knee_is_a_corner():
     signal = np.linspace(-2.0, 2.0, 81)
     laws = (GradualSaturation(limit=0.8, sharpness=20.0), Saturation(limit=0.8))
@@ -67,6 +86,7 @@ LAWS = [
     ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
     ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
     ("lens-distortion", LensDistortionOfFourthOrder(k1=-0.15, k2=0.05), "k2"),
+    ("rate-limit", RateLimitedLag(rate=12.0, time_constant=0.04), "time_constant"),
     ("parameter-drift", SettlingDrift(coefficient="gain", rate=0.05, time_constant=4.0), "time_constant"),
 ]
 

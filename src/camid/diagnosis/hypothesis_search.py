@@ -111,12 +111,6 @@ def hypotheses(
             return None
         return _fitted_first(problem, base, _start_of(candidate), effort.steps)
 
-    def fitted_whole(model: Model) -> Hypothesis | None:
-        identifier = model.effects[-1].identifier
-        if watch.no_time_for(f"other shapes of {identifier}"):
-            return None
-        return fitted_hypothesis(problem, identifier, model, ALL_STEPS)
-
     # From coefficients that have run away a few steps lead nowhere, and neither do a few from the nominal ones there.
     lost = nominal is not None and has_run_away(base, nominal)
 
@@ -128,16 +122,6 @@ def hypotheses(
             return fitted_hypothesis(problem, identifier, model, ALL_STEPS, refreshes=REFRESHES_FAR_OFF)
         return fitted_hypothesis(problem, identifier, model, FIRST_STEPS)
 
-    def fitted_again(hypothesis: Hypothesis, best: Hypothesis) -> Hypothesis | None:
-        if watch.no_time_for("more thorough fits"):
-            return None
-        own = hypothesis.fitted.model
-        start = _start(problem, hypothesis, best)
-        found = fitted_hypothesis(problem, hypothesis.identifier, start, ALL_STEPS)
-        if start is not own and (found is None or found.beyond(hypothesis) >= 0.0):
-            found = fitted_hypothesis(problem, hypothesis.identifier, own, ALL_STEPS)
-        return found
-
     with ThreadPoolExecutor(WORKERS) as pool:
         first = [h for h in pool.map(fitted, starts) if h is not None]
         first += [h for h in pool.map(fitted_from, elsewhere) if h is not None]
@@ -147,16 +131,25 @@ def hypotheses(
         first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
         ranked = best_of_each(first)
         further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
-        ranked = best_of_each([*ranked, *(h for h in pool.map(fitted_whole, further) if h is not None)])
+        ranked = best_of_each([*ranked, *_in_other_minima(problem, further, pool, watch)])
         near = _near_the_best(ranked, base, effort, incumbent)
-        again = pool.map(lambda h: fitted_again(h, ranked[0]), near)
-        thorough = [
-            new if new is not None and new.beyond(old) < 0.0 else old for old, new in zip(near, again, strict=True)
-        ]
-    found = in_order([*thorough, *ranked[len(near) :]])
+        thorough = pool.map(lambda h: _fitted_thoroughly(problem, h, ranked[0], watch), near)
+        found = in_order([*thorough, *ranked[len(near) :]])
     if watch.no_time_for("finer laws"):
         return found
     return best_of_each([*found, *finer_laws(problem, found[: len(near)])])
+
+
+def _fitted_thoroughly(problem: Problem, hypothesis: Hypothesis, best: Hypothesis, watch: Watch) -> Hypothesis:
+    """A hypothesis fitted on, from where the best one is if that serves it better."""
+    if watch.no_time_for("more thorough fits"):
+        return hypothesis
+    own = hypothesis.fitted.model
+    start = _start(problem, hypothesis, best)
+    found = fitted_hypothesis(problem, hypothesis.identifier, start, ALL_STEPS)
+    if start is not own and (found is None or found.beyond(hypothesis) >= 0.0):
+        found = fitted_hypothesis(problem, hypothesis.identifier, own, ALL_STEPS)
+    return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
 
 
 def _fitted_first(problem: Problem, base: Fitted, effect: Effect, steps: int) -> Hypothesis | None:
@@ -208,6 +201,20 @@ def best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
         if known is None or hypothesis.beyond(known) < 0.0:
             best[hypothesis.identifier] = hypothesis
     return in_order(list(best.values()))
+
+
+def _in_other_minima(
+    problem: Problem, models: Sequence[Model], pool: ThreadPoolExecutor, watch: Watch
+) -> list[Hypothesis]:
+    """Thorough fits of the effect that models hold last."""
+
+    def fitted(model: Model) -> Hypothesis | None:
+        identifier = model.effects[-1].identifier
+        if watch.no_time_for(f"other shapes of {identifier}"):
+            return None
+        return fitted_hypothesis(problem, identifier, model, ALL_STEPS)
+
+    return [h for h in pool.map(fitted, models) if h is not None]
 
 
 def _further_shapes(

@@ -202,7 +202,7 @@ class RateLimit(Effect):
     drawn_against = "change of the input"
     equation = r"|\dot u'| \leq r"
     reference = "Khalil (2002), Nonlinear Systems, 3rd ed.; Franklin, Powell & Emami-Naeini, Feedback Control"
-    parameters = (Parameter("rate", "u/s", "largest rate r", 0.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("rate", "u/s", "largest rate r", 0.0),)
     transforms_by_compiled_code = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
 
@@ -223,7 +223,13 @@ class RateLimit(Effect):
         """Rates at which the largest change takes from a tenth of a period to many periods."""
         change = float(np.max(np.abs(np.diff(situation.signal)), initial=0.0)) or 1.0
         for periods in (0.15, 0.4, 1.0, 2.5, 6.0):
-            yield cls(rate=change / (periods * situation.acquisition.period))
+            guess = RateLimit(rate=change / (periods * situation.acquisition.period))
+            yield guess
+            yield from guess.finer(situation)[-1:]
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """With a lag (camid.effects.rate_limited_lag)."""
+        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
 
 class ActuatorLag(Effect):
