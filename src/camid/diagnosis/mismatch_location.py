@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Finding, Location
+from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.screening import Metric, metrics
 from camid.diagnosis.weights import UNLISTED
 from camid.effects import known_effects
@@ -206,7 +207,9 @@ def shares(tests: Sequence[PlaceTest]) -> dict[str, float]:
     return {t.place: (t.gain / total if total > 0.0 else 0.0) for t in tests}
 
 
-def shares_of(found: Sequence[Finding], left: dict[str, float]) -> dict[str, float]:
+def shares_of(
+    found: Sequence[Finding], left: dict[str, float], learned: Sequence[LearnedPart] = ()
+) -> dict[str, float]:
     """Shares of the places in what findings explain: each finding's, divided by the weights of what it may be.
 
     Parameters
@@ -214,9 +217,16 @@ def shares_of(found: Sequence[Finding], left: dict[str, float]) -> dict[str, flo
     found : sequence of Finding
     left : dict of str to float
         Shares of the places in what the findings leave, where physics outside the catalogue sits.
+    learned : sequence of LearnedPart, optional
+        Laws without a name, which stand where a finding that the improved simulation does not hold only resembles them.
     """
     result = dict.fromkeys(PLACES, 0.0)
+    replaced = any(not finding.simulated for finding in found)
+    for part in learned if replaced else ():
+        result[part.place] += part.share
     for finding in found:
+        if replaced and not finding.simulated:
+            continue
         share = float(finding.evidence["share"])
         result[finding.place] += share * finding.weight
         for name, weight in finding.alternatives:

@@ -28,6 +28,7 @@ from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.laws_alone import with_laws
 from camid.diagnosis.learned_laws import with_learned_laws
+from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.noise_recognition import recognised_noise, spoiled_rows, uneven_spread
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
@@ -315,7 +316,7 @@ def _diagnosis(
         found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
     verdict = verdict_of(found, bool(learned), bool(named.reasons))
-    location = _location(problem, base, found, before, named)
+    location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
     deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
@@ -366,13 +367,15 @@ def _location(
     problem: Problem,
     base: Fitted,
     found: list[Finding],
+    learned: list[LearnedPart],
     before: list[mismatch_location.PlaceTest],
     residue: Residue,
 ) -> mismatch_location.Location:
-    """Where the mismatch sits: at the strongest effect, or where the tests say it is."""
+    """Where the mismatch sits: at the strongest effect or the law in its place, or where the tests say it is."""
     if found:
-        shares = mismatch_location.shares_of(found, mismatch_location.shares(residue.places))
-        return mismatch_location.locate(problem, base, found[0].place, shares)
+        shares = mismatch_location.shares_of(found, mismatch_location.shares(residue.places), learned)
+        place = found[0].place if found[0].simulated or not learned else learned[0].place
+        return mismatch_location.locate(problem, base, place, shares)
     shares = mismatch_location.shares(before)
     if not residue.reasons:
         return mismatch_location.locate(problem, base, None, shares)
