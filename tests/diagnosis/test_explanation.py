@@ -6,6 +6,7 @@ import pytest
 
 from camid.diagnosis.diagnosis import Coefficient, Location, NormalisedErrors, ParameterEstimate
 from camid.diagnosis.explanation import explanation
+from camid.diagnosis.verdict import verdict_of
 from tests.support import written_diagnoses
 
 FIT = NormalisedErrors(0.684, 0.241, 0.0421, 0.0412, (24.0, 34.0))
@@ -40,6 +41,30 @@ def test_a_name_below_a_half_is_one_of_a_class():
 def test_where_most_of_the_weight_lies_outside_the_catalogue_that_comes_first():
     text = explanation("partly-explained", [weighed(0.1, ("unlisted", 0.9))], FIT, Location("plant"))
     assert "leaves out: physics outside the catalogue, which acts like Coulomb friction (" in text
+
+
+@pytest.mark.parametrize(
+    ("weights", "said"),
+    [([0.1], "explained"), ([0.4], "explained"), ([0.6], "partly-explained"), ([0.3, 0.35], "partly-explained")],
+)
+def test_a_verdict_speaks_of_all_effects_together(weights, said):
+    """Two names that are likely may be unlikely together."""
+    found = [weighed(1.0 - weight, ("unlisted", weight)) for weight in weights]
+    assert verdict_of(found, False, False) == said
+    assert verdict_of(found, False, True) == "partly-explained"
+
+
+def test_structure_without_a_name_is_unexplained_and_a_learned_law_explains_a_part():
+    assert [verdict_of([], False, structured) for structured in (False, True)] == ["adequate", "unexplained"]
+    assert verdict_of([], True, True) == "partly-explained"
+
+
+def test_noise_beside_a_doubtful_name_is_not_called_structure():
+    found = [weighed(0.45, ("unlisted", 0.55))]
+    text = explanation("partly-explained", found, FIT, Location("plant"), structured=False)
+    assert "What is left is noise, but it is likelier than not that something here has another name." in text
+    text = explanation("partly-explained", found, FIT, Location("plant"), structured=True)
+    assert "What is left is still structured" in text
 
 
 WRONG = [Coefficient("a0", 360.0, 400.1, 0.3, 400.1, 0.3), Coefficient("a1", 12.0, 12.1, 0.2, 12.1, 0.2)]

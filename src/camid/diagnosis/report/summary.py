@@ -42,7 +42,7 @@ LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 # What is said of a name that only resembles the law that stands in its place.
 NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
-DOUBTFUL = "what is left out is modelled and what remains is noise, but not all of it is likely to have a name here"
+DOUBTFUL = "what is left out is modelled and what remains is noise, but something of it has no name that is likely"
 # Where a law without a name carries what the named ones leave, or all.
 LEARNED_REST = "something is named, a law without a name was learned for what that leaves"
 LEARNED_ALL = "what is left out has no name; a law was learned for it"
