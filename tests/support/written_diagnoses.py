@@ -229,6 +229,6 @@ def diagnosis(verdict, *, seed=7, **changes):
     ]
     content |= {"undetectable": UNDETECTABLE, "coefficients": coefficients, "tests": tests, "signals": shown}
     content |= {"recordings": ["bench/run_07.csv"], "rows_fitted": 1544, "period": PERIOD, "seconds": 2.31}
-    content |= {"provenance": PROVENANCE} | changes
+    content |= {"provenance": PROVENANCE, "structured": verdict in {"partly-explained", "unexplained"}} | changes
     content = {"effect_signals": effect_signals(content["signals"], content["findings"])} | content
     return Diagnosis(verdict=verdict, improved=improved, **content)
