@@ -100,7 +100,9 @@ def members_of(
             sibling,
         )
 
-    constant = constant or any(_is_constant(name) for name in named)
+    # One effect that is exactly two which are found is as likely as these two: nothing tells them apart.
+    found_apart = any(_is_constant(name) for name in named)
+    constant = constant or found_apart
 
     def holds(part: str) -> bool:
         return part in named or (constant and _is_constant(part))
@@ -111,7 +113,8 @@ def members_of(
         if all(holds(part) for part in effect.sum_of)
         and any(part == lead.identifier or _is_constant(part, lead.identifier) for part in effect.sum_of)
     ]
-    return (*(member(h) for h in ranked), *(Member(e.identifier, general_law_penalty(), 0.0) for e in sums))
+    penalty = 0.0 if found_apart else general_law_penalty()
+    return (*(member(h) for h in ranked), *(Member(e.identifier, penalty, 0.0) for e in sums))
 
 
 def _is_constant(*names: str) -> bool:
