@@ -225,8 +225,9 @@ def _further_shapes(
     The coefficients are those without it, and those that a fit found beside it.
     """
     identifier, beside = best.identifier, best.fitted.model.without(len(base.effects))
+    # A special case may lead that was not screened itself.
     shapes = [c for c in screened if c.effect.identifier == identifier]
-    if not shapes[0].effect.linear_dynamics or len(shapes[0].effect.vector) < 2:
+    if not shapes or not shapes[0].effect.linear_dynamics or len(shapes[0].effect.vector) < 2:
         return []
     known = [_start_of(c) for c in tried if c.effect.identifier == identifier]
     further: list[Effect] = []
