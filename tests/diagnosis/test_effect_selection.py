@@ -5,7 +5,7 @@ import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
-from camid.diagnosis import effect_selection, hypothesis_search
+from camid.diagnosis import effect_selection, hypothesis_search, run
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 
 
@@ -42,6 +42,20 @@ def test_an_effect_that_was_looked_beside_in_vain_is_dropped(monkeypatch):
     monkeypatch.setattr(effect_selection, "FALSE_ALARM", 1e-12)
     diagnosis = camid.diagnose(recording, simulation())
     assert [f.identifier for f in diagnosis.findings] == ["coloured-noise"]
+
+
+def test_a_special_case_that_was_not_screened_may_lead(monkeypatch):
+    """Friction that only its general laws suggest, in a first search and beside another effect."""
+    every = run.screen
+
+    def screened(*arguments, **keywords):
+        return [c for c in every(*arguments, **keywords) if c.effect.identifier != "coulomb-friction"]
+
+    for module in (run, effect_selection):
+        monkeypatch.setattr(module, "screen", screened)
+    rig = record(effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0))
+    diagnosis = camid.diagnose(rig, simulation())
+    assert {f.identifier for f in diagnosis.findings} == {"coulomb-friction", "step-disturbance"}
 
 
 @pytest.mark.parametrize("seed", [6, 12])
