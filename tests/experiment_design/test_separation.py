@@ -76,7 +76,8 @@ def test_two_names_decided_are_worth_more_than_one_beyond_doubt():
     two = judge(0.5, 0.5)
 
     def score(one, other):
-        return two.score([Pair(0, 1, one, 1e4), Pair(1, 0, other, 1e4)], 500)
+        # Of a mismatch of which a rival leaves more than an inexact law does.
+        return two.score([Pair(0, 1, one, 1e3), Pair(1, 0, other, 1e3)], 500)
 
     assert score(40.0, 40.0) > score(4000.0, 4.0)
     assert score(60.0, 60.0) > score(40.0, 40.0)  # more in reserve
