@@ -105,10 +105,6 @@ class Saturation(Effect):
         for law in cls.finer_laws:
             yield from law.candidates(situation)
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """With a knee that is not sharp (camid.effects.gradual_saturation)."""
-        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
-
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """A two-level input shows nothing of it."""
@@ -226,10 +222,6 @@ class RateLimit(Effect):
             guess = RateLimit(rate=change / (periods * situation.acquisition.period))
             yield guess
             yield from guess.finer(situation)[-1:]
-
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """With a lag (camid.effects.rate_limited_lag)."""
-        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
 
 class ActuatorLag(Effect):

@@ -286,7 +286,7 @@ class Effect:
 
         ``situation`` is that of the fitted model which holds this one.
         """
-        return ()
+        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
     def absorbing(self, special: Effect) -> Self:
         """The same effect with that of its special case added to it."""

@@ -67,10 +67,6 @@ class ParameterDrift(Effect):
         """Of a clock that began long before, the drift is another coefficient."""
         return situation.far_from_zero
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """A drift that comes to its end."""
-        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
-
 
 class SettlingDrift(ParameterDrift):
     """A coefficient of the plant that changes and settles, as one does of a machine that warms up."""
@@ -92,10 +88,6 @@ class SettlingDrift(ParameterDrift):
     def simplified(self) -> ParameterDrift:
         """The same rate for ever."""
         return ParameterDrift(coefficient=self.values["coefficient"], rate=self.values["rate"])
-
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None has more detail."""
-        return ()
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:

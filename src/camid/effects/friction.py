@@ -46,10 +46,6 @@ class CoulombFriction(Effect):
         for share in (GUESS, 0.1, 0.3):
             yield cls(force=share * situation.largest("signal"))
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """With pre-sliding displacement (camid.effects.bristle_friction)."""
-        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
-
 
 class StribeckFriction(Effect):
     """Dry friction that falls from a break-away level as the speed grows."""
@@ -80,10 +76,6 @@ class StribeckFriction(Effect):
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
         return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
-
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """With pre-sliding displacement (camid.effects.bristle_friction)."""
-        return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the fall of friction with speed, which pushes the body."""

@@ -64,10 +64,6 @@ class GradualSaturation(Saturation):
         """The same limit with a sharp knee."""
         return Saturation(limit=self.values["limit"])
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None has more detail."""
-        return ()
-
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """From a knee that is nearly sharp, and from a round one."""

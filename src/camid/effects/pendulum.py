@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,9 +39,10 @@ class SineRestoringForce(PendulumGravity):
         """It has no size."""
         return self
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """It is declared, never refined."""
-        return ()
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """It is declared, never guessed."""
+        yield from ()
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

@@ -79,10 +79,6 @@ class RateLimitedLag(RateLimit):
         """The same rate until it arrives."""
         return RateLimit(rate=self.values["rate"])
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None has more detail."""
-        return ()
-
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Slowing down within a small and a middling part of the largest change."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -43,12 +43,6 @@ class LensDistortion(Effect):
         """Small: the effect is proportional to it."""
         yield cls(k1=0.02 / situation.largest("position") ** 2)
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """A second coefficient, of either sign, that does a quarter of what the first one does at the edge."""
-        k1 = float(self.values["k1"])
-        edge = situation.largest("position") ** 2
-        return tuple(LensDistortionOfFourthOrder(k1=k1, k2=share * k1 / edge) for share in (0.25, -0.25))
-
 
 class LensDistortionOfFourthOrder(LensDistortion):
     """Radial distortion that two coefficients describe, as lenses of wide angle need."""
@@ -74,9 +68,17 @@ class LensDistortionOfFourthOrder(LensDistortion):
         """The first coefficient alone."""
         return LensDistortion(k1=self.values["k1"])
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None has more."""
-        return ()
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """A second coefficient, of either sign, that does a quarter of what the first one does at the edge."""
+        edge = situation.largest("position") ** 2
+        for share in (0.25, -0.25):
+            yield cls(**{"k2": share * values["k1"] / edge, **values})
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a distortion that was found."""
+        yield from ()
 
 
 class Perspective(Effect):

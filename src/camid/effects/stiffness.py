@@ -96,10 +96,6 @@ class PendulumGravity(Effect):
             for angle in (0.15, 0.5, 1.2):
                 yield law(amplitude=situation.largest("position") / angle)
 
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """Driven across."""
-        return (PendulumDrivenAcross(amplitude=self.values["amplitude"]),)
-
 
 class PendulumDrivenAcross(PendulumGravity):
     """A pendulum that is pushed horizontally, as one is whose pivot is accelerated.
@@ -119,10 +115,6 @@ class PendulumDrivenAcross(PendulumGravity):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         angle = position / values[0]
         return values[1] * (values[0] * sin(angle) - position) + signal * (1.0 - cos(angle))
-
-    def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None has more detail."""
-        return ()
 
 
 class EndStop(AgainstMotion):
