@@ -22,6 +22,14 @@ from camid.effects.base import Effect
 CONSTANTS = Constants(0.3, 0.05, 40.0, 0.0, 0.5, -0.5, 0.7, -2.0, 1.5)
 LEAD = Member("coulomb-friction", 0.0, 0.0)
 # Finely shown: a ten thousandth of it may be there without a test seeing it.
+IMITATORS = [
+    (name, known_effects()[name], values)
+    for name, values in (
+        ("input-hold", {"hold": "foh"}),
+        ("actuator-lag", {"time_constant": 0.1}),
+        ("coulomb-friction", {"force": 1.0}),
+    )
+]
 ALONE = Comparison((LEAD,), share=0.9, left=0.0, gain=4e5)
 
 
@@ -115,6 +123,11 @@ def test_another_experiment_that_leaves_nothing_speaks_against_physics_outside_t
     structured = Constants(**{**vars(CONSTANTS), "outside": 1.0})
     once, twice = (weight_outside(replace(left, experiments=count), structured) for count in (1, 2))
     assert twice > once > 0.5
+
+
+def test_a_hold_has_no_number_that_could_imitate_other_linear_dynamics():
+    imitates = {n: e(**values).imitates_linear_dynamics for n, e, values in IMITATORS}
+    assert imitates == {"input-hold": False, "actuator-lag": True, "coulomb-friction": False}
 
 
 def test_an_effect_with_a_transfer_function_is_linear_dynamics():

@@ -74,7 +74,7 @@ def findings(
             beside_laws if effect.identifier in decision.certain else left,
             gain_of(decision, i),
             i == strongest,
-            linear=effect.linear_dynamics,
+            linear=effect.imitates_linear_dynamics,
             experiments=different_inputs(problem),
         )
         names, unlisted = weights(comparison)

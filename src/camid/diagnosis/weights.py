@@ -111,7 +111,7 @@ class Comparison:
     strongest : bool
         Whether no other effect removes more; of an effect on the noise, whether no other is named.
     linear : bool
-        Whether it is linear dynamics.
+        Whether it is linear dynamics with numbers that a fit can bend.
     noise : bool
         Whether it is an effect on the noise.
     experiments : int

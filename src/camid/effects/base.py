@@ -259,6 +259,11 @@ class Effect:
         return words if self._neutral is None else (*words, *(self.vector == np.asarray(self._neutral)).tolist())
 
     @property
+    def imitates_linear_dynamics(self) -> bool:
+        """Whether it is linear dynamics with numbers, which a fit bends until they do what other linear dynamics do."""
+        return self.linear_dynamics and bool(self.numeric())
+
+    @property
     def one_sided(self) -> bool:
         """Whether the effect exists in one direction only: its strength cannot be negative, or it has none."""
         if self.strength is None:

@@ -165,7 +165,7 @@ class Judge:
     def _comparison(self, true: int, members: tuple[Member, ...] = (), gain: float = inf) -> Comparison:
         """What a name that is right and leaves nothing is compared with."""
         effect = self.hypotheses[true].effect
-        linear = effect is not None and effect.linear_dynamics
+        linear = effect is not None and effect.imitates_linear_dynamics
         return Comparison(members, share=1.0, left=0.0, gain=gain, linear=linear, experiments=self.experiments)
 
     def weight(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
