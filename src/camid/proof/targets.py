@@ -13,6 +13,7 @@ from camid.proof.scoring import COLOURED_NOISE, STRONG
 
 HIGH_SNR = 30.0  # dB: between the 20 and the 40 dB of the recordings with an effect outside the catalogue
 FEWEST_MEMBERS = 20  # class members in a bin of stated weights that counts
+MEDIAN_TIME, LARGEST_TIME = 3.0, 15.0  # seconds of a diagnosis, asked
 ABOVE = f"above {plain(STRONG)} × the detectable size"
 
 
@@ -206,7 +207,9 @@ def run_time_lines(seconds: pd.Series) -> list[Line]:
     """Median and largest, without a report."""
     largest = float(seconds.max())
     return [
-        median_line("run_time", "run time of a diagnosis without report.html (median)", "s", seconds, at_most=3.0),
+        median_line(
+            "run_time", "run time of a diagnosis without report.html (median)", "s", seconds, at_most=MEDIAN_TIME
+        ),
         Line(
             "run_time_largest",
             "run time of a diagnosis without report.html (largest)",
@@ -215,7 +218,7 @@ def run_time_lines(seconds: pd.Series) -> list[Line]:
             np.nan,
             np.nan,
             len(seconds),
-            at_most=15.0,
+            at_most=LARGEST_TIME,
         ),
     ]
 

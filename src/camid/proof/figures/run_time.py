@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 
 from camid import plotting as style
+from camid.proof.targets import LARGEST_TIME, MEDIAN_TIME
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TARGETS = {"median at most": 3.0, "largest at most": 10.0}
+TARGETS = {"median at most": MEDIAN_TIME, "largest at most": LARGEST_TIME}
 
 
 def draw(run_times: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
@@ -47,7 +48,7 @@ def draw(run_times: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     axes.plot(seconds[-1], 100.0, "s", color=style.VERMILION, label=f"largest {seconds[-1]:.1f} s", clip_on=False)
     axes.set(
         xscale="log",
-        xlim=(0.8 * min(seconds[0], 1.0), 1.25 * max(seconds[-1], 10.0)),
+        xlim=(0.8 * min(seconds[0], 1.0), 1.25 * max(seconds[-1], LARGEST_TIME)),
         ylim=(0.0, 102.0),
         xlabel="run time of one diagnosis (s)",
         ylabel="recordings (%)",
