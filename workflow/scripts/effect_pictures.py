@@ -49,7 +49,8 @@ def situation(plant: TransferFunction = PLANT) -> Situation:
 def shown_effect(kind: type[Effect], given: Situation) -> tuple[Effect, np.ndarray] | None:
     """The first guess, at one of several sizes, whose change of the output is nearest to `VISIBLE`; and that output."""
     best: tuple[float, Effect, np.ndarray] | None = None
-    for guess in kind.candidates(given):
+    # Among the first guesses are laws with more detail, which have no picture of their own.
+    for guess in (each for each in kind.candidates(given) if type(each) is kind):
         for factor in (1.0, 4.0, 16.0):
             try:
                 effect = guess if factor == 1.0 else guess.scaled(factor)
