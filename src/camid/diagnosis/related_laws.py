@@ -75,9 +75,9 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
         return []
     found: list[Hypothesis] = []
     for hypothesis in ranked:
-        behind = hypothesis is not ranked[0] or len(hypothesis.fitted.noise.whitening) > 1
+        lacking = hypothesis is not ranked[0] or len(hypothesis.fitted.noise.whitening) > 1
         starts = _finer_starts(problem, hypothesis)
-        if not starts or not (behind or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
+        if not starts or not (lacking or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
             continue
         while starts:
             fitted = _until_white(problem, starts)

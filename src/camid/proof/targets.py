@@ -13,6 +13,7 @@ from camid.proof.scoring import COLOURED_NOISE, STRONG
 
 HIGH_SNR = 30.0  # dB: between the 20 and the 40 dB of the recordings with an effect outside the catalogue
 FEWEST_MEMBERS = 20  # class members in a bin of stated weights that counts
+NAMED = 96.0  # per cent of strong single effects that are named or in a class, asked
 MEDIAN_TIME, LARGEST_TIME = 3.0, 15.0  # seconds of a diagnosis, asked
 ABOVE = f"above {plain(STRONG)} × the detectable size"
 
@@ -113,7 +114,7 @@ def naming(scores: pd.DataFrame) -> list[Line]:
         share_line("detected", f"{ABOVE}: detected", single["detected"]),
         share_line("named_top", f"{ABOVE}: named first", single["top"]),
         share_line(
-            "named_in_class", f"{ABOVE}: named or in a class of at most four", single["in_class"], at_least=96.0
+            "named_in_class", f"{ABOVE}: named or in a class of at most four", single["in_class"], at_least=NAMED
         ),
         share_line("place_top", f"{ABOVE}: place right, strictly", single["place_top"]),
         share_line("place", f"{ABOVE}: place right", single["place_in_class"], at_least=96.0),

@@ -9,6 +9,7 @@ import pandas as pd
 from camid import plotting as style
 from camid.proof.rates import STRENGTHS, by_strength
 from camid.proof.scoring import STRONG
+from camid.proof.targets import NAMED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +21,6 @@ RATES = {
     "in_class": ("named or in a class of at most four", "s", "--", style.BLUE, 1.03),
     "top": ("named first", "x", "-.", style.VERMILION, 1.08),
 }
-TARGET = 95.0
 
 
 def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
@@ -59,8 +59,8 @@ def draw_rates(rates: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         axes.annotate(f"{row['recordings']}", (row["multiple"], 103.0), ha="center", fontsize=6.0, color=style.GREY)
     axes.annotate("recordings:", (STRENGTHS[0], 108.0), fontsize=6.0, color=style.GREY, annotation_clip=False)
     look: dict[str, Any] = {"color": style.GREY, "linewidth": 0.8}
-    words = f"target of “named or in a class”: {TARGET:g} %"
-    axes.hlines(TARGET, STRONG, 1.2 * STRENGTHS[-1], linestyle=(0, (4, 2)), label=words, **look)
+    words = f"target of “named or in a class”: {NAMED:g} %"
+    axes.hlines(NAMED, STRONG, 1.2 * STRENGTHS[-1], linestyle=(0, (4, 2)), label=words, **look)
     axes.axvline(STRONG, linestyle=(0, (1, 2)), label=f"target holds from {STRONG:g} on", **look)
     axes.set(
         xscale="log",
