@@ -36,6 +36,16 @@ def test_every_verdict_has_its_sections(pages, verdict):
     assert "0.0041 u s²/y²" in page.text
 
 
+def test_a_page_of_doubtful_names_speaks_of_no_structure():
+    doubtful = written_diagnoses.diagnosis("partly-explained", structured=False)
+    told, structured = (
+        Page(report.render(each)).text for each in (doubtful, written_diagnoses.diagnosis("partly-explained"))
+    )
+    assert "leaves noise. That all of it has its right name is less likely than not" in told
+    assert "is structured, not noise" not in told
+    assert "is structured, not noise" in structured
+
+
 def test_a_page_is_known_for_ours_when_it_is_written_anew(tmp_path):
     diagnosis = written_diagnoses.diagnosis("explained")
     first, again = ((write_diagnosis(diagnosis, tmp_path / "found")[3]).read_bytes() for _ in range(2))
