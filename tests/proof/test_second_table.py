@@ -4,6 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from camid.proof import second_table
+from camid.proof.second_author.concealment import NothingShows
 from camid.proof.second_author.recordings import kinds, make
 from camid.proof.second_table import diagnose_and_score, recovered_share, second_lines
 from camid.simulation.file import load_simulation, write_simulation
@@ -25,6 +27,20 @@ def test_recordings_are_diagnosed_and_scored(tables):
     assert set(weights["index"]) <= set(scores["index"])
     assert set(parameters["index"]) <= set(scores["index"])
     assert (scores["seconds"] > 0.0).all()
+
+
+def test_laws_that_no_rig_shows_together_end_no_table(tmp_path, monkeypatch):
+    """The numbers of the others stay, and the table has their count."""
+    nothing = kinds(SEED, COUNT).index("none")
+
+    def made(seed, index, count):
+        if index != nothing:
+            raise NothingShows("no rig shows actuator-lag, backlash")
+        return make(seed, index, count)
+
+    monkeypatch.setattr(second_table, "make", made)
+    scores, _, _ = diagnose_and_score([nothing, nothing + 1], SEED, COUNT, tmp_path)
+    assert scores["index"].tolist() == [nothing]
 
 
 def test_every_line_counts_what_it_says(tables):

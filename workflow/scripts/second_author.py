@@ -25,8 +25,9 @@ def main() -> None:
     )
     found = second_lines(scores, parameters, weights)
     stamp = (
-        f"{snakemake.params.number} recordings of seed {snakemake.params.seed}, made, diagnosed and scored by\n"
-        f"`.venv/bin/snakemake -c2 second_author` at commit {revision()}."
+        f"{len(scores)} of {snakemake.params.number} recordings of seed {snakemake.params.seed}, made, diagnosed and "
+        "scored by\n"
+        f"`.venv/bin/snakemake -c2 second_author` at commit {revision()}; for the others no rig shows the laws drawn."
     )
     target = Path(snakemake.output.markdown)
     write_whole(target, lambda path: path.write_text(to_markdown(found, stamp), encoding="utf-8"))
