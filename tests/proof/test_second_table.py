@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from camid.proof import second_table
-from camid.proof.second_author.concealment import NothingShows
+from camid.proof.second_author.concealment import NotShownError
 from camid.proof.second_author.recordings import kinds, make
 from camid.proof.second_table import diagnose_and_score, recovered_share, second_lines
 from camid.simulation.file import load_simulation, write_simulation
@@ -35,7 +35,7 @@ def test_laws_that_no_rig_shows_together_end_no_table(tmp_path, monkeypatch):
 
     def made(seed, index, count):
         if index != nothing:
-            raise NothingShows("no rig shows actuator-lag, backlash")
+            raise NotShownError("no rig shows actuator-lag, backlash")
         return make(seed, index, count)
 
     monkeypatch.setattr(second_table, "make", made)

@@ -20,7 +20,7 @@ from camid.proof.diagnoses import diagnose_all
 from camid.proof.score_table import PARAMETER_COLUMNS, WEIGHT_COLUMNS, nrmse
 from camid.proof.scoring import STRONG, parameter_rows, score, weight_rows
 from camid.proof.sealed_files import DIAGNOSIS, IMPROVED, RECORDING, SIMULATION, write_table, write_yaml
-from camid.proof.second_author.concealment import NothingShows
+from camid.proof.second_author.concealment import NotShownError
 from camid.proof.second_author.recordings import Made, make
 from camid.proof.targets import ABOVE, Line, calibration, median_line, naming, run_time_lines, share_line
 
@@ -51,7 +51,7 @@ def diagnose_and_score(
     for index in indices:
         try:
             made[index] = make(seed, index, count)
-        except NothingShows:
+        except NotShownError:
             continue
         write_table(made[index].recording, recordings / str(index) / RECORDING)
         write_yaml(made[index].simulation, recordings / str(index) / SIMULATION)

@@ -171,7 +171,7 @@ def _noise_law(rng: Generator, scene: Scene, identifier: str) -> tuple[Scene, La
     return scene, law
 
 
-class NothingShows(RuntimeError):
+class NotShownError(RuntimeError):
     """No rig that was drawn shows the laws that were asked for."""
 
 
@@ -205,7 +205,7 @@ def conceal(rng: Generator, identifiers: tuple[str, ...], way: str) -> tuple[Sce
         least = LEAST_OF_SEVERAL if several else LEAST * 0.8
         if all(value is None or least <= value <= 4.0 * MOST for value in found):
             return scene, laws, found
-    raise NothingShows(f"no rig shows {', '.join(identifiers)}")
+    raise NotShownError(f"no rig shows {', '.join(identifiers)}")
 
 
 def draw_company(rng: Generator) -> tuple[str, ...]:
