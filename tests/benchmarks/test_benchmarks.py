@@ -9,7 +9,7 @@ from benchmarks.peers import PEERS, Peer, from_discrete, from_state_space
 from benchmarks.rendering_reference import corner_area, coverage, expose_reference
 from scipy import signal
 
-from benchmarks import figure, identification, measurement, rendering, report, run, task
+from benchmarks import figure, identification, long_diagnoses, measurement, rendering, report, run, task
 
 WITHOUT_EXTRA = [peer for peer in PEERS if peer.distribution == "scipy"]
 
@@ -148,3 +148,12 @@ def test_the_profile_of_a_diagnosis_replaces_its_part_of_the_page():
     once = put_in(page, f"{TITLE}\n\none\n")
     assert once == f"# Benchmarks\n\ntext\n\n{TITLE}\n\none\n"
     assert put_in(once, f"{TITLE}\n\ntwo\n") == once.replace("one", "two")
+
+
+def test_long_recordings_are_diagnosed_and_timed(monkeypatch, capsys):
+    monkeypatch.setattr(long_diagnoses, "LENGTHS", (1_000,))
+    long_diagnoses.main()
+    assert capsys.readouterr().out.startswith("1,000 frames: ")
+    recording = long_diagnoses.recording(1_000)
+    assert len(recording) == 1_000
+    assert recording["t"].iloc[1] == long_diagnoses.PERIOD
