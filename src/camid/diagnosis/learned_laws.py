@@ -8,6 +8,7 @@ has most evidence. What is left beside it is searched again, with all that the c
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +27,7 @@ from camid.diagnosis.watch import Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
-from camid.fitting.problem import Problem
+from camid.fitting.problem import WORKERS, Problem
 
 # Natural logarithm of the evidence for a law against none from which it is learned: a thousand and more to one, beyond
 # the choice among seven.
@@ -148,7 +149,8 @@ def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> LearnedL
     if not ordered or gains[ordered[0]] < LEAST_EVIDENCE:
         return None
     likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
-    found = [_learned(problem, fitted, blank[name], coefficients) for name in likely]
+    with ThreadPoolExecutor(WORKERS) as pool:
+        found = list(pool.map(lambda name: _learned(problem, fitted, blank[name], coefficients), likely))
     best = max((law for law in found if law is not None), key=lambda law: law.log_evidence, default=None)
     return best if best is not None and best.gain_on(fitted) >= LEAST_EVIDENCE else None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,12 +18,13 @@ from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.formula_fit import FormulaFit, fit_formula
 from camid.fitting.linearised_law import Absorbed, LawTable, LinearisedLaw, fine_grid
-from camid.fitting.problem import Problem
+from camid.fitting.problem import WORKERS, Problem
 
 Array = NDArray[np.float64]
 
-# Formulas that are fitted through the chain, and by how much their criterion may exceed the best one's to first order.
-MOST_FITTED = 3
+# Formulas that are fitted through the chain, and by how much the criterion of those beyond the first ones may exceed
+# that of the best one to first order.
+FEWEST_FITTED, MOST_FITTED = 2, 3
 GAP = 60.0
 # Share of what a bend may be within which it lies on its bound.
 ON_BOUND = 1e-4
@@ -105,14 +107,14 @@ def fitted_through_the_chain(
 
     ``constant`` is an effect that stands beside them, too.
     """
-    candidates: list[Candidate] = []
-    for score, form, named, linear in entries[:MOST_FITTED]:
-        if score > entries[0][0] + GAP and len(candidates) > 1:
-            break
-        candidate = through_the_chain(problem, final, group, form, named, linear, constant)
-        if candidate is not None:
-            candidates.append(candidate)
-    return in_order(candidates)
+    likely = [e for i, e in enumerate(entries[:MOST_FITTED]) if i < FEWEST_FITTED or e[0] <= entries[0][0] + GAP]
+
+    def fitted(entry: Entry) -> Candidate | None:
+        _, form, named, linear = entry
+        return through_the_chain(problem, final, group, form, named, linear, constant)
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        return in_order([candidate for candidate in pool.map(fitted, likely) if candidate is not None])
 
 
 def through_the_chain(
