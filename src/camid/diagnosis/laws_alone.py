@@ -21,9 +21,6 @@ from camid.diagnosis.watch import Watch
 from camid.fitting.problem import Problem
 from camid.simulation.declared_units import IN_U_AND_Y, DeclaredUnits
 
-# Share of the evidence for names from which curves alone are worth their formulas, which may say twice as much.
-LEAST_SHARE = 0.4
-
 
 def with_laws(
     problem: Problem,
@@ -48,16 +45,13 @@ def with_laws(
     units : DeclaredUnits
         Of the words.
     """
-    alone = None
-    if decision.rivals and structure_left(problem, decision) > 0.0:
-        if not watch.no_time_for("laws without a name in the place of all names"):
-            alone = with_laws_alone(problem, decision.base, judging, watch)
-        if alone is not None and alone.laws and _is_better(problem, alone, decision, judging):
-            return with_formulas(problem, alone, judging, known, watch, units)
     found = with_formulas(problem, decision, judging, known, watch, units)
-    if alone is None or not alone.laws or structure_left(problem, found[0]) == 0.0:
+    if not found[0].rivals or structure_left(problem, found[0]) == 0.0:
         return found
-    if log_evidence(alone) < LEAST_SHARE * log_evidence(found[0]):
+    if watch.no_time_for("laws without a name in the place of all names"):
+        return found
+    alone = with_laws_alone(problem, decision.base, judging, watch)
+    if not alone.laws:
         return found
     other = with_formulas(problem, alone, judging, known, watch, units)
     return other if _is_better(problem, other[0], found[0], judging) else found
