@@ -24,10 +24,11 @@ def main() -> None:
         for name in ("scores", "parameters", "weights")
     )
     found = second_lines(scores, parameters, weights)
+    others = snakemake.params.number - len(scores)
+    left_out = f"; no rig shows the laws that were drawn for the other {others}" if others else ""
     stamp = (
-        f"{len(scores)} of {snakemake.params.number} recordings of seed {snakemake.params.seed}, made, diagnosed and "
-        "scored by\n"
-        f"`.venv/bin/snakemake -c2 second_author` at commit {revision()}; for the others no rig shows the laws drawn."
+        f"{len(scores)} recordings of seed {snakemake.params.seed}, made, diagnosed and scored by\n"
+        f"`.venv/bin/snakemake -c2 second_author` at commit {revision()}{left_out}."
     )
     target = Path(snakemake.output.markdown)
     write_whole(target, lambda path: path.write_text(to_markdown(found, stamp), encoding="utf-8"))

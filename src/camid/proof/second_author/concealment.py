@@ -176,7 +176,13 @@ class NotShownError(RuntimeError):
 
 
 def conceal(rng: Generator, identifiers: tuple[str, ...], way: str) -> tuple[Scene, list[Law], list[float | None]]:
-    """Draw a scene and laws with these ids that it shows; ``way`` is "catalogue", "inexact" or "outside"."""
+    """Draw a scene and laws with these ids that it shows; ``way`` is "catalogue", "inexact" or "outside".
+
+    Raises
+    ------
+    NotShownError
+        If none of 4,000 scenes shows all of them.
+    """
     several = len(identifiers) > 1
     for _ in range(4000):
         scene = stage(rng, identifiers)
