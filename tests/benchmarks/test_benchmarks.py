@@ -9,7 +9,7 @@ from benchmarks.peers import PEERS, Peer, from_discrete, from_state_space
 from benchmarks.rendering_reference import corner_area, coverage, expose_reference
 from scipy import signal
 
-from benchmarks import figure, identification, long_diagnoses, measurement, rendering, report, run, task
+from benchmarks import figure, identification, long_diagnoses, measurement, rendering, report, rules, run, task
 
 WITHOUT_EXTRA = [peer for peer in PEERS if peer.distribution == "scipy"]
 
@@ -157,3 +157,16 @@ def test_long_recordings_are_diagnosed_and_timed(monkeypatch, capsys):
     recording = long_diagnoses.recording(1_000)
     assert len(recording) == 1_000
     assert recording["t"].iloc[1] == long_diagnoses.PERIOD
+
+
+def test_every_rule_can_be_left_out(capsys, monkeypatch):
+    """A rule whose place in the code has another name fails here, and not after an hour."""
+    for rule in rules.RULES:
+        with rules.without(rule):
+            pass
+    monkeypatch.setattr(rules, "RULES", {name: rules.RULES[name] for name in list(rules.RULES)[:2]})
+    monkeypatch.setattr(rules, "WORKERS", 1)
+    rules.main(["2", "5"])
+    table = capsys.readouterr().out
+    assert "| held-out rows refute names |" in table
+    assert "2 recordings of seed 5" in table

@@ -97,28 +97,6 @@ def test_a_general_law_has_prior_odds_against_it():
     assert 1.0 < prior_penalty(problem, general) < 4.0
 
 
-def test_general_laws_take_in_their_special_case():
-    special = known_effects()["coulomb-friction"](force=0.5)
-    generals = []
-    for kind in known_effects().values():
-        if not kind.numeric():
-            continue
-        effect = kind(**{p.name: p.choices[0] if p.choices else 0.5 for p in kind.parameters if not p.is_name})
-        if effect.simplified() is None:
-            assert not kind.levels
-            continue
-        generals.append(kind.identifier)
-        before, after = (e.simplified().values["force"] for e in (effect, effect.absorbing(special)))
-        assert after == pytest.approx(before + 0.5)
-    assert set(generals) == {
-        "asymmetric-friction",
-        "hysteresis",
-        "load-dependent-friction",
-        "position-dependent-friction",
-        "stribeck-friction",
-    }
-
-
 def test_a_general_law_takes_the_place_of_its_special_case():
     """Friction that falls with the speed, of which Coulomb's is found first, by the generator of the sealed proof."""
     case = plan(777, 72)[7]

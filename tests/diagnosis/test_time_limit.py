@@ -6,7 +6,8 @@ import pytest
 
 import camid
 from camid.cli import main
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import WORK, WORK_OF_ROW, Watch
+from camid.engine.work import ROW, RUN, Work
 from tests.support.mass_on_spring import effect, record, simulation
 
 
@@ -25,13 +26,14 @@ def test_what_there_was_no_time_for_is_said(recording):
 
 
 def test_the_effect_that_was_found_until_then_is_kept(recording, monkeypatch):
-    asked = []
+    asked, in_time = [], Watch.no_time_for
 
     def no_time_for(watch, part):
         asked.append(part)
-        late = part.startswith("effects in addition")
-        if late:
-            watch.left_out.append(part)
+        if part.startswith("effects in addition"):
+            watch.limit = 0.0
+        late = in_time(watch, part)
+        watch.limit = 100.0
         return late
 
     monkeypatch.setattr(Watch, "no_time_for", no_time_for)
@@ -42,7 +44,38 @@ def test_the_effect_that_was_found_until_then_is_kept(recording, monkeypatch):
 
 
 def test_without_a_limit_nothing_is_left_out(recording):
-    assert camid.diagnose(recording, simulation(), time_limit=None).warnings == []
+    assert camid.diagnose(recording, simulation(), time_limit=None, effort=None).warnings == []
+
+
+def test_an_effort_leaves_out_the_same_on_every_machine(recording):
+    first, again = (camid.diagnose(recording, simulation(), time_limit=None, effort=0.03) for _ in range(2))
+    assert first.verdict in ("explained", "partly-explained", "unexplained")
+    (warning,) = first.warnings
+    assert warning.startswith("as much was simulated as an effort of 0.03 allows")
+    assert "see --effort" in warning
+    assert without_time(again) == without_time(first)
+
+
+def without_time(diagnosis):
+    """diagnosis.json, but for how long it took."""
+    return {name: value for name, value in diagnosis.to_mapping().items() if name not in ("seconds", "provenance")}
+
+
+def test_an_effort_bounds_what_is_simulated():
+    watch, work = Watch(effort=2.0), Work()
+    watch.count(work, 1000)
+    runs = int(2.0 * (WORK + 1000 * WORK_OF_ROW) / ((RUN + 1000 * ROW) * 1e-6)) - 1
+    for _ in range(runs):
+        work.add_run(1000)
+    watch.take_stock()
+    assert not watch.no_time_for("the last part")
+    for _ in range(2):
+        work.add_run(1000)
+    # It is over where it is looked at, and not in the middle of what threads share.
+    assert not watch.no_time_for("the last part")
+    watch.take_stock()
+    assert watch.no_time_for("the last part")
+    assert watch.left_out == ["the last part"]
 
 
 def test_the_command_warns_and_writes(recording, tmp_path, capsys):

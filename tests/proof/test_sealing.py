@@ -1,8 +1,9 @@
 """Seals: they reproduce, and nothing that was sealed can be altered unnoticed."""
 
+import pandas as pd
 import pytest
 
-from camid.proof.diagnoses import Worker, diagnose_all
+from camid.proof.diagnoses import Worker, diagnose_all, timed_alone, with_times_alone
 from camid.proof.sealing import BrokenSealError, canonical, check_seal, new_salt, seal
 
 
@@ -128,6 +129,24 @@ def test_failed_diagnosis_is_written_down_and_does_not_stop_the_others(working_c
     assert (run_times["seconds"] > 0.0).all()
     assert "exit code 2" in (tmp_path / "diagnoses/1/failure.txt").read_text(encoding="utf-8")
     assert (tmp_path / "diagnoses/0").is_dir()
+
+
+def test_slow_diagnoses_are_timed_again_and_say_the_same(working_copy, tmp_path, monkeypatch):
+    monkeypatch.chdir(working_copy)
+    recordings, diagnoses = working_copy / "results", tmp_path / "diagnoses"
+    run_times = diagnose_all([0], recordings, diagnoses)
+    assert timed_alone(run_times.assign(seconds=0.01), recordings, diagnoses).empty
+    run_times = pd.concat([run_times.assign(seconds=99.0), pd.DataFrame({"index": [1], "seconds": [0.5]})])
+    alone = timed_alone(run_times, recordings, diagnoses)
+    assert alone["index"].tolist() == [0]
+    seconds = with_times_alone(run_times, alone).set_index("index")["seconds"]
+    assert seconds[0] == alone["seconds"].iloc[0] < 99.0
+    assert seconds[1] == 0.5
+
+    improved = diagnoses / "0/improved.yaml"
+    improved.write_text(improved.read_text(encoding="utf-8") + "# another answer\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="recording 0 says something else"):
+        timed_alone(run_times, recordings, diagnoses)
 
 
 def test_temporary_folder_in_the_working_copy_is_refused(working_copy, tmp_path, monkeypatch):

@@ -99,6 +99,34 @@ rule concealed_diagnoses:
         "../scripts/concealed_diagnoses.py"
 
 
+# The shards of the diagnoses share the cores; what took long beside another is timed again with all of them.
+rule concealed_slowest:
+    input:
+        recordings=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/recordings/{CONCEALED_SHARD}",
+            **CONCEALED_SHARDS[wildcards.set],
+        ),
+        diagnoses=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/diagnoses/{CONCEALED_SHARD}",
+            **CONCEALED_SHARDS[wildcards.set],
+        ),
+        run_times=lambda wildcards: expand(
+            f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
+            **CONCEALED_SHARDS[wildcards.set],
+        ),
+    output:
+        f"{CONCEALED_FOLDER}/slowest.csv",
+    log:
+        "results/logs/concealed_slowest_{set}_{seed}.log",
+    params:
+        code=script_code("concealed_slowest.py"),
+    threads: 2
+    message:
+        "Timing the slowest diagnoses again, one at a time ({wildcards.set})."
+    script:
+        "../scripts/concealed_slowest.py"
+
+
 # No truth is opened before the last diagnosis of the set is made.
 rule concealed_reveal:
     input:
@@ -144,6 +172,7 @@ rule concealed_scores:
             f"{CONCEALED_FOLDER}/run_times/{CONCEALED_SHARD}.csv",
             **CONCEALED_SHARDS[wildcards.set],
         ),
+        slowest=rules.concealed_slowest.output[0],
     output:
         scores=f"{CONCEALED_FOLDER}/scores.parquet",
         parameters=f"{CONCEALED_FOLDER}/parameters.parquet",

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from camid.proof.diagnoses import with_times_alone
 from camid.workflow.dataset_files import read_dataset, write_dataset
 from camid.workflow.job import logged
 
@@ -19,6 +20,8 @@ def main() -> None:
         # An empty table, of a shard without a named effect, has no types of its own.
         tables = [table for table in map(read, snakemake.input[name]) if len(table)]
         table = pd.concat(tables) if tables else read(snakemake.input[name][0])
+        if name == "run_times":
+            table = with_times_alone(table, pd.read_csv(snakemake.input.slowest))
         write_dataset(table.sort_values("index", kind="stable"), snakemake.output[name], configuration)
 
 

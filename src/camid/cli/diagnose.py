@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from camid.cli.shared import own_effects_option, progress_display, warn
-from camid.diagnosis.watch import TIME_LIMIT
+from camid.diagnosis.watch import EFFORT, TIME_LIMIT
 from camid.errors import need
 
 if TYPE_CHECKING:
@@ -37,6 +37,13 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seconds after which nothing new is tried; 0 for no limit.",
 )
+@click.option(
+    "--effort",
+    type=click.FloatRange(min=0.0),
+    default=EFFORT,
+    show_default=True,
+    help="How much is simulated before nothing new is tried, in multiples of the usual; 0 for no bound.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json.")
 def diagnose(
     *,
@@ -46,6 +53,7 @@ def diagnose(
     effects: tuple[Path, ...],
     report: bool,
     time_limit: float,
+    effort: float,
     as_json: bool,
 ) -> None:
     """Find, name and model what a simulation leaves out of one or several RECORDINGs of a rig.
@@ -64,8 +72,16 @@ def diagnose(
         progress = stack.enter_context(progress_display(as_json))
         from camid.commands.diagnose import diagnose as run
 
-        result = run(list(recording), simulation, progress=progress, time_limit=time_limit or None, effects=effects)
-        result = _with_command(result, recording, simulation, output, effects, time_limit)
+        result = run(
+            list(recording),
+            simulation,
+            progress=progress,
+            time_limit=time_limit or None,
+            effort=effort or None,
+            effects=effects,
+        )
+        limits = {"--time-limit": (time_limit, TIME_LIMIT), "--effort": (effort, EFFORT)}
+        result = _with_command(result, recording, simulation, output, effects, limits)
         written = write_diagnosis(result, output, report=report, drawn_beside=drawn_beside)
     if as_json:
         click.echo(json.dumps(without_infinities(result.to_mapping()), indent=2))
@@ -83,12 +99,13 @@ def _with_command(
     simulation: Path,
     output: Path,
     effects: Sequence[Path],
-    time_limit: float,
+    limits: Mapping[str, tuple[float, float]],
 ) -> DiagnosisResult:
     """The result with what was typed, as far as it changes what is found."""
     words = ["camid", "diagnose", *map(str, recordings), "--simulation", str(simulation), "--output", str(output)]
     words += [word for path in effects for word in ("--effects", str(path))]
-    words += [] if time_limit == TIME_LIMIT else ["--time-limit", f"{time_limit:g}"]
+    for option, (value, usual) in limits.items():
+        words += [] if value == usual else [option, f"{value:g}"]
     if result.provenance is None:
         return result
     return replace(result, provenance=replace(result.provenance, command=shlex.join(words)))

@@ -15,7 +15,7 @@ from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
 from camid.diagnosis.provenance import provenance_of
 from camid.diagnosis.run import investigate
 from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
-from camid.diagnosis.watch import TIME_LIMIT, Watch
+from camid.diagnosis.watch import EFFORT, TIME_LIMIT, Watch
 from camid.effects.declared import effects_of
 from camid.effects.own_effects import EffectSource, files_of, own_effects
 from camid.engine.mechanics import MotionJumps, NotApplicable, mechanics_of
@@ -42,6 +42,7 @@ def diagnose(
     *,
     progress: Callable[[str], None] | None = None,
     time_limit: float | None = TIME_LIMIT,
+    effort: float | None = EFFORT,
     effects: Sequence[EffectSource] | EffectSource = (),
 ) -> DiagnosisResult:
     """Find, name and model what a simulation leaves out.
@@ -58,6 +59,9 @@ def diagnose(
     time_limit : float, optional
         Seconds after which nothing new is tried: the answer is the best until then, and its warnings say what was left
         out. None for no limit.
+    effort : float, optional
+        How much is simulated before nothing new is tried, in multiples of the usual, which bounds the time to some
+        seconds; the answer does not depend on the machine. None for as much as it takes.
     effects : sequence of path or subclass of Effect, optional
         Effects of your own that the search and the simulation may use. A file is Python, and is run.
 
@@ -74,7 +78,7 @@ def diagnose(
     """
     started = time.perf_counter()
     with own_effects(effects) as own:
-        found = _diagnosed(recording, load_simulation(simulation), Watch(progress, time_limit))
+        found = _diagnosed(recording, load_simulation(simulation), Watch(progress, time_limit, effort))
     return replace(
         found,
         seconds=time.perf_counter() - started,
@@ -100,6 +104,7 @@ def _diagnosed(
         one_file = not isinstance(recording, list | tuple) or len(recording) == 1
         last_judges = one_file and len(set(problem.runs)) > 1
         problem, validation, chosen = with_validation(problem, nominal, held_out, last_judges=last_judges)
+        watch.count(problem.work, len(problem.output))
         diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
         watch.say("designing the next experiment")
         diagnosis = with_designed_experiments(diagnosis)

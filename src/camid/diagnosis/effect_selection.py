@@ -24,9 +24,9 @@ from camid.diagnosis.hypothesis_search import (
     is_far_off,
 )
 from camid.diagnosis.models_of_each_recording import models_of_each_recording
-from camid.diagnosis.related_laws import other_choices, relatives_in_place, special_case
+from camid.diagnosis.related_laws import relatives_in_place, special_case
 from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import NAMES, Watch
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.learned_law import LearnedLaw
@@ -47,9 +47,6 @@ LAW_ERROR = 0.04
 WORTH_A_LOOK = 0.3
 MOST_SWAPS = 4
 SWAP_MARGIN = 2.0
-# Fall of the criterion that betrays another minimum of the coefficients, and how often the search restarts from one.
-ANOTHER_MINIMUM = 10.0
-MOST_RESTARTS = 3
 # Difference of the criterion within which two fits of the same effects are the same minimum.
 SAME_MINIMUM = 1.0
 
@@ -155,13 +152,14 @@ def select_effects(
         What was found already, and where what is found is kept.
     """
     watch = watch or Watch()
-    current, restarts = base, 0
+    current = base
     rivals: list[list[Hypothesis]] = []
     known = len(base.model.effects)
     searches = searches or Searches()
     doubtful: Fitted | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
+        watch.take_stock(NAMES)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
             break
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
@@ -183,41 +181,17 @@ def select_effects(
             doubtful, current = current, ranked[0].fitted
             rivals.append(ranked)
             continue
-        without_effect = _without_its_effect(problem, ranked[0])
-        if current.criterion_beyond(without_effect) > ANOTHER_MINIMUM and restarts < MOST_RESTARTS:
-            # The effect had led the coefficients out of a local minimum: it has to explain what the better ones leave.
-            current, restarts = without_effect, restarts + 1
-            base = base if beside else without_effect
-            continue
         left, current, doubtful = current, ranked[0].fitted, None
         rivals.append(ranked)
-        whole = _merged(problem, current, known)
-        if whole is not None and current.criterion_beyond(whole) > 0.0:
-            current = whole
         enough = len(current.model.effects) - known >= FEWEST_EFFECTS
         if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
             break
     if doubtful is not None:
         current = doubtful
         rivals.pop()
-    # A general law that took in its special case has the rivals of two effects.
     if len(rivals) < 2:
         return Decision(base, current, rivals, [base] * len(rivals))
     return _swapped(problem, base, current, searches, watch)
-
-
-def _merged(problem: Problem, fitted: Fitted, known: int) -> Fitted | None:
-    """The model whose last effect takes the place of its special case, if that was found before, fitted."""
-    model = fitted.model
-    general = model.effects[-1]
-    special = general.simplified()
-    if special is None:
-        return None
-    for i, effect in enumerate(model.effects[known:-1], start=known):
-        if effect.identifier == special.identifier:
-            effects = (*model.effects[:i], *model.effects[i + 1 : -1], general.absorbing(effect))
-            return fit(problem, replace(model, effects=effects), steps=ALL_STEPS)
-    return None
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:
@@ -230,12 +204,6 @@ def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> 
     return replace(nominal, effects=current.model.effects)
 
 
-def _without_its_effect(problem: Problem, hypothesis: Hypothesis) -> Fitted:
-    """What the coefficients of a hypothesis come to without its effect."""
-    model = hypothesis.fitted.model
-    return fit(problem, model.without(len(model.effects) - 1), steps=ALL_STEPS)
-
-
 def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches, watch: Watch) -> Decision:
     """Put every effect to the test beside the others, until none is swapped or removed."""
     first = len(base.model.effects)
@@ -246,6 +214,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
         changed = False
         for index in range(first, len(current.model.effects)):
             identifier = current.model.effects[index].identifier
+            watch.take_stock(NAMES)
             if watch.no_time_for(f"what could replace {identifier}"):
                 break
             watch.say(f"testing what could replace {identifier}")
@@ -266,7 +235,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
             special = special_case(problem, current, index, {h.identifier for h in found})
             found = found if special is None else [*found, special]
             found += relatives_in_place(problem, current, index)
-            best = in_order([own, *found, *other_choices(problem, current, index)])[0]
+            best = in_order([own, *found])[0]
             if own.beyond(best) > SWAP_MARGIN:
                 current, changed = best.fitted, True
                 break

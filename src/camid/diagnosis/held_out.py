@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.residual_structure import FAILED_ERROR_RATIO
 from camid.diagnosis.simplest_effects import without_effect
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import LAWS, Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -40,6 +40,7 @@ def borne_out(
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
     """
+    watch.take_stock(LAWS)
     while decision.rivals and not watch.no_time_for("holding the effects against rows that were not fitted"):
         fitted = decision.fitted
         evidence = [held_out_evidence(problem, fitted, without, judging) for without in decision.without]

@@ -12,8 +12,8 @@ from camid.fitting.problem import Problem
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
 ALL_STEPS = 30
-# How often derivatives are computed anew in a fit, and in one from far off.
-REFRESHES, REFRESHES_FAR_OFF = 3, 10
+# How often derivatives are computed anew in a fit.
+REFRESHES = 3
 # Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
 TOLERANCE = 1e-6
 
@@ -24,8 +24,6 @@ def fitted_hypothesis(
     start: Model,
     steps: int,
     base: Fitted | None = None,
-    *,
-    refreshes: int = REFRESHES,
 ) -> Hypothesis | None:
     """The hypothesis of the effect that a model holds last, fitted from there.
 
@@ -38,15 +36,13 @@ def fitted_hypothesis(
         Evaluations at most.
     base : Fitted, optional
         The model without the effect: a first fit, which takes its noise and its scales from there.
-    refreshes : int
-        How often the derivatives may be computed anew, but in a first fit.
 
     Returns
     -------
     Hypothesis or None
         None where the fit fails or ends at values that are not possible.
     """
-    refreshes = 0 if base else refreshes
+    refreshes = 0 if base else REFRESHES
     try:
         result = fit(
             problem, start, steps=steps, base=base, refreshes=refreshes, finest=base is None, tolerance=TOLERANCE

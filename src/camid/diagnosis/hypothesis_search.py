@@ -10,11 +10,11 @@ import numpy as np
 
 from camid.diagnosis.hypotheses_over_time import raced
 from camid.diagnosis.hypothesis import Hypothesis, in_order
-from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, REFRESHES_FAR_OFF, fitted_hypothesis
+from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.models_around import models_around
 from camid.diagnosis.related_laws import finer_laws, special_case
 from camid.diagnosis.screening import ScreenedEffect, alike, screen, trials
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.plant_with_effects import Model
@@ -32,14 +32,7 @@ MOST_FURTHER_SHAPES, NEARLY = 24, 0.1
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
 LARGEST_CRITERION_GAP = 50.0
-# The same as a share of the best one's gain where the base is far off: a first fit from there says little.
-GAP_SHARE_FAR_OFF = 0.8
 MOST_THOROUGH = 6
-# Sizes, as multiples of the fitted one, that are tried with the coefficients of the best hypothesis.
-BORROWED_SIZES = (0.3, 1.0, 3.0, 10.0, 30.0)
-
-# Share of the suggested size from which a fit starts again that ended worse than without the effect.
-SMALLER_SIZE = 0.1
 
 
 @dataclass(frozen=True)
@@ -111,58 +104,45 @@ def hypotheses(
             return None
         return _fitted_first(problem, base, _start_of(candidate), effort.steps)
 
-    # From coefficients that have run away a few steps lead nowhere, and neither do a few from the nominal ones there.
-    lost = nominal is not None and has_run_away(base, nominal)
-
     def fitted_from(model: Model) -> Hypothesis | None:
         identifier = model.effects[-1].identifier
         if watch.no_time_for(f"other starts of {identifier}"):
             return None
-        if lost:
-            return fitted_hypothesis(problem, identifier, model, ALL_STEPS, refreshes=REFRESHES_FAR_OFF)
         return fitted_hypothesis(problem, identifier, model, FIRST_STEPS)
 
     with ThreadPoolExecutor(WORKERS) as pool:
-        first = [h for h in pool.map(fitted, starts) if h is not None]
-        first += [h for h in pool.map(fitted_from, elsewhere) if h is not None]
+        first = [h for some in watch.batches(starts) for h in pool.map(fitted, some) if h is not None]
+        first += [h for some in watch.batches(elsewhere) for h in pool.map(fitted_from, some) if h is not None]
         if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
-            first += [h for h in pool.map(fitted_from, raced(problem, nominal)) if h is not None]
+            runners = raced(problem, nominal)
+            first += [h for some in watch.batches(runners) for h in pool.map(fitted_from, some) if h is not None]
         first += _simpler(problem, base, first)
         first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
         ranked = best_of_each(first)
         further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
         ranked = best_of_each([*ranked, *_in_other_minima(problem, further, pool, watch)])
         near = _near_the_best(ranked, base, effort, incumbent)
-        thorough = pool.map(lambda h: _fitted_thoroughly(problem, h, ranked[0], watch), near)
+        watch.take_stock(NAMES)
+        thorough = pool.map(lambda h: _fitted_thoroughly(problem, h, watch), near)
         found = in_order([*thorough, *ranked[len(near) :]])
+    watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
         return found
     return best_of_each([*found, *finer_laws(problem, found[: len(near)])])
 
 
-def _fitted_thoroughly(problem: Problem, hypothesis: Hypothesis, best: Hypothesis, watch: Watch) -> Hypothesis:
-    """A hypothesis fitted on, from where the best one is if that serves it better."""
+def _fitted_thoroughly(problem: Problem, hypothesis: Hypothesis, watch: Watch) -> Hypothesis:
+    """A hypothesis fitted on."""
     if watch.no_time_for("more thorough fits"):
         return hypothesis
-    own = hypothesis.fitted.model
-    start = _start(problem, hypothesis, best)
-    found = fitted_hypothesis(problem, hypothesis.identifier, start, ALL_STEPS)
-    if start is not own and (found is None or found.beyond(hypothesis) >= 0.0):
-        found = fitted_hypothesis(problem, hypothesis.identifier, own, ALL_STEPS)
+    found = fitted_hypothesis(problem, hypothesis.identifier, hypothesis.fitted.model, ALL_STEPS)
     return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
 
 
 def _fitted_first(problem: Problem, base: Fitted, effect: Effect, steps: int) -> Hypothesis | None:
     """A few steps of a fit from an effect beside a base."""
     found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), steps, base)
-    if found is not None and found.fitted.cost < base.cost:
-        return found
-    # Worse than without it: the size that the screening suggests lies beyond where it says something.
-    small = _smaller(effect)
-    again = (
-        None if small is None else fitted_hypothesis(problem, effect.identifier, base.model.plus(small), steps, base)
-    )
-    return again if found is None or (again is not None and again.beyond(found) < 0.0) else found
+    return found if found is not None and found.fitted.cost < base.cost else None
 
 
 def is_far_off(problem: Problem, fitted: Fitted) -> bool:
@@ -214,7 +194,7 @@ def _in_other_minima(
             return None
         return fitted_hypothesis(problem, identifier, model, ALL_STEPS)
 
-    return [h for h in pool.map(fitted, models) if h is not None]
+    return [h for some in watch.batches(models) for h in pool.map(fitted, some) if h is not None]
 
 
 def _further_shapes(
@@ -245,8 +225,7 @@ def _near_the_best(
     if not ranked:
         return []
     best = ranked[0] if incumbent is None else in_order([ranked[0], incumbent])[0]
-    share = max(effort.gap_share, GAP_SHARE_FAR_OFF if is_far_off(base.problem, base) else 0.0)
-    largest_gap = max(LARGEST_CRITERION_GAP, share * base.criterion_beyond(best.fitted))
+    largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * base.criterion_beyond(best.fitted))
     return [h for h in ranked[:MOST_THOROUGH] if h.beyond(best) <= largest_gap]
 
 
@@ -291,44 +270,9 @@ def _relatives(base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
     return models
 
 
-def _start(problem: Problem, hypothesis: Hypothesis, best: Hypothesis) -> Model:
-    """Where a thorough fit starts: where the first one ended, or from coefficients and states of the best hypothesis.
-
-    A first fit may have stopped in a local minimum in which the coefficients imitate what the effect should do.
-    """
-    own = hypothesis.fitted.model
-    if hypothesis is best:
-        return own
-    borrowed = best.fitted.model
-    starts = [own]
-    for factor in BORROWED_SIZES:
-        try:
-            effect = own.effects[-1].scaled(factor)
-        except ValueError:
-            continue
-        starts.append(replace(borrowed, effects=(*borrowed.effects[:-1], effect)))
-    costs = []
-    for start in starts:
-        try:
-            residual = problem.output - problem.rough().simulate_fitted(start)
-            costs.append(float(residual @ residual))
-        except (ValueError, ArithmeticError):
-            costs.append(np.inf)
-    return starts[int(np.argmin(np.nan_to_num(costs, nan=np.inf)))]
-
-
 def _start_of(candidate: ScreenedEffect) -> Effect:
     """The effect in the size that the screening suggests."""
     return candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
-
-
-def _smaller(effect: Effect) -> Effect | None:
-    """The effect in a smaller size; None if it has no size."""
-    try:
-        small = effect.scaled(SMALLER_SIZE)
-    except ValueError:
-        return None
-    return None if np.array_equal(small.vector, effect.vector) else small
 
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:

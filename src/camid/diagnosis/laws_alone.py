@@ -48,6 +48,7 @@ def with_laws(
     found = with_formulas(problem, decision, judging, known, watch, units)
     if not found[0].rivals or structure_left(problem, found[0]) == 0.0:
         return found
+    watch.take_stock()
     if watch.no_time_for("laws without a name in the place of all names"):
         return found
     alone = with_laws_alone(problem, decision.base, judging, watch)

@@ -23,7 +23,7 @@ from camid.diagnosis.mismatch_location import places
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
 from camid.diagnosis.screening import screen
 from camid.diagnosis.simplest_effects import LEAST_EXPLAINED, leaving_out
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
@@ -112,6 +112,7 @@ def _with_another_law(
     problem: Problem, decision: Decision, holds: Callable[[Decision, Decision], bool], watch: Watch
 ) -> Decision:
     """The decision with the likeliest law beside it; the same where none has enough evidence, or it does not hold."""
+    watch.take_stock(LAWS)
     if watch.no_time_for("a law without a name"):
         return decision
     watch.say("learning a law without a name")
@@ -124,7 +125,8 @@ def _with_another_law(
         return decision
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure.
-        if structure_left(problem, best) == 0.0:
+        watch.take_stock(LAWS)
+        if structure_left(problem, best) == 0.0 or watch.no_time_for("a law on more knots"):
             break
         finer = _learned(problem, decision.improved, best.laws[-1].law.refined(), coefficients)
         if finer is None or finer.log_evidence < best.laws[-1].log_evidence + LEAST_GAIN:
@@ -169,6 +171,7 @@ def _with_effect_beside(
 
     ``structured`` is the share of what they leave that is no noise.
     """
+    watch.take_stock(NAMES)
     if watch.no_time_for("an effect beside a law without a name"):
         return None
     watch.say("looking for an effect beside a law without a name")

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from camid.diagnosis.screening import ScreenedEffect, screen
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
@@ -39,6 +39,7 @@ def models_of_each_recording(problem: Problem, base: Fitted, watch: Watch) -> li
     found = []
     for run in problem.fitted_runs[:RECORDINGS]:
         used = [e.used if r == run else np.zeros_like(e.used) for e, r in zip(problem.experiments, runs, strict=True)]
+        watch.take_stock(NAMES)
         if np.count_nonzero(used[run]) < FEWEST_ROWS or watch.no_time_for("what each recording says alone"):
             continue
         found += _models(problem.with_used(used), base)

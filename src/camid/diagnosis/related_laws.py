@@ -1,6 +1,6 @@
 """Laws that are related to one that a model holds, fitted from where that one is.
 
-Its other choices, its special case, what does nearly the same, and laws with more detail.
+Its special case, what does nearly the same, and laws with more detail.
 """
 
 from __future__ import annotations
@@ -13,35 +13,6 @@ from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypoth
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
-
-# Thorough fits one after another from the values of another law, and the fall of the cost, as a share, that ends them.
-MOST_FITS = 4
-SETTLED = 1e-3
-
-
-def other_choices(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
-    """One of a model's effects with each other choice that it has, fitted from where the model is."""
-    model = fitted.model
-    effect = model.effects[index]
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    found = []
-    for parameter in effect.parameters:
-        for choice in (c for c in parameter.choices if c != effect.values[parameter.name]):
-            other = type(effect)(**(effect.values | {parameter.name: choice}))
-            start = replace(model, effects=(*others, other))
-            found.append(_settled(problem, effect.identifier, start))
-    return [h for h in found if h is not None]
-
-
-def _settled(problem: Problem, identifier: str, start: Model) -> Hypothesis | None:
-    """A thorough fit, taken up again, with numbers measured by what they have become, until that changes little."""
-    found = fitted_hypothesis(problem, identifier, start, ALL_STEPS)
-    for _ in range(MOST_FITS - 1):
-        again = None if found is None else fitted_hypothesis(problem, identifier, found.fitted.model, ALL_STEPS)
-        if found is None or again is None or again.fitted.cost > (1.0 - SETTLED) * found.fitted.cost:
-            break
-        found = again
-    return found
 
 
 def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:

@@ -36,7 +36,7 @@ from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_st
 from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.simplest_effects import simplest
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import LAWS, Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, effect_deviations, fit
@@ -265,6 +265,7 @@ def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
 
 def _fitted_to_the_end(problem: Problem, fitted: Fitted, watch: Watch) -> Fitted:
     for _ in range(MOST_FINAL_FITS):
+        watch.take_stock(LAWS)
         if watch.no_time_for("fitting to the last digit"):
             break
         again = problem.kind.refit(problem, fitted.model)

@@ -1,21 +1,36 @@
-"""What a diagnosis says on its way, and how long it may take."""
+"""What a diagnosis says on its way, and how much it may try."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
+
+from camid.engine.work import Work
+
+Item = TypeVar("Item")
 
 # Seconds after which a diagnosis that was not told otherwise comes to its end.
 TIME_LIMIT = 120.0
+# How much a diagnosis that was not told otherwise simulates at most: the bound below.
+EFFORT = 1.0
+# Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
+WORK, WORK_OF_ROW = 14.0, 1.2e-3
+# Share of them after which the search for names ends, after which no further law is learned, and all of them.
+NAMES, LAWS, FORMULAS = 0.65, 0.85, 1.0
+# Fits between which it is looked at: two threads share them.
+BATCH = 8
 
 
 @dataclass
 class Watch:
-    """Progress and time limit of one diagnosis.
+    """Progress and limits of one diagnosis.
 
     A limit ends no computation that has begun: before each part that the answer can do without, the diagnosis asks
-    whether there is time for it, and keeps what it left out.
+    whether that is still to be tried, and keeps what it left out. What is tried is the same on every machine, whatever
+    else runs there, unless it takes longer than the time limit: it is bounded by what is simulated, which is looked at
+    where no other thread simulates.
 
     Attributes
     ----------
@@ -23,14 +38,37 @@ class Watch:
         Called with a sentence about the current step.
     limit : float, optional
         Seconds from now on; None for no limit.
+    effort : float, optional
+        How much is simulated at most, in multiples of the usual; None for as much as it takes.
     left_out : list of str
         What there was no time for.
     """
 
     progress: Callable[[str], None] | None = None
     limit: float | None = None
+    effort: float | None = None
     left_out: list[str] = field(default_factory=list)
     started: float = field(default_factory=time.monotonic)
+    _work: Work | None = None
+    _bound: float = 0.0
+    _spent: bool = False
+    _late: bool = False
+
+    def count(self, work: Work, rows: int) -> None:
+        """Bound the work that is counted, in a diagnosis of so many rows."""
+        self._work = work
+        self._bound = (self.effort or 0.0) * (WORK + WORK_OF_ROW * rows)
+
+    def take_stock(self, share: float = FORMULAS) -> None:
+        """Note whether a share of the work is done; not while other threads simulate."""
+        if self.effort is not None and self._work is not None:
+            self._spent = self._work.seconds >= share * self._bound
+
+    def batches(self, items: Sequence[Item], share: float = NAMES) -> Iterator[Sequence[Item]]:
+        """A few items at a time, before each of which stock is taken."""
+        for first in range(0, len(items), BATCH):
+            self.take_stock(share)
+            yield items[first : first + BATCH]
 
     def say(self, sentence: str) -> None:
         """Tell the current step."""
@@ -38,9 +76,11 @@ class Watch:
             self.progress(sentence)
 
     def no_time_for(self, part: str) -> bool:
-        """Whether the limit is over, so that a part is left out."""
-        if self.limit is None or time.monotonic() - self.started < self.limit:
+        """Whether a limit is over, so that a part is left out."""
+        late = self.limit is not None and time.monotonic() - self.started >= self.limit
+        if not (late or self._spent):
             return False
+        self._late = self._late or late
         if part not in self.left_out:
             self.left_out.append(part)
         return True
@@ -49,7 +89,9 @@ class Watch:
         """One sentence on what was left out; None if nothing was."""
         if not self.left_out:
             return None
-        return (
-            f"the time limit of {self.limit:g} s was reached, and this is the best answer until then; not tried: "
-            f"{', '.join(self.left_out)}; see --time-limit"
+        reached, option = (
+            (f"the time limit of {self.limit:g} s was reached", "--time-limit")
+            if self._late
+            else (f"as much was simulated as an effort of {self.effort:g} allows", "--effort")
         )
+        return f"{reached}, and this is the best answer until then; not tried: {', '.join(self.left_out)}; see {option}"

@@ -69,8 +69,6 @@ class Effect:
     parameters : tuple of Parameter
     strength : str or None
         Parameter to which the effect is proportional while it is small; None where none is.
-    levels : tuple of str
-        Of a general law, the parameters to which the strength of its special case adds.
     trials : str
         How many different effects a search over the shape amounts to: ``shapes`` (as many as candidates), ``frames``
         (anywhere in the recording) or ``frequencies``.
@@ -131,7 +129,6 @@ class Effect:
     reference: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     strength: ClassVar[str | None] = None
-    levels: ClassVar[tuple[str, ...]] = ()
     trials: ClassVar[str] = "shapes"
     listed: ClassVar[bool] = True
     sum_of: ClassVar[tuple[str, ...]] = ()
@@ -292,12 +289,6 @@ class Effect:
         ``situation`` is that of the fitted model which holds this one.
         """
         return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
-
-    def absorbing(self, special: Effect) -> Self:
-        """The same effect with that of its special case added to it."""
-        size = special.values[str(special.strength)]
-        numbers = zip(self.numeric(), self.vector, strict=True)
-        return self.with_vector(np.array([v + size if p.name in self.levels else v for p, v in numbers]))
 
     def scaled(self, factor: float) -> Self:
         """The same effect, changing the output by about ``factor`` ≥ 0 times as much; the same where it has no size."""

@@ -60,7 +60,6 @@ class StribeckFriction(Effect):
         Parameter("breakaway", "u", "friction f_s at rest", 0.0),
         Parameter("velocity", "y/s", "Stribeck velocity v_s", 1e-300),
     )
-    levels = ("coulomb", "breakaway")
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     uses_velocity = True
 
@@ -119,7 +118,6 @@ class AsymmetricFriction(_UnevenFriction):
         Parameter("forward", "u", "friction f₊ in the motion to larger y", 0.0),
         Parameter("backward", "u", "friction f₋ in the motion to smaller y", 0.0),
     )
-    levels = ("forward", "backward")
     sum_of = ("coulomb-friction", "input-bias")
     separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.FREE_DECAY)
 
@@ -166,7 +164,6 @@ class PositionDependentFriction(_UnevenFriction):
         Parameter("force", "u", "friction f_c at y = 0", 0.0),
         Parameter("gradient", "u/y", "change g of the friction with the position"),
     )
-    levels = ("force",)
     separated_by = (SeparatingExperiment.FREE_DECAY, SeparatingExperiment.HELD_POSITIONS)
 
     @compiled
@@ -199,7 +196,6 @@ class LoadDependentFriction(_UnevenFriction):
         Parameter("force", "u", "friction f_c without load", 0.0),
         Parameter("coefficient", "", "friction μ for a unit of the transmitted force", 0.0, 1.0),
     )
-    levels = ("force",)
     separated_by = (SeparatingExperiment.MANY_LEVELS, SeparatingExperiment.FREE_DECAY)
 
     @compiled

@@ -30,7 +30,6 @@ class Hysteresis(AgainstMotion):
         Parameter("strength", "u", "largest hysteretic force h", 0.0),
         Parameter("shape", "1/y", "inverse κ of the displacement that saturates it", 1e-300),
     )
-    levels = ("strength",)
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "strength"
 

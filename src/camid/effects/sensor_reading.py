@@ -177,11 +177,13 @@ class SpeedWeightedCentroid(Effect):
         """Mean over the path in the exposure instead of over its time."""
         share = np.linspace(0.0, 1.0, 33)
         points = motion.at(start[:, None] + (end - start)[:, None] * share)
-        lengths = np.abs(np.diff(points, axis=1))
-        total = np.sum(lengths, axis=1)
-        weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * lengths, axis=1)
-        still = total <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
-        return np.where(still, points[:, 0], weighted / np.where(still, 1.0, total))
+        # A motion that runs away has no centroid.
+        with np.errstate(invalid="ignore", over="ignore"):
+            lengths = np.abs(np.diff(points, axis=1))
+            total = np.sum(lengths, axis=1)
+            weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * lengths, axis=1)
+            still = total <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
+            return np.where(still, points[:, 0], weighted / np.where(still, 1.0, total))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

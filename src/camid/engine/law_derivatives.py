@@ -111,6 +111,8 @@ def _by_motion(
         else:
             changed = _law_of(chain, law, index, some, FINER * size)
             driven = Driven(*np.zeros((2, 0, some.shape[1])))
+        if chain.work is not None:
+            chain.work.add_tangents(len(start), some.shape[1])
         changes = law_tangents(
             mechanics, setting.initial, start, end, setting.start_time, step, *setting.shocks, changed, driven, rows
         )

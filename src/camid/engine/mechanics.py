@@ -23,6 +23,7 @@ from camid.effects.plant_force import motion_sign
 from camid.engine.forces import Forces, Mechanics
 from camid.engine.nonlinear_plant import NonlinearPlant
 from camid.engine.plant_equations import PlantEquations, no_equations
+from camid.engine.work import Work
 
 Array = NDArray[np.float64]
 
@@ -74,6 +75,8 @@ class Chain:
         The input at times of its own, which takes the place of the samples at the frames.
     weight : float
         Factor of what the sensor reads.
+    work : Work, optional
+        Counts what running the chain takes.
 
     Raises
     ------
@@ -94,6 +97,7 @@ class Chain:
     equations: NonlinearPlant | None = None
     input_log: InputLog | None = None
     weight: float = 1.0
+    work: Work | None = None
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""

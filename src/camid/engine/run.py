@@ -79,6 +79,8 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
         reference whatever the plant is like, and the control is what tells of the plant.
     """
     acquisition = chain.declared()
+    if chain.work is not None:
+        chain.work.add_run(len(signal))
     output = exactly(chain, signal, acquisition)
     if output is None:
         motion = move(chain, signal, time, acquisition)
@@ -178,6 +180,8 @@ def _moved(
         position, velocity, integral, velocity_end, doubt = integrate(
             mechanics, setting.initial, start, end, setting.start_time, step, *setting.shocks, feedback
         )
+        if chain.work is not None and doubt < inf:
+            chain.work.add_steps(mechanics, len(start))
         # A motion that runs away may do so with any step, so that not much is spent on it.
         trusted = doubt <= most_doubt and (steps >= fewest or chain.steps is not None)
         if trusted or steps >= (most_steps if doubt < inf else min(most_steps, MOST_STEPS_ASTRAY)):

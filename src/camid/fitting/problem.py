@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from camid.effects.base import Effect
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import ROUGH, few_steps_of, move, run, steps_of
+from camid.engine.work import Work
 from camid.fitting.plant_with_effects import Model
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
@@ -103,6 +104,8 @@ class Problem:
         Steps of the integrator in a period of each recording; see :meth:`pinned`.
     remainder : float, optional
         Root mean square of what an earlier diagnosis left unexplained.
+    work : Work
+        Counts all simulations for this problem and those that were made from it.
     """
 
     structure: Structure
@@ -112,6 +115,7 @@ class Problem:
     unit: float = 1.0
     steps: tuple[int, ...] | None = None
     remainder: float | None = None
+    work: Work = field(default_factory=Work, compare=False)
 
     @property
     def runs(self) -> list[int]:
@@ -232,6 +236,7 @@ class Problem:
             equations=self.kind.nonlinear(model, experiment.seen),
             weight=experiment.weight,
             input_log=experiment.input_log,
+            work=self.work,
         )
 
     def simulate_one(self, model: Model, index: int) -> Array:

@@ -21,6 +21,7 @@ OUTPUT = "diagnosis"
 # Of a recording whose diagnosis only makes the process import and load what it needs.
 WARM_UP_LINES = 301
 NO_TIME_LIMIT = ["--time-limit", "0"]  # the same answer on any machine
+WORTH_TIMING_ALONE = 5.0  # seconds beside other work
 NO_REPORT = "--no-report"  # nobody reads hundreds of them, and they say no more than diagnosis.json
 ONE_THREAD_EACH = {
     f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM", "NUMBA")
@@ -72,6 +73,49 @@ def diagnose_all(indices: list[int], recordings: Path, diagnoses: Path) -> pd.Da
             seconds = _diagnose(worker, source, diagnoses / str(index))
             run_times.append({"index": index, "seconds": seconds})
     return pd.DataFrame(run_times, columns=["index", "seconds"])
+
+
+def timed_alone(run_times: pd.DataFrame, recordings: Path, diagnoses: Path) -> pd.DataFrame:
+    """Time again, with nothing beside it, what took long beside something else.
+
+    Parameters
+    ----------
+    run_times : DataFrame
+        As :func:`diagnose_all` returns it.
+    recordings, diagnoses : path
+        As for that.
+
+    Returns
+    -------
+    DataFrame
+        ``index``, ``seconds`` of those that took longer than `WORTH_TIMING_ALONE`.
+
+    Raises
+    ------
+    ValueError
+        If a diagnosis says something else than before.
+    """
+    slow = run_times[run_times["seconds"] > WORTH_TIMING_ALONE]["index"].tolist()
+    if not slow:
+        return run_times.iloc[:0]
+    with tempfile.TemporaryDirectory() as name:
+        found = diagnose_all(slow, recordings, Path(name))
+        for index in slow:
+            if _improved(diagnoses, index) != _improved(Path(name), index):
+                raise ValueError(f"the diagnosis of recording {index} says something else when it is made again")
+    return found
+
+
+def _improved(diagnoses: Path, index: int) -> bytes:
+    """The improved simulation of a recording; empty where its diagnosis failed."""
+    path = diagnoses / str(index) / IMPROVED
+    return path.read_bytes() if path.exists() else b""
+
+
+def with_times_alone(run_times: pd.DataFrame, alone: pd.DataFrame) -> pd.DataFrame:
+    """Run times, those that were taken again in the place of the first ones."""
+    again = run_times["index"].map(alone.set_index("index")["seconds"])
+    return run_times.assign(seconds=again.fillna(run_times["seconds"]))
 
 
 def _diagnose(worker: Worker, source: Path, target: Path | None) -> float:

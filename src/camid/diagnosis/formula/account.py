@@ -61,6 +61,7 @@ def with_formulas(
     list of LearnedPart
         One for each of its laws.
     """
+    watch.take_stock()
     if not decision.laws or watch.no_time_for("a formula for a law without a name"):
         return decision, learned_parts(decision)
     watch.say("looking for a formula")
@@ -78,6 +79,10 @@ def with_formulas(
             curve = Curve(part.knots, part.values, part.standard_deviations)
             words = replace(words, curve=curve, description=f"{words.description}; {_held(words)}")
         said[variables] = words
+        watch.take_stock()
+        if watch.no_time_for("formulas for further laws"):
+            choices = []
+            break
         choices = _choices(problem, decision, judging, known, said)
     for choice in choices:
         said[choice.group.variables] = _with_formula(problem, decision, choice, _part_of(decision, choice.group), units)

@@ -1,0 +1,122 @@
+"""What each rule of the diagnosis adds: concealed rigs diagnosed with all of them, and with each left out.
+
+``python -m benchmarks.rules [RECORDINGS [SEED]]`` in the ordinary environment. The recordings are made by the generator
+of the sealed proof (:mod:`camid.proof.concealed`), with a seed that is not one of proof, calibration or tests.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import pandas as pd
+from tabulate import tabulate
+
+import camid
+from camid.diagnosis.effect_selection import Decision
+from camid.proof.concealed.cases import plan
+from camid.proof.concealed.generator import Case, make
+from camid.proof.scoring import score
+from camid.proof.sealed_files import RECORDING, SIMULATION, write_case
+
+RECORDINGS, SEED, WORKERS = 160, 777003, 2
+
+
+def _kept(problem: object, decision: object, *_: object) -> object:
+    return decision
+
+
+def _none(*_: object, **__: object) -> list[object]:
+    return []
+
+
+def _without_laws(problem: object, base: Any, *_: object) -> object:
+    return Decision(base, base)
+
+
+# What stands in the place of a rule; all of these are names in camid.diagnosis.
+RULES: dict[str, dict[str, object]] = {
+    "all rules": {},
+    "held-out rows refute names": {"run.borne_out": _kept},
+    "names that coloured noise explains go": {"run.in_noise_metric": _kept},
+    "fewest and simplest names where structure is left": {"run.simplest": _kept},
+    "a look beside a name that chance may explain": {"effect_selection.WORTH_A_LOOK": 1.0},
+    "further shapes of a resonance": {"hypothesis_search._further_shapes": _none},
+    "laws that do nearly the same": {
+        "hypothesis_search._relatives": _none,
+        "effect_selection.relatives_in_place": _none,
+    },
+    "starts from other coefficients": {"hypothesis_search._starts_elsewhere": _none},
+    "laws with more detail": {"hypothesis_search.finer_laws": _none},
+    "learned laws": {"run.with_learned_laws": _kept},
+    "learned laws in the place of all names": {"laws_alone.with_laws_alone": _without_laws},
+}
+
+
+@contextmanager
+def without(rule: str) -> Iterator[None]:
+    """Diagnoses without a rule."""
+    with ExitStack() as stack:
+        for name, replacement in RULES[rule].items():
+            stack.enter_context(mock.patch(f"camid.diagnosis.{name}", replacement))
+        yield
+
+
+def diagnosed(case: Case) -> list[dict[str, Any]]:
+    """A row for each rule that is left out: what the diagnosis got right, and its seconds of a processor."""
+    made = make(case)
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folders = [Path(name) / folder for folder in ("recordings", "held_out", "truths")]
+        write_case(case.index, made, *folders)
+        own = folders[0] / str(case.index)
+        for rule in RULES:
+            with without(rule):
+                start = time.process_time()
+                found = camid.diagnose(own / RECORDING, own / SIMULATION, time_limit=None).to_mapping()
+                seconds = time.process_time() - start
+            fit = found["fit"]
+            error = fit["nrmse_improved"] / max(fit["nrmse_refitted"], 1e-12)
+            rows.append({"rule": rule, "case": case.index, **score(made.truth, found), "error": error, "s": seconds})
+    return rows
+
+
+def summary(rows: pd.DataFrame) -> pd.DataFrame:
+    """What is right without each rule, one row each."""
+    usual = rows[rows["rule"] == "all rules"].set_index("case")
+    found = []
+    for rule in RULES:
+        part = rows[rows["rule"] == rule].set_index("case")
+        found.append(
+            {
+                "left out": "–" if rule == "all rules" else rule,
+                "other names": int((part["names"] != usual["names"]).sum()),
+                "strong effects named": f"{part['strong_in_class'].sum()} of {part['strong'].sum()}",
+                "wrong names": int(part["wrong_names"].sum()),
+                "confidently wrong": int(part["confidently_wrong"].sum()),
+                "false alarms": int(part["false_alarm"].sum()),
+                "held-out error, mean": f"{part['error'].clip(upper=2.0).mean():.3f}",
+                "processor": f"{part['s'].sum():.0f} s",
+            }
+        )
+    return pd.DataFrame(found)
+
+
+def main(arguments: list[str]) -> None:
+    """Print the table."""
+    recordings, seed = (int(a) for a in [*arguments, *map(str, (RECORDINGS, SEED)[len(arguments) :])])
+    with ProcessPoolExecutor(WORKERS) as pool:
+        rows = pd.DataFrame([row for some in pool.map(diagnosed, plan(seed, recordings)) for row in some])
+    print(tabulate(summary(rows), headers="keys", tablefmt="github", showindex=False))
+    print(f"\n{recordings} recordings of seed {seed}; errors are shares of the re-estimated simulation's, at most 2.")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
