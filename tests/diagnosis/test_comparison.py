@@ -171,5 +171,5 @@ def test_threads_change_no_derivative(monkeypatch):
     problem, model = rig(white)
     effect = known_effects()["coulomb-friction"](force=0.1)
     alone = evaluate(problem, model.plus(effect)).sensitivities
-    monkeypatch.setattr(fitting, "ROWS_WORTH_A_THREAD", 0)
+    monkeypatch.setattr(fitting, "STEPS_WORTH_A_THREAD", 0)
     np.testing.assert_array_equal(evaluate(problem, model.plus(effect)).sensitivities, alone)

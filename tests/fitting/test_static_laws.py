@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from camid.chain.plant import TransferFunction
-from camid.effects.learned import LearnedForce
+from camid.effects import known_effects
+from camid.effects.learned import FORCES, LearnedForce
 from camid.fitting.static_laws import static_values
 from tests.support.mass_on_spring import effect
 
@@ -57,3 +58,12 @@ def test_against_the_motion_whatever_the_sign_of_the_gain():
     learned = LearnedForce(variables="velocity", knots=[-1.0, 1.0], values=[-0.5, 0.5])
     assert static_values(learned, "velocity", np.array([0.5]), TURNED, 0.02) == pytest.approx([0.25])
     assert static_values(learned, "position", AT, PLANT, 0.02) is None
+
+
+@pytest.mark.parametrize("identifier", [name for name, kind in known_effects().items() if not kind.noise_like])
+def test_every_effect_of_the_catalogue_can_be_tried(identifier):
+    kind = known_effects()[identifier]
+    law = kind(**{p.name: p.choices[0] if p.choices else 0.5 for p in kind.parameters if not p.is_name})
+    for variables in (*FORCES, "input", "reading"):
+        values = static_values(law, variables, AT, PLANT, 0.02)
+        assert values is None or np.all(np.isfinite(values))

@@ -113,7 +113,9 @@ def _with_another_law(
 ) -> Decision:
     """The decision with the likeliest law beside it; the same where none has enough evidence, or it does not hold."""
     watch.take_stock(LAWS)
-    if watch.no_time_for("a law without a name"):
+    # A first law is most of what a simulation lacks whose names are not exact.
+    part = "another law without a name" if decision.laws else "a law without a name"
+    if watch.no_time_for(part, needed=not decision.laws):
         return decision
     watch.say("learning a law without a name")
     coefficients = _coefficients_hold(decision)

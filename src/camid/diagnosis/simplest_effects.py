@@ -10,6 +10,7 @@ a name (:mod:`camid.diagnosis.learned_laws`): modelled, and not named.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
 from camid.diagnosis.screening import metrics, projector
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.problem import Problem
+from camid.fitting.problem import WORKERS, Problem
 
 # Share of what the other effects leave, noise subtracted, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
@@ -137,11 +138,10 @@ def leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int) -> l
     count = len(fitted.model.effects) - known
     if count == 1:
         return [base]
-    return [_left_out(problem, base, fitted, known + i) for i in range(count)]
-
-
-def _left_out(problem: Problem, base: Fitted, fitted: Fitted, index: int) -> Fitted:
-    """The model without one effect, fitted from its own coefficients and from those of the base."""
-    own = fitted.model.without(index)
-    starts = [own, replace(own, coefficients=base.model.coefficients, initial=base.model.initial)]
-    return min((fit(problem, start, steps=ALL_STEPS) for start in starts), key=lambda f: f.cost)
+    # Each from its own coefficients and from those of the base.
+    own = [fitted.model.without(known + i) for i in range(count)]
+    other = [replace(m, coefficients=base.model.coefficients, initial=base.model.initial) for m in own]
+    starts = [start for pair in zip(own, other, strict=True) for start in pair]
+    with ThreadPoolExecutor(WORKERS) as pool:
+        found = list(pool.map(lambda start: fit(problem, start, steps=ALL_STEPS), starts))
+    return [min(pair, key=lambda f: f.cost) for pair in zip(found[::2], found[1::2], strict=True)]

@@ -16,7 +16,7 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
-WORK, WORK_OF_ROW = 14.0, 1.2e-3
+WORK, WORK_OF_ROW = 9.5, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.65, 0.85, 1.0
 # Fits between which it is looked at: two threads share them.
@@ -75,10 +75,10 @@ class Watch:
         if self.progress is not None:
             self.progress(sentence)
 
-    def no_time_for(self, part: str) -> bool:
-        """Whether a limit is over, so that a part is left out."""
+    def no_time_for(self, part: str, *, needed: bool = False) -> bool:
+        """Whether a limit is over, so that a part is left out; a ``needed`` one only if it is that of the time."""
         late = self.limit is not None and time.monotonic() - self.started >= self.limit
-        if not (late or self._spent):
+        if not (late or (self._spent and not needed)):
             return False
         self._late = self._late or late
         if part not in self.left_out:

@@ -24,11 +24,14 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.validation_rows import VALIDATION_SHARE
 from camid.experiment_design.hypothesis import Hypothesis, Played
-from camid.fitting.fit import ROWS_WORTH_A_THREAD, sensitivities
+from camid.fitting.fit import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.problem import WORKERS
 
 Array = NDArray[np.float64]
+
+# Rows of an experiment whose simulation takes longer than handing it to a thread.
+ROWS_WORTH_A_THREAD = 3000
 
 # Rows of an experiment that a diagnosis fits; the others judge.
 FITTED_SHARE = 1.0 - VALIDATION_SHARE

@@ -26,8 +26,8 @@ RUNAWAY_RESIDUAL = 1e3
 # Derivative, in the units of the packed numbers and standard deviations of the output, that only a runaway motion has.
 LARGEST_DERIVATIVE = 1e15
 TOLERANCE = 1e-7
-# Rows of a simulation that takes longer than handing it to a thread.
-ROWS_WORTH_A_THREAD = 3000
+# Steps of the integrator, or rows, of a simulation that takes longer than handing it to a thread.
+STEPS_WORTH_A_THREAD = 6000
 # A simulation with fine steps that leaves this much more than one with few has shown that few mislead.
 MISLED = 1.1
 # Evaluations with fine steps behind a fit with few ones, as a share of all, and at least.
@@ -176,7 +176,7 @@ def sensitivities(
         except (ValueError, ArithmeticError):
             return np.zeros(len(simulated))
 
-    if len(simulated) < ROWS_WORTH_A_THREAD or len(columns) < 2:
+    if problem.integrated < STEPS_WORTH_A_THREAD or len(columns) < 2:
         found = [derivative(i) for i in columns]
     else:
         with ThreadPoolExecutor(WORKERS) as pool:

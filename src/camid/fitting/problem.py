@@ -138,6 +138,12 @@ class Problem:
         return self.spread([e.used for e in self.experiments])
 
     @property
+    def integrated(self) -> int:
+        """Steps of the integrator in a simulation of all recordings; rows where they are not given."""
+        steps = self.steps or (1,) * len(self.times)
+        return sum(len(t) * max(s, 1) for t, s in zip(self.times, steps, strict=True))
+
+    @property
     def acquisition(self) -> Acquisition:
         """Declared acquisition of the first recording."""
         return self.experiments[0].acquisition

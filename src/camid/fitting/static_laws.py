@@ -12,6 +12,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.learned import FORCES, LearnedEffect
 from camid.effects.plant_force import motion_sign
+from camid.engine.mechanics import FEWEST_VALUES
 from camid.fitting.linearised_law import bend_of
 
 Array = NDArray[np.float64]
@@ -50,7 +51,10 @@ def _force(effect: Effect, variables: str, at: Array, plant: TransferFunction) -
     if effect.memory_after is not None or (effect.force is None and effect.friction_level is None):
         return None
     over, times = FORCES[variables]
-    values = np.array(effect.force_values(plant))
+    numbers = effect.force_values(plant)
+    # A compiled part may read zeros behind those that it gets, as in the engine.
+    values = np.zeros(max(FEWEST_VALUES, len(numbers)))
+    values[: len(numbers)] = numbers
     found: list[Array] = []
     for time, first, second, memory in TRIALS:
         rows = []

@@ -66,7 +66,7 @@ def with_formulas(
         return decision, learned_parts(decision)
     watch.say("looking for a formula")
     said: dict[str, LearnedPart] = {}
-    choices = _choices(problem, decision, judging, known, said)
+    choices = _choices(problem, decision, judging, known, said, watch)
     while offered := [choice for choice in choices if choice.candidates]:
         reference = offered[0].candidates[0]
         best = min(offered, key=lambda choice: choice.candidates[0].fit.criterion_beyond(reference.fit))
@@ -79,11 +79,7 @@ def with_formulas(
             curve = Curve(part.knots, part.values, part.standard_deviations)
             words = replace(words, curve=curve, description=f"{words.description}; {_held(words)}")
         said[variables] = words
-        watch.take_stock()
-        if watch.no_time_for("formulas for further laws"):
-            choices = []
-            break
-        choices = _choices(problem, decision, judging, known, said)
+        choices = _choices(problem, decision, judging, known, said, watch)
     for choice in choices:
         said[choice.group.variables] = _with_formula(problem, decision, choice, _part_of(decision, choice.group), units)
     return decision, _in_words(decision, said)
@@ -95,10 +91,14 @@ def _choices(
     judging: Sequence[NDArray[np.bool_]],
     known: int,
     said: Mapping[str, LearnedPart],
+    watch: Watch,
 ) -> list[Choice]:
     """The formulas for laws over variables for which there is none yet."""
     found = []
     for group in groups_of(problem, decision, known, tuple(said)):
+        watch.take_stock()
+        if (found or said) and watch.no_time_for("formulas for further laws"):
+            break
         with suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
             found.append(chosen(problem, decision, group, judging))
     return found
