@@ -28,11 +28,11 @@ def test_what_there_was_no_time_for_is_said(recording):
 def test_the_effect_that_was_found_until_then_is_kept(recording, monkeypatch):
     asked, in_time = [], Watch.no_time_for
 
-    def no_time_for(watch, part):
+    def no_time_for(watch, part, **needed):
         asked.append(part)
         if part.startswith("effects in addition"):
             watch.limit = 0.0
-        late = in_time(watch, part)
+        late = in_time(watch, part, **needed)
         watch.limit = 100.0
         return late
 

@@ -99,7 +99,7 @@ for name in BENCHMARK_RECORDINGS:
             f"Diagnosing the recording {name}."
         shell:
             "{params.camid} diagnose {input.recording:q} --simulation {input.simulation:q} --output {params.folder:q}"
-            " --time-limit 0 --effort 0 > {log:q} 2>&1"
+            " --time-limit 0 > {log:q} 2>&1"
 
 
 rule recording_diagnosis_again:
@@ -118,7 +118,7 @@ rule recording_diagnosis_again:
         "Diagnosing the recording {wildcards.recording} again, from the improved simulation."
     shell:
         "{params.camid} diagnose {input.recording:q} --simulation {input.improved:q} --output {params.folder:q} --no-report"
-        " --time-limit 0 --effort 0 > {log:q} 2>&1"
+        " --time-limit 0 > {log:q} 2>&1"
 
 
 rule silverbox_parts:

@@ -16,7 +16,7 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
-WORK, WORK_OF_ROW = 9.5, 2.5e-3
+WORK, WORK_OF_ROW = 13.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.65, 0.85, 1.0
 # Fits between which it is looked at: two threads share them.
@@ -49,10 +49,10 @@ class Watch:
     effort: float | None = None
     left_out: list[str] = field(default_factory=list)
     started: float = field(default_factory=time.monotonic)
-    _work: Work | None = None
-    _bound: float = 0.0
-    _spent: bool = False
-    _late: bool = False
+    _work: Work | None = field(default=None, init=False)
+    _bound: float = field(default=0.0, init=False)
+    _spent: bool = field(default=False, init=False)
+    _late: bool = field(default=False, init=False)
 
     def count(self, work: Work, rows: int) -> None:
         """Bound the work that is counted, in a diagnosis of so many rows."""

@@ -1,6 +1,7 @@
 """How much has been simulated: a measure of effort that is the same on every machine, whatever else runs there.
 
-It is the time that the simulations take on one processor of a usual machine, by what they are made of.
+It is about the time that the simulations take on one processor, by what they are made of. The numbers were set once, so
+that the times of 34 diagnoses on one machine came out, and only have to stay what they are: an answer depends on them.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from threading import Lock
 from camid.engine.forces import Mechanics
 
 # Microseconds for a simulation, for each of its rows, and for each step of the integrator; in addition where a force
-# depends on a velocity that it changes at once, and where one has kinks or remembers. Medians of 34 diagnoses.
+# depends on a velocity that it changes at once, and where one has kinks or remembers.
 RUN, ROW, STEP, IMPLICIT, KINKED = 270.0, 0.17, 0.07, 0.6, 0.2
 # The same for each step with tangents, and each of its columns.
 TANGENT, COLUMN = 0.75, 0.1

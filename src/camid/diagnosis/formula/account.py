@@ -94,7 +94,7 @@ def _choices(
     watch: Watch,
 ) -> list[Choice]:
     """The formulas for laws over variables for which there is none yet."""
-    found = []
+    found: list[Choice] = []
     for group in groups_of(problem, decision, known, tuple(said)):
         watch.take_stock()
         if (found or said) and watch.no_time_for("formulas for further laws"):
