@@ -118,9 +118,9 @@ rule concealed_slowest:
         f"{CONCEALED_FOLDER}/slowest.csv",
     log:
         "results/logs/concealed_slowest_{set}_{seed}.log",
+    threads: 2
     params:
         code=script_code("concealed_slowest.py"),
-    threads: 2
     message:
         "Timing the slowest diagnoses again, one at a time ({wildcards.set})."
     script:
