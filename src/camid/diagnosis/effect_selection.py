@@ -23,6 +23,7 @@ from camid.diagnosis.hypothesis_search import (
     hypotheses,
     is_far_off,
 )
+from camid.diagnosis.inexact_laws import laws_are_inexact
 from camid.diagnosis.models_of_each_recording import models_of_each_recording
 from camid.diagnosis.related_laws import relatives_in_place, special_case
 from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
@@ -165,6 +166,8 @@ def select_effects(
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
         beside = len(current.model.effects) > known
+        if beside and laws_are_inexact(problem, current, found):
+            break
         effort = BESIDE_OTHERS if beside else first_effort(problem)
         start = _nominal_start(problem, current, nominal)
         alone = () if beside else models_of_each_recording(problem, current, watch)

@@ -19,6 +19,7 @@ from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.hypothesis import Hypothesis
 from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.hypothesis_search import BESIDE_OTHERS, hypotheses
+from camid.diagnosis.inexact_laws import LEAST_EVIDENCE
 from camid.diagnosis.mismatch_location import places
 from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
 from camid.diagnosis.screening import screen
@@ -29,9 +30,6 @@ from camid.fitting.fit import Fitted, fit
 from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
 from camid.fitting.problem import WORKERS, Problem
 
-# Natural logarithm of the evidence for a law against none from which it is learned: a thousand and more to one, beyond
-# the choice among seven.
-LEAST_EVIDENCE = 10.0
 # Laws that are fitted, of those that first order says are likeliest, and how much less evidence they may have there.
 MOST_FITTED = 2
 GAP = 0.1
