@@ -68,6 +68,8 @@ class Decision:
         Laws without a name behind them, for what they leave; each is fitted with those before it.
     certain : frozenset of str
         Effects that hold where everything is allowed for that the inexact laws of the others could do.
+    interrupted : bool
+        Whether the search for names ended where a law seemed to be inexact.
     """
 
     base: Fitted
@@ -76,6 +78,7 @@ class Decision:
     without: list[Fitted] = field(default_factory=list)
     laws: tuple[LearnedLaw, ...] = ()
     certain: frozenset[str] = frozenset()
+    interrupted: bool = False
 
     @property
     def improved(self) -> Fitted:
@@ -136,6 +139,7 @@ def select_effects(
     watch: Watch | None = None,
     nominal: Model | None = None,
     searches: Searches | None = None,
+    begun: Decision | None = None,
 ) -> Decision:
     """Add effects as long as each is called for, then test each against what could replace it.
 
@@ -151,10 +155,13 @@ def select_effects(
         As the simulation says, without effects.
     searches : Searches, optional
         What was found already, and where what is found is kept.
+    begun : Decision, optional
+        An interrupted search, which goes on.
     """
     watch = watch or Watch()
-    current = base
-    rivals: list[list[Hypothesis]] = []
+    current = base if begun is None else begun.fitted
+    rivals: list[list[Hypothesis]] = [] if begun is None else list(begun.rivals)
+    interrupted = False
     known = len(base.model.effects)
     searches = searches or Searches()
     doubtful: Fitted | None = None
@@ -166,7 +173,8 @@ def select_effects(
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
         beside = len(current.model.effects) > known
-        if beside and laws_are_inexact(problem, current, found):
+        if beside and begun is None and laws_are_inexact(problem, current, found):
+            interrupted = True
             break
         effort = BESIDE_OTHERS if beside else first_effort(problem)
         start = _nominal_start(problem, current, nominal)
@@ -193,8 +201,8 @@ def select_effects(
         current = doubtful
         rivals.pop()
     if len(rivals) < 2:
-        return Decision(base, current, rivals, [base] * len(rivals))
-    return _swapped(problem, base, current, searches, watch)
+        return Decision(base, current, rivals, [base] * len(rivals), interrupted=interrupted)
+    return replace(_swapped(problem, base, current, searches, watch), interrupted=interrupted)
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None) -> Model | None:

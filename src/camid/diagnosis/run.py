@@ -154,20 +154,16 @@ def investigate(
     setting = _prepared(believed, problem, nominal, validation, chosen, watch)
     problem, base = setting.problem, setting.base
     before = mismatch_location.places(problem, base)
-    decision = Decision(base, base)
+    selected = Decision(base, base)
     if not setting.settled:
         # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
         start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-        decision = select_effects(problem, base, setting.screened, watch, start, setting.searches)
-    watch.say("testing what is left")
-    if not setting.settled:
-        left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
-        # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
-        if not any(test.p_value < STRUCTURE_P_VALUE for test in left):
-            decision = in_noise_metric(problem, decision, setting.known)
-    if decision.base is not base:
-        before = mismatch_location.places(problem, decision.base)
-    decision, residue = _simplified(setting, decision, before, watch)
+        selected = select_effects(problem, base, setting.screened, watch, start, setting.searches)
+    decision, residue = _simplified(setting, selected, before, watch)
+    if selected.interrupted and not decision.laws and residue.reasons:
+        # What looked like an inexact law is none that can be learned, and names are all that is left to look for.
+        selected = select_effects(problem, base, watch=watch, searches=setting.searches, begun=selected)
+        decision, residue = _simplified(setting, selected, before, watch)
     return _diagnosis(setting, decision, before, residue, watch)
 
 
@@ -238,6 +234,11 @@ def _simplified(
     """The decision, and what its effects leave: with the fewest, and laws without a name, where that is structure."""
     problem = setting.problem
     if not setting.settled:
+        watch.say("testing what is left")
+        left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
+        # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
+        if not any(test.p_value < STRUCTURE_P_VALUE for test in left):
+            decision = in_noise_metric(problem, decision, setting.known)
         decision = borne_out(problem, decision, setting.judging, setting.known, watch)
     if decision.rivals and not decision.fitted.weighted:
         again = fit(problem, decision.fitted.model, steps=ALL_STEPS)

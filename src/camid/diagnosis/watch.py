@@ -18,7 +18,7 @@ EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
 WORK, WORK_OF_ROW = 13.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
-NAMES, LAWS, FORMULAS = 0.65, 0.85, 1.0
+NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
 # Fits between which it is looked at: two threads share them.
 BATCH = 8
 

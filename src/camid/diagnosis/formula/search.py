@@ -21,6 +21,8 @@ MOST_EVALUATIONS = 30
 MOST_REFINED = 12
 # Share of a column that is left beside what the coefficients absorb, below which nothing is.
 LEAST_LEFT = 1e-6
+# Change of the output by a column, as a share of the largest that one of its length may make, that is rounding.
+ROUNDING = 1e-12
 # Digits of the length that a free power counts x in.
 DIGITS_OF_LENGTH = 2
 
@@ -161,7 +163,9 @@ def _amplitudes(law: LinearisedLaw, columns: Array) -> tuple[float, Array]:
     if np.any(np.linalg.norm(reduced, axis=0) <= LEAST_LEFT * np.maximum(sizes, 1e-300)):
         return np.inf, np.zeros(columns.shape[1])
     table = law.factor @ reduced
-    lengths = np.maximum(np.linalg.norm(table, axis=0), 1e-300)
+    lengths = np.linalg.norm(table, axis=0)
+    if np.any(lengths <= ROUNDING * np.linalg.norm(law.factor) * np.linalg.norm(reduced, axis=0)):
+        return np.inf, np.zeros(columns.shape[1])
     amplitudes = np.linalg.lstsq(table / lengths, law.target, rcond=1e-10)[0] / lengths
     missed = law.target - table @ amplitudes
     return float(missed @ missed) + law.rest, amplitudes
