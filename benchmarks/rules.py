@@ -37,6 +37,10 @@ def _none(*_: object, **__: object) -> list[object]:
     return []
 
 
+def _never(*_: object) -> bool:
+    return False
+
+
 def _without_laws(problem: object, base: Any, *_: object) -> object:
     return Decision(base, base)
 
@@ -47,6 +51,7 @@ RULES: dict[str, dict[str, object]] = {
     "held-out rows refute names": {"run.borne_out": _kept},
     "names that coloured noise explains go": {"run.in_noise_metric": _kept},
     "fewest and simplest names where structure is left": {"run.simplest": _kept},
+    "no further names beside an inexact law": {"effect_selection.laws_are_inexact": _never},
     "a look beside a name that chance may explain": {"effect_selection.WORTH_A_LOOK": 1.0},
     "further shapes of a resonance": {"hypothesis_search._further_shapes": _none},
     "laws that do nearly the same": {
