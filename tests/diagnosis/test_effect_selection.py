@@ -5,7 +5,7 @@ import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
-from camid.diagnosis import effect_selection, hypothesis_search, run
+from camid.diagnosis import effect_selection, hypothesis_search, setting
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 
 
@@ -49,12 +49,12 @@ def test_an_effect_that_was_looked_beside_in_vain_is_dropped(monkeypatch):
 
 def test_a_special_case_that_was_not_screened_may_lead(monkeypatch):
     """Friction that only its general laws suggest, in a first search and beside another effect."""
-    every = run.screen
+    every = setting.screen
 
     def screened(*arguments, **keywords):
         return [c for c in every(*arguments, **keywords) if c.effect.identifier != "coulomb-friction"]
 
-    for module in (run, effect_selection):
+    for module in (setting, effect_selection):
         monkeypatch.setattr(module, "screen", screened)
     rig = record(effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0))
     diagnosis = camid.diagnose(rig, simulation())

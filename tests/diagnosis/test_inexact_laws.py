@@ -4,6 +4,7 @@ import pytest
 
 import camid
 from camid.diagnosis import effect_selection
+from tests.diagnosis.test_learned_laws import believed, bump, rig
 from tests.support import pendulum_and_drive as rigs
 from tests.support.mass_on_spring import effect, record, simulation
 
@@ -36,13 +37,25 @@ def searches(monkeypatch):
     return found
 
 
-def test_what_an_inexact_law_leaves_is_given_no_further_name(answers, searches):
-    """Dry friction that changes along the screw."""
+def test_what_an_inexact_law_leaves_is_learned_and_given_no_further_name(answers, searches):
+    """A cubic spring with a magnet beside its way."""
+    recording = rig(lambda y, v: 0.3 * y**3 + bump(y, v), 1).drop(columns="clean")
+    diagnosis = camid.diagnose(recording, believed())
+    assert [f.identifier for f in diagnosis.findings] == ["cubic-stiffness"]
+    assert abs(diagnosis.findings[0].parameters["coefficient"].value - 0.3) < 0.01
+    assert [part.variables for part in diagnosis.learned] == ["position"]
+    assert answers == [(["cubic-stiffness"], True)]
+    assert searches == [[]]
+
+
+def test_names_are_looked_for_where_no_law_can_be_learned(answers, searches):
+    """Dry friction that changes along the screw is no curve over anything."""
     recording = rigs.drive(mass=12.0, viscous=30.0, friction=6.0, ripple=0.25, noise=0.05)
     diagnosis = camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
+    assert not diagnosis.learned
     assert answers == [(["coulomb-friction"], True)]
-    assert searches == [[]]
+    assert searches == [[], ["coulomb-friction"]]
 
 
 def test_a_second_effect_of_the_catalogue_is_looked_for(answers):

@@ -13,10 +13,10 @@ def test_a_name_that_hides_a_law_is_not_simulated():
     case = draw(rng, law_of(NUMBER))
     simulation = case.simulation(rng)
     diagnosis = camid.diagnose(case.first, simulation, time_limit=None)
-    assert [(f.identifier, f.simulated) for f in diagnosis.findings] == [("cogging", False)]
+    assert [(f.identifier, f.simulated) for f in diagnosis.findings] == [("cubic-stiffness", False)]
     (part,) = diagnosis.learned
     assert part.formula.expression == "f(y) = a·dead_zone(y, c)"
-    assert "in the place of cogging" in diagnosis.explanation.replace(" (detent force)", "")
+    assert "in the place of cubic stiffness" in diagnosis.explanation
     assert [e.identifier for e in diagnosis.improved.effects] == ["learned-force"]
     refitted = camid.identify(case.first, simulation, method="output-error").simulation
     errors = [error_of(camid.simulate(case.second, each), case.clean) for each in (diagnosis.improved, refitted)]

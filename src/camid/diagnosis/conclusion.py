@@ -1,0 +1,107 @@
+"""From a decision to the diagnosis: names and laws with their weights, verdict, place and improved simulation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from camid.diagnosis import mismatch_location
+from camid.diagnosis.detection_limits import undetectable
+from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.effect_signals import effect_signals
+from camid.diagnosis.evidence import coefficients_of, errors_without, removed_shares, signals_of, tests_of
+from camid.diagnosis.explanation import explained
+from camid.diagnosis.formula.account import with_words
+from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
+from camid.diagnosis.laws_alone import with_laws
+from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
+from camid.diagnosis.residue import Residue, left_by, residue_of
+from camid.diagnosis.setting import Setting
+from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
+from camid.diagnosis.watch import Watch
+from camid.fitting.fit import Fitted, effect_deviations
+from camid.fitting.problem import Problem
+
+
+def concluded(
+    setting: Setting,
+    decision: Decision,
+    before: list[mismatch_location.PlaceTest],
+    residue: Residue,
+    watch: Watch,
+) -> Diagnosis:
+    """What is said of a decision."""
+    believed, problem, judging = setting.believed, setting.problem, setting.judging
+    held, learned = with_laws(problem, decision, judging, setting.known, watch, setting.believed.units)
+    base, final = decision.base, held.improved
+    left, fits = left_by(setting, replace(decision, laws=()), residue)
+    beside_laws = left
+    named = residue
+    if decision.laws:
+        residue = residue_of(setting, decision, decision.improved, before)
+        beside_laws, fits = left_by(setting, decision, residue)
+    if held is not decision:
+        residue = residue_of(setting, held, final, before)
+        _, fits = left_by(setting, held, residue)
+    without = errors_without(problem, decision, judging)
+    found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left, beside_laws)
+    if held is not decision:
+        found = as_simulated(found, held, setting.known)
+    found += beside_others(residue.findings, found)
+    verdict = verdict_of(found, bool(learned), bool(named.reasons))
+    location = _location(problem, base, found, learned, before, named)
+    watch.say("working out what the recording could not have shown")
+    names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
+    deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
+    deviations += [{"values": part.standard_deviations} for part in learned]
+    effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
+    first, *further = signals_of(problem, setting.start, base, final, setting.validation)
+    remainder = remainder_of(bool(found or learned), bool(named.reasons), believed, problem, final, judging)
+    conditions = conditions_of(problem, final)
+    diagnosis = Diagnosis(
+        verdict,
+        "",
+        location,
+        found,
+        fits,
+        undetectable(problem, final, setting.screened, names),
+        coefficients_of(problem, believed, setting.nominal, base, final),
+        tests_of(problem, base, final, before, residue.places),
+        first,
+        improved_simulation(believed, problem, final, effects, remainder),
+        learned=learned,
+        structured=bool(residue.reasons),
+        rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
+        period=problem.acquisition.period,
+        residual_of=problem.kind.residual_of,
+        known_remainder=problem.remainder if setting.settled else None,
+        further_signals=further,
+        hypotheses=remaining(believed, problem, decision, found, conditions),
+        conditions=conditions,
+        effect_signals=effect_signals(
+            problem, final, [*(f.identifier for f in found), *(p.identifier for p in learned)]
+        ),
+        refitted=problem.kind.written_back(believed, problem.structure, base),
+    )
+    return replace(diagnosis, explanation=explained(diagnosis))
+
+
+def _location(
+    problem: Problem,
+    base: Fitted,
+    found: list[Finding],
+    learned: list[LearnedPart],
+    before: list[mismatch_location.PlaceTest],
+    residue: Residue,
+) -> mismatch_location.Location:
+    """Where the mismatch sits: at the strongest effect or the law in its place, or where the tests say it is."""
+    if found:
+        shares = mismatch_location.shares_of(found, mismatch_location.shares(residue.places), learned)
+        place = found[0].place if found[0].simulated or not learned else learned[0].place
+        return mismatch_location.locate(problem, base, place, shares)
+    shares = mismatch_location.shares(before)
+    if not residue.reasons:
+        return mismatch_location.locate(problem, base, None, shares)
+    strongest = max(shares, key=lambda place: shares[place])
+    return mismatch_location.locate(problem, base, "noise" if residue.reasons == ["variance"] else strongest, shares)

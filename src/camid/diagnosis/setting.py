@@ -1,0 +1,142 @@
+"""What a diagnosis starts from: the plant re-estimated, without rows that say nothing, and the catalogue screened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.diagnosis.effect_selection import Searches
+from camid.diagnosis.noise_recognition import spoiled_rows
+from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
+from camid.diagnosis.watch import Watch
+from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+from camid.simulation.model import Simulation
+
+# A residual up to this many times what an earlier diagnosis left unexplained is the same.
+KNOWN_REMAINDER = 1.1
+# Remainder, as a share of the output's standard deviation, from which a model explains nothing.
+LARGEST_REMAINDER = 0.5
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a diagnosis starts from.
+
+    Attributes
+    ----------
+    believed : Simulation
+    whole, problem : Problem
+        With and without the rows that say nothing of the motion.
+    nominal, simulated, start : Model
+        As the simulation says; without effects on the noise and with the initial states that suit it, as ``simulate``
+        runs it; and the same with the offset that suits it where none is declared.
+    base : Fitted
+        The nominal structure re-estimated.
+    screened : list of ScreenedEffect
+        Of the base.
+    validation, judging : sequence of ndarray of bool
+        Rows of each recording that are not fitted, and those of them that say something of the motion.
+    chosen : bool
+        Whether the tool chose those rows.
+    searches : Searches
+        What is found beside each set of effects.
+    settled : bool
+        Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
+    """
+
+    believed: Simulation
+    whole: Problem
+    problem: Problem
+    nominal: Model
+    simulated: Model
+    start: Model
+    base: Fitted
+    screened: list[ScreenedEffect]
+    validation: Sequence[NDArray[np.bool_]]
+    judging: Sequence[NDArray[np.bool_]]
+    chosen: bool
+    searches: Searches
+    settled: bool
+
+    @property
+    def known(self) -> int:
+        """How many effects on the motion the nominal simulation holds already."""
+        return len(self.start.effects)
+
+
+def prepared(
+    believed: Simulation,
+    whole: Problem,
+    nominal: Model,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    watch: Watch,
+) -> Setting:
+    """The plant re-estimated, rows left out that say nothing of the motion, and the catalogue screened."""
+    watch.say("re-estimating the plant's coefficients")
+    known = tuple(e for e in nominal.effects if not e.noise_like)
+    start = whole.with_initial_states(replace(nominal, effects=known))
+    base = whole.kind.refit(whole, start)
+    if not np.all(np.isfinite(base.residual)):
+        raise ValueError("the simulation diverges, whatever its coefficients")
+    # Rows that say nothing of the motion (repeated frames, outliers) are neither fitted nor do they judge.
+    spoiled = spoiled_rows(
+        whole.with_used([e.used | v for e, v in zip(whole.experiments, validation, strict=True)]), base
+    )
+    problem, base = _without_spoiled(whole, base, start, spoiled)
+    judging = [rows & ~s if (rows & ~s).any() else rows for rows, s in zip(validation, spoiled, strict=True)]
+    watch.say("screening the catalogue")
+    try_own_effects(problem, base)
+    searches = Searches()
+    screened = screen(problem, base, signatures=searches.signatures)
+    settled = _settled(problem, base)
+    simulated = _as_simulated(whole, nominal, start)
+    return Setting(
+        believed,
+        whole,
+        problem,
+        nominal,
+        simulated,
+        start,
+        base,
+        screened,
+        validation,
+        judging,
+        chosen,
+        searches,
+        settled,
+    )
+
+
+def _as_simulated(whole: Problem, nominal: Model, start: Model) -> Model:
+    """The nominal model as ``simulate`` runs it, which takes an offset of which nothing is said for zero."""
+    if not any(e.estimate_offset or e.estimate_bias for e in whole.experiments):
+        return start
+    known = whole.with_known_constants()
+    effects = tuple(e for e in nominal.effects if not e.noise_like)
+    return known.with_initial_states(replace(nominal, effects=effects, constants=known.kind.constants()))
+
+
+def _without_spoiled(
+    problem: Problem, base: Fitted, start: Model, spoiled: Sequence[NDArray[np.bool_]]
+) -> tuple[Problem, Fitted]:
+    """The problem without spoiled rows, if there are any among those that are fitted, and its base."""
+    if not any((e.used & s).any() for e, s in zip(problem.experiments, spoiled, strict=True)):
+        return problem, base
+    problem = problem.with_used([e.used & ~s for e, s in zip(problem.experiments, spoiled, strict=True)])
+    return problem, problem.kind.refit(problem, problem.with_initial_states(start))
+
+
+def _settled(problem: Problem, base: Fitted) -> bool:
+    """Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
+
+    A remainder of the size of the output itself is not the remainder of a model.
+    """
+    if problem.remainder is None or problem.remainder > LARGEST_REMAINDER * problem.output_spread:
+        return False
+    return bool(np.sqrt(base.cost / len(base.residual)) <= KNOWN_REMAINDER * problem.remainder)
