@@ -20,7 +20,7 @@ import pandas as pd
 from tabulate import tabulate
 
 import camid
-from camid.diagnosis.effect_selection import Decision
+from camid.diagnosis.search.effect_selection import Decision
 from camid.proof.concealed.cases import plan
 from camid.proof.concealed.generator import Case, make
 from camid.proof.scoring import score
@@ -51,17 +51,17 @@ RULES: dict[str, dict[str, object]] = {
     "held-out rows refute names": {"run.borne_out": _kept},
     "names that coloured noise explains go": {"run.in_noise_metric": _kept},
     "fewest and simplest names where structure is left": {"run.simplest": _kept},
-    "no further names beside an inexact law": {"effect_selection.laws_are_inexact": _never},
-    "a look beside a name that chance may explain": {"effect_selection.WORTH_A_LOOK": 1.0},
-    "further shapes of a resonance": {"hypothesis_search._further_shapes": _none},
+    "no further names beside an inexact law": {"search.effect_selection.laws_are_inexact": _never},
+    "a look beside a name that chance may explain": {"search.effect_selection.WORTH_A_LOOK": 1.0},
+    "further shapes of a resonance": {"search.hypothesis_search._further_shapes": _none},
     "laws that do nearly the same": {
-        "hypothesis_search._relatives": _none,
-        "effect_selection.relatives_in_place": _none,
+        "search.hypothesis_search._relatives": _none,
+        "search.effect_selection.relatives_in_place": _none,
     },
-    "starts from other coefficients": {"hypothesis_search._starts_elsewhere": _none},
-    "laws with more detail": {"hypothesis_search.finer_laws": _none},
+    "starts from other coefficients": {"search.hypothesis_search._starts_elsewhere": _none},
+    "laws with more detail": {"search.hypothesis_search.finer_laws": _none},
     "learned laws": {"run.with_learned_laws": _kept},
-    "learned laws in the place of all names": {"laws_alone.with_laws_alone": _without_laws},
+    "learned laws in the place of all names": {"laws.laws_alone.with_laws_alone": _without_laws},
 }
 
 

@@ -6,6 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import camid
+from camid.diagnosis.laws import learned_laws
 from tests.support.mass_on_spring import PERIOD, PLANT, command, simulation
 
 NOISE = 0.003
@@ -35,7 +36,7 @@ def recording(parameters, count=900, seed=1):
 
 @pytest.mark.parametrize(("identifier", "truth"), [("coulomb-friction", DAHL), ("stribeck-friction", LUGRE)])
 def test_friction_with_bristles_is_friction(identifier, truth, monkeypatch):
-    monkeypatch.setattr("camid.diagnosis.learned_laws._likeliest", lambda *_, **__: pytest.fail("a law was learned"))
+    monkeypatch.setattr(learned_laws, "_likeliest", lambda *_, **__: pytest.fail("a law was learned"))
     believed = simulation(sensor={"column": "y", "kind": "instant", "offset": 0.0})
     diagnosis = camid.diagnose(recording(truth), believed, time_limit=None)
     (finding,) = diagnosis.findings

@@ -7,9 +7,9 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction, second_order
-from camid.diagnosis import screening
-from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
-from camid.diagnosis.screening import Signatures, screen
+from camid.diagnosis.search import screening
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
+from camid.diagnosis.search.screening import Signatures, screen
 from camid.effects import known_effects
 from camid.fitting import fit as fitting
 from camid.fitting.fit import evaluate, fit

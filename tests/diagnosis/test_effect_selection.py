@@ -5,7 +5,8 @@ import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
-from camid.diagnosis import effect_selection, hypothesis_search, setting
+from camid.diagnosis import setting
+from camid.diagnosis.search import effect_selection, hypothesis_search
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.held_out import REFUTED, borne_out, held_out_evidence
-from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.pruning.held_out import REFUTED, borne_out, held_out_evidence
+from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from camid.diagnosis.hypothesis import Hypothesis, general_law_penalty, members_of, prior_penalty
+from camid.diagnosis.search.hypothesis import Hypothesis, general_law_penalty, members_of, prior_penalty
 from camid.effects import bristle_friction, known_effects
 
 

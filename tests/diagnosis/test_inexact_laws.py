@@ -3,7 +3,7 @@
 import pytest
 
 import camid
-from camid.diagnosis import effect_selection
+from camid.diagnosis.search import effect_selection
 from tests.diagnosis.test_learned_laws import believed, bump, rig
 from tests.support import pendulum_and_drive as rigs
 from tests.support.mass_on_spring import effect, record, simulation

@@ -4,9 +4,9 @@ import numpy as np
 
 import camid
 from camid.chain.plant import TransferFunction
-from camid.diagnosis import mismatch_location
-from camid.diagnosis.mismatch_location import places
-from camid.diagnosis.noise_recognition import uneven_spread
+from camid.diagnosis.residual import mismatch_location
+from camid.diagnosis.residual.mismatch_location import places
+from camid.diagnosis.residual.noise_recognition import uneven_spread
 from camid.effects import known_effects
 from camid.fitting.fit import evaluate
 from camid.fitting.from_simulation import model_of, problem_of, structure_of

@@ -8,7 +8,7 @@ import pytest
 import camid
 from camid.chain.plant import TransferFunction
 from camid.cli import main
-from camid.diagnosis.learned_effect_file import FORMS, NAME, effect_file
+from camid.diagnosis.laws.learned_effect_file import FORMS, NAME, effect_file
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.report import page
 from camid.diagnosis.report.page import render

@@ -7,7 +7,7 @@ import pytest
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
-from camid.diagnosis.screening import screen
+from camid.diagnosis.search.screening import screen
 from camid.effects import known_effects
 from camid.effects.own_effects import own_effects
 from camid.engine.mechanics import Chain

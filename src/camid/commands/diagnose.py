@@ -13,8 +13,8 @@ from camid.analysis.frequency_response import FrequencyResponses
 from camid.commands.results import DiagnosisResult
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
 from camid.diagnosis.provenance import provenance_of
+from camid.diagnosis.residual.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.diagnosis.run import investigate
-from camid.diagnosis.validation_rows import refuse_too_short_to_diagnose, with_validation
 from camid.diagnosis.watch import EFFORT, TIME_LIMIT, Watch
 from camid.effects.declared import effects_of
 from camid.effects.own_effects import EffectSource, files_of, own_effects

@@ -1,1 +1,6 @@
-"""Diagnosis: detect → locate → screen → fit → decide → report, one module per step."""
+"""Diagnosis: detect → locate → screen → fit → decide → report.
+
+:mod:`camid.diagnosis.run` says in what order things happen. They begin with a ``setting``; ``search`` finds names,
+``pruning`` drops those that do not hold, ``residual`` tests what is left, ``laws`` learns what has no name,
+``conclusion`` makes a diagnosis of it all, and ``report`` shows it.
+"""

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from camid.diagnosis import mismatch_location
 from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis, Finding
-from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.effect_signals import effect_signals
 from camid.diagnosis.evidence import coefficients_of, errors_without, removed_shares, signals_of, tests_of
 from camid.diagnosis.explanation import explained
-from camid.diagnosis.formula.account import with_words
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
-from camid.diagnosis.laws_alone import with_laws
+from camid.diagnosis.laws.formula.account import with_words
+from camid.diagnosis.laws.laws_alone import with_laws
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
+from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residue import Residue, left_by, residue_of
+from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.setting import Setting
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch

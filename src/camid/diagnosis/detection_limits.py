@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from camid.diagnosis.diagnosis import Undetectable
-from camid.diagnosis.effect_selection import FALSE_ALARM
-from camid.diagnosis.screening import Metric, ScreenedEffect, metrics, signature, trials
+from camid.diagnosis.search.effect_selection import FALSE_ALARM
+from camid.diagnosis.search.screening import Metric, ScreenedEffect, metrics, signature, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Finding
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.hypothesis import Hypothesis
+from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.verdict import different_inputs
 from camid.diagnosis.weights import LEAST_WEIGHT, UNLISTED
 from camid.effects.base import Effect

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camid.diagnosis.diagnosis import Finding, NormalisedErrors
-from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.evidence import errors
 from camid.diagnosis.improved_simulation import Deviations
-from camid.diagnosis.mismatch_location import PlaceTest, places
-from camid.diagnosis.noise_recognition import recognised_noise, uneven_spread
-from camid.diagnosis.residual_structure import reasons_for_structure, share_left
+from camid.diagnosis.residual.mismatch_location import PlaceTest, places
+from camid.diagnosis.residual.noise_recognition import recognised_noise, uneven_spread
+from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left
+from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.setting import Setting
 from camid.effects import known_effects
 from camid.effects.base import Effect

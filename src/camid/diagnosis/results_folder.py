@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, Signals
-from camid.diagnosis.learned_effect_file import NAME, effect_file
+from camid.diagnosis.laws.learned_effect_file import NAME, effect_file
 from camid.diagnosis.report.beside import PageDrawnBeside
 from camid.errors import InputError, need
 from camid.simulation.file import simulation_text

@@ -8,19 +8,19 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis import mismatch_location
 from camid.diagnosis.conclusion import concluded
 from camid.diagnosis.diagnosis import Diagnosis
-from camid.diagnosis.effect_selection import Decision, select_effects
-from camid.diagnosis.held_out import borne_out
-from camid.diagnosis.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.improved_simulation import Deviations
-from camid.diagnosis.learned_laws import with_learned_laws
-from camid.diagnosis.noise_metric import in_least_squares, in_noise_metric
-from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
+from camid.diagnosis.laws.learned_laws import with_learned_laws
+from camid.diagnosis.pruning.held_out import borne_out
+from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
+from camid.diagnosis.pruning.simplest_effects import simplest
+from camid.diagnosis.residual import mismatch_location
+from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residue import Residue, residue_of
+from camid.diagnosis.search.effect_selection import Decision, select_effects
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.setting import Setting, prepared
-from camid.diagnosis.simplest_effects import simplest
 from camid.diagnosis.watch import LAWS, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit

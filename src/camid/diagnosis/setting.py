@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import Searches
-from camid.diagnosis.noise_recognition import spoiled_rows
-from camid.diagnosis.screening import ScreenedEffect, screen, try_own_effects
+from camid.diagnosis.residual.noise_recognition import spoiled_rows
+from camid.diagnosis.search.effect_selection import Searches
+from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Finding, ParameterEstimate
-from camid.diagnosis.effect_selection import Decision, p_value
-from camid.diagnosis.hypothesis import members_of
 from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.search.effect_selection import Decision, p_value
+from camid.diagnosis.search.hypothesis import members_of
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition

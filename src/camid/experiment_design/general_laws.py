@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from camid.diagnosis.hypothesis import prior_penalty
+from camid.diagnosis.search.hypothesis import prior_penalty
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.experiment_design.hypothesis import Hypothesis

@@ -12,9 +12,9 @@ from math import log
 
 import numpy as np
 
-from camid.diagnosis.hypothesis import prior_penalty
-from camid.diagnosis.hypothesis_fit import fitted_hypothesis
-from camid.diagnosis.screening import screen
+from camid.diagnosis.search.hypothesis import prior_penalty
+from camid.diagnosis.search.hypothesis_fit import fitted_hypothesis
+from camid.diagnosis.search.screening import screen
 from camid.effects.base import Effect
 from camid.experiment_design.hypothesis import Hypothesis
 from camid.experiment_design.other_values import around

@@ -22,7 +22,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.validation_rows import VALIDATION_SHARE
+from camid.diagnosis.residual.validation_rows import VALIDATION_SHARE
 from camid.experiment_design.hypothesis import Hypothesis, Played
 from camid.fitting.fit import sensitivities
 from camid.fitting.packing import Packing

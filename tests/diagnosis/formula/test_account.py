@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import camid
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.formula.account import with_formulas
+from camid.diagnosis.laws.formula.account import with_formulas
 from camid.diagnosis.report import learned_pictures, summary
 from camid.diagnosis.report.panel import look_of_the_project
+from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.watch import Watch
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.learned_law import blank_laws, learn

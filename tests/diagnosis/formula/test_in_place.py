@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from camid.diagnosis.formula.in_place import enough_points
+from camid.diagnosis.laws.formula.in_place import enough_points
 
 
 @pytest.mark.parametrize("law", [np.sin, np.abs, np.tanh, lambda x: np.clip(x, -0.5, 0.7)])

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from camid.diagnosis.formula.bends import Range
-from camid.diagnosis.formula.dictionary import FORMS
-from camid.diagnosis.formula.search import fitted_forms, length_of
-from camid.diagnosis.formula.text import formula_of, unit_text
+from camid.diagnosis.laws.formula.bends import Range
+from camid.diagnosis.laws.formula.dictionary import FORMS
+from camid.diagnosis.laws.formula.search import fitted_forms, length_of
+from camid.diagnosis.laws.formula.text import formula_of, unit_text
 from camid.fitting.linearised_law import Absorbed, LinearisedLaw, fine_grid
 
 ROWS, NOISE = 1500, 0.01

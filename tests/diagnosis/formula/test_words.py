@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camid.diagnosis.formula.words import described, loop_area, missing_from, parity
+from camid.diagnosis.laws.formula.words import described, loop_area, missing_from, parity
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from tests.diagnosis.formula.test_search import linearised
 

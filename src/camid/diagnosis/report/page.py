@@ -15,7 +15,7 @@ import numpy as np
 from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
 from camid.diagnosis.in_declared_units import in_declared_units
-from camid.diagnosis.learned_effect_file import NAME, effect_file
+from camid.diagnosis.laws.learned_effect_file import NAME, effect_file
 from camid.diagnosis.next_experiment import next_experiments
 from camid.diagnosis.report import summary
 from camid.diagnosis.report.words import with_titles

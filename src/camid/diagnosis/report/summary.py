@@ -11,7 +11,7 @@ from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Und
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import wrong_coefficients
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
-from camid.diagnosis.learned_effect_file import NAME as LEARNED_EFFECT
+from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.number_text import number, percentage, plain, printable, probability, span, with_deviation

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from camid.diagnosis.hypothesis import Hypothesis, in_order, prior_penalty
-from camid.diagnosis.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.hypothesis_search import (
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.hypothesis_search import (
     BESIDE_OTHERS,
     RIVALS,
     best_of_each,
@@ -23,10 +23,10 @@ from camid.diagnosis.hypothesis_search import (
     hypotheses,
     is_far_off,
 )
-from camid.diagnosis.inexact_laws import laws_are_inexact
-from camid.diagnosis.models_of_each_recording import models_of_each_recording
-from camid.diagnosis.related_laws import relatives_in_place, special_case
-from camid.diagnosis.screening import ScreenedEffect, Signatures, screen, trials
+from camid.diagnosis.search.inexact_laws import laws_are_inexact
+from camid.diagnosis.search.models_of_each_recording import models_of_each_recording
+from camid.diagnosis.search.related_laws import relatives_in_place, special_case
+from camid.diagnosis.search.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit

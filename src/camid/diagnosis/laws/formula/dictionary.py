@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.formula.bends import Bend, Range, beyond, centre, exponent, period, place, scale, threshold
+from camid.diagnosis.laws.formula.bends import Bend, Range, beyond, centre, exponent, period, place, scale, threshold
 
 Array = NDArray[np.float64]
 

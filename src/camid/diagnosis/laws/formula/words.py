@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.formula.text import symbol_of
+from camid.diagnosis.laws.formula.text import symbol_of
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.fitting.linearised_law import LinearisedLaw
 from camid.fitting.smoothness import smooth_curve

@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.evidence import simulated_error
-from camid.diagnosis.formula.bends import EXPONENT_BOUNDS
-from camid.diagnosis.formula.candidates import (
+from camid.diagnosis.laws.formula.bends import EXPONENT_BOUNDS
+from camid.diagnosis.laws.formula.candidates import (
     GAP,
     Candidate,
     about_curve,
@@ -25,9 +24,10 @@ from camid.diagnosis.formula.candidates import (
     linear,
     through_the_chain,
 )
-from camid.diagnosis.formula.dictionary import FIXED_POWERS, POWERS
-from camid.diagnosis.formula.groups import Group, other_laws
-from camid.diagnosis.learned_laws import LEAST_EVIDENCE
+from camid.diagnosis.laws.formula.dictionary import FIXED_POWERS, POWERS
+from camid.diagnosis.laws.formula.groups import Group, other_laws
+from camid.diagnosis.laws.learned_laws import LEAST_EVIDENCE
+from camid.diagnosis.search.effect_selection import Decision
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.effects.learned import FORCES, LearnedEffect

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, chance
-from camid.diagnosis.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, chance
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 

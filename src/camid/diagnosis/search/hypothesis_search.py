@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camid.diagnosis.hypotheses_over_time import raced
-from camid.diagnosis.hypothesis import Hypothesis, in_order
-from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
-from camid.diagnosis.models_around import models_around
-from camid.diagnosis.related_laws import finer_laws, special_case
-from camid.diagnosis.screening import ScreenedEffect, alike, screen, trials
+from camid.diagnosis.search.hypotheses_over_time import raced
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.diagnosis.search.models_around import models_around
+from camid.diagnosis.search.related_laws import finer_laws, special_case
+from camid.diagnosis.search.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate

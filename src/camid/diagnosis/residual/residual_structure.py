@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import NormalisedErrors
-from camid.diagnosis.mismatch_location import PlaceTest
-from camid.diagnosis.noise_recognition import depends_on_position, force_like
-from camid.diagnosis.validation_rows import without_outliers
+from camid.diagnosis.residual.mismatch_location import PlaceTest
+from camid.diagnosis.residual.noise_recognition import depends_on_position, force_like
+from camid.diagnosis.residual.validation_rows import without_outliers
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.problem import Problem

@@ -7,7 +7,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.formula.search import FittedForm
+from camid.diagnosis.laws.formula.search import FittedForm
 from camid.diagnosis.learned_part import LENGTH, Formula, Quantity
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from camid.diagnosis.hypothesis import Hypothesis, in_order
-from camid.diagnosis.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

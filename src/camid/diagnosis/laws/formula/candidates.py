@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.formula.bends import Range
-from camid.diagnosis.formula.groups import Group, values_of
-from camid.diagnosis.formula.search import FittedForm, fitted_forms, length_of
+from camid.diagnosis.laws.formula.bends import Range
+from camid.diagnosis.laws.formula.groups import Group, values_of
+from camid.diagnosis.laws.formula.search import FittedForm, fitted_forms, length_of
+from camid.diagnosis.search.effect_selection import Decision
 from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted

@@ -14,16 +14,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, Decision, chance, p_value
 from camid.diagnosis.evidence import simulated_error
-from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.hypothesis_search import BESIDE_OTHERS, hypotheses
-from camid.diagnosis.inexact_laws import LEAST_EVIDENCE
-from camid.diagnosis.mismatch_location import places
-from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
-from camid.diagnosis.screening import screen
-from camid.diagnosis.simplest_effects import LEAST_EXPLAINED, leaving_out
+from camid.diagnosis.pruning.simplest_effects import LEAST_EXPLAINED, leaving_out
+from camid.diagnosis.residual.mismatch_location import places
+from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
+from camid.diagnosis.search.effect_selection import FALSE_ALARM_BESIDE_OTHERS, Decision, chance, p_value
+from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.hypothesis_search import BESIDE_OTHERS, hypotheses
+from camid.diagnosis.search.inexact_laws import LEAST_EVIDENCE
+from camid.diagnosis.search.screening import screen
 from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit

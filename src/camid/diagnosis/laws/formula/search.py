@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.formula.bends import Range
-from camid.diagnosis.formula.dictionary import FORMS, Form
+from camid.diagnosis.laws.formula.bends import Range
+from camid.diagnosis.laws.formula.dictionary import FORMS, Form
 from camid.fitting.linearised_law import LinearisedLaw
 
 Array = NDArray[np.float64]

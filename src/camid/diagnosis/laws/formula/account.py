@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import Decision
 from camid.diagnosis.evidence import simulated_error
-from camid.diagnosis.formula.candidates import Candidate
-from camid.diagnosis.formula.choice import LARGEST_ERROR, Choice, chosen, exponent_of
-from camid.diagnosis.formula.groups import Group, groups_of, values_of
-from camid.diagnosis.formula.in_place import in_place
-from camid.diagnosis.formula.text import formula_of, unit_text
-from camid.diagnosis.formula.words import described, loop_area, missing_from
 from camid.diagnosis.in_declared_units import formula_shown, learned_shown
+from camid.diagnosis.laws.formula.candidates import Candidate
+from camid.diagnosis.laws.formula.choice import LARGEST_ERROR, Choice, chosen, exponent_of
+from camid.diagnosis.laws.formula.groups import Group, groups_of, values_of
+from camid.diagnosis.laws.formula.in_place import in_place
+from camid.diagnosis.laws.formula.text import formula_of, unit_text
+from camid.diagnosis.laws.formula.words import described, loop_area, missing_from
 from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
+from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.verdict import learned_parts
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect

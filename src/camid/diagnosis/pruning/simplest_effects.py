@@ -4,7 +4,7 @@ A likelihood takes every law as exact. With ten thousand samples of a real rig i
 further parameter, whatever small part of the true law they imitate. Where structure is left, an effect beside
 others has to explain most of what the others leave, and a general law has to explain more than its special case by a
 margin that justifies a name; else the name would be that of a correction. What they leave is learned as a law without
-a name (:mod:`camid.diagnosis.learned_laws`): modelled, and not named.
+a name (:mod:`camid.diagnosis.laws.learned_laws`): modelled, and not named.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.effect_selection import FALSE_ALARM_BESIDE_OTHERS, LAW_ERROR, Decision, chance
-from camid.diagnosis.hypothesis import Hypothesis
-from camid.diagnosis.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.mismatch_location import PlaceTest, regressors
-from camid.diagnosis.residual_structure import STRUCTURE_P_VALUE
-from camid.diagnosis.screening import metrics, projector
+from camid.diagnosis.residual.mismatch_location import PlaceTest, regressors
+from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
+from camid.diagnosis.search.effect_selection import FALSE_ALARM_BESIDE_OTHERS, LAW_ERROR, Decision, chance
+from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.screening import metrics, projector
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import WORKERS, Problem

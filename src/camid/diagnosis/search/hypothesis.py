@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camid.diagnosis.screening import trials
+from camid.diagnosis.search.screening import trials
 from camid.diagnosis.weights import GENERAL_LAW, Member
 from camid.effects import known_effects
 from camid.effects.base import Effect

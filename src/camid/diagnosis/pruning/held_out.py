@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.residual_structure import FAILED_ERROR_RATIO
-from camid.diagnosis.simplest_effects import without_effect
+from camid.diagnosis.pruning.simplest_effects import without_effect
+from camid.diagnosis.residual.residual_structure import FAILED_ERROR_RATIO
+from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.watch import LAWS, Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from camid.diagnosis.screening import ScreenedEffect, screen
+from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit

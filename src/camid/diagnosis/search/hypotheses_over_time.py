@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from camid.diagnosis.screening import ScreenedEffect, screen
+from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import GROWTH, first_horizon
 from camid.fitting.plant_with_effects import Model

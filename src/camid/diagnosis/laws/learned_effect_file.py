@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from camid.diagnosis.diagnosis import Array, Diagnosis
-from camid.diagnosis.formula_program import DEFINED, IMPORTED, FormulaProgram, program_of
+from camid.diagnosis.laws.formula_program import DEFINED, IMPORTED, FormulaProgram, program_of
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import HEADLINE_WEIGHT
 from camid.effects import known_effects

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Finding, Location
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.screening import Metric, metrics
+from camid.diagnosis.search.screening import Metric, metrics
 from camid.diagnosis.weights import UNLISTED
 from camid.effects import known_effects
 from camid.effects.base import PLACES

@@ -1,7 +1,7 @@
 """A formula in the place of a learned curve, and of the effects that only resembled a part of the law.
 
-A formula that is offered is at least as likely as all that it stands for (:mod:`camid.diagnosis.formula.choice`), and
-errs no more on rows that were not fitted. Names that only resembled the law err on another recording, where the law
+A formula that is offered is at least as likely as all that it stands for (:mod:`camid.diagnosis.laws.formula.choice`),
+and errs no more on rows that were not fitted. Names that only resembled the law err on another recording, where the law
 itself does not: the improved simulation holds the formula alone, as values between which straight lines are as good.
 """
 
@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.effect_selection import Decision
-from camid.diagnosis.formula.candidates import Candidate
-from camid.diagnosis.formula.groups import Group
-from camid.diagnosis.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.learned_laws import relearned
-from camid.diagnosis.simplest_effects import leaving_out
+from camid.diagnosis.laws.formula.candidates import Candidate
+from camid.diagnosis.laws.formula.groups import Group
+from camid.diagnosis.laws.learned_laws import relearned
+from camid.diagnosis.pruning.simplest_effects import leaving_out
+from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.effects.learned import LearnedCurve, LearnedEffect
 from camid.effects.plant_force import motion_sign
 from camid.fitting.fit import Fitted, evaluate, fit

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from camid.diagnosis.screening import ScreenedEffect
+from camid.diagnosis.search.screening import ScreenedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.learned_law import blank_laws, judged_to_first_order
 from camid.fitting.problem import Problem

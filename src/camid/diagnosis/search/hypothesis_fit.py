@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camid.diagnosis.hypothesis import Hypothesis, prior_penalty
+from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

@@ -1,0 +1,1 @@
+"""Laws without a name: learned, in the place of names, as formulas, and as files."""

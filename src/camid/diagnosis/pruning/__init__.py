@@ -1,0 +1,1 @@
+"""Which of the effects found are to be named after all."""

@@ -1,0 +1,1 @@
+"""Which effects a recording supports: the catalogue screened, fitted, and compared."""
