@@ -31,7 +31,18 @@ def concluded(
     residue: Residue,
     watch: Watch,
 ) -> Diagnosis:
-    """What is said of a decision."""
+    """What is said of a decision, with formulas for its laws or laws in the place of its names.
+
+    Parameters
+    ----------
+    setting : Setting
+    decision : Decision
+    before : list of PlaceTest
+        Of what the re-estimated plant leaves.
+    residue : Residue
+        Of what the decision's names leave.
+    watch : Watch
+    """
     believed, problem, judging = setting.believed, setting.problem, setting.judging
     held, learned = with_laws(problem, decision, judging, setting.known, watch, setting.believed.units)
     base, final = decision.base, held.improved

@@ -39,7 +39,17 @@ class Residue:
 
 
 def residue_of(setting: Setting, decision: Decision, final: Fitted, before: list[PlaceTest]) -> Residue:
-    """Tests of what a model of a decision leaves, and what changes the noise."""
+    """Tests of what a model of a decision leaves, and what changes the noise.
+
+    Parameters
+    ----------
+    setting : Setting
+    decision : Decision
+    final : Fitted
+        The model: with the decision's names alone, or with its laws.
+    before : list of PlaceTest
+        Of what the re-estimated plant leaves.
+    """
     problem, whole = setting.problem, setting.whole
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)

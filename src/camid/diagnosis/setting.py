@@ -77,7 +77,26 @@ def prepared(
     chosen: bool,
     watch: Watch,
 ) -> Setting:
-    """The plant re-estimated, rows left out that say nothing of the motion, and the catalogue screened."""
+    """The plant re-estimated, rows left out that say nothing of the motion, and the catalogue screened.
+
+    Parameters
+    ----------
+    believed : Simulation
+    whole : Problem
+        ``used`` marks the rows that may be fitted.
+    nominal : Model
+        As the simulation says, with the effects that it declares.
+    validation : sequence of ndarray of bool, shapes (N,)
+        Rows of each recording that judge.
+    chosen : bool
+        Whether the tool chose those rows.
+    watch : Watch
+
+    Raises
+    ------
+    ValueError
+        If the simulation diverges whatever its coefficients.
+    """
     watch.say("re-estimating the plant's coefficients")
     known = tuple(e for e in nominal.effects if not e.noise_like)
     start = whole.with_initial_states(replace(nominal, effects=known))

@@ -1,5 +1,8 @@
 """Forms of the dictionary against curves of known law, with what coefficients do of them taken out."""
 
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -129,3 +132,13 @@ def test_numbers_have_the_units_of_the_recording():
     assert unit_text({"u": 1, "s": 1, "y": -1}, {"y": 1}, 2.0) == "u s/y^3"
     assert unit_text({}, {"y": 1, "s": -1}, 1.0) == "s/y"
     assert unit_text({"y": 1}, {"y": 1}, 1.0) == ""
+
+
+def test_forms_that_do_nothing_to_the_output_are_none():
+    """Their numbers would be what rounding makes of nought by nought."""
+    law = linearised(LAWS["square"])
+    silent = replace(law, factor=np.zeros_like(law.factor))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert fitted_forms(silent) == []
+    assert fitted_forms(law)

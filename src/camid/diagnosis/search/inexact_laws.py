@@ -20,8 +20,8 @@ from camid.fitting.problem import Problem
 # Natural logarithm of the evidence for a law against none from which it is learned: a thousand and more to one, beyond
 # the choice among seven.
 LEAST_EVIDENCE = 10.0
-# How many times as much it has to be as what the likeliest effect may have: a size that is found where the motion is
-# bent by what is missing is one to first order.
+# How many times as much it has to be as what the likeliest effect may have: to first order, about a motion that is bent
+# by what is missing, an effect may look weaker than it is when it is fitted.
 MORE_THAN_A_NAME = 1.5
 
 
