@@ -1,7 +1,8 @@
 """What each rule of the diagnosis adds: concealed rigs diagnosed with all of them, and with each left out.
 
 ``python -m benchmarks.rules [RECORDINGS [SEED]]`` in the ordinary environment. The recordings are made by the generator
-of the sealed proof (:mod:`camid.proof.concealed`), with a seed that is not one of proof, calibration or tests.
+of the sealed proof (:mod:`camid.proof.concealed`), with a seed that is not one of proof, calibration or tests. A rule
+that did nothing in a diagnosis is not left out of another one, which would be the same.
 """
 
 from __future__ import annotations
@@ -9,10 +10,11 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 from unittest import mock
 
@@ -21,6 +23,7 @@ from tabulate import tabulate
 
 import camid
 from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.hypothesis_search import SearchEffort
 from camid.proof.concealed.cases import plan
 from camid.proof.concealed.generator import Case, make
 from camid.proof.scoring import score
@@ -46,22 +49,31 @@ def _without_laws(problem: object, base: Any, *_: object) -> object:
 
 
 # What stands in the place of a rule; all of these are names in camid.diagnosis.
-RULES: dict[str, dict[str, object]] = {
+RULES: dict[str, dict[str, Any]] = {
     "all rules": {},
     "held-out rows refute names": {"run.borne_out": _kept},
     "names that coloured noise explains go": {"run.in_noise_metric": _kept},
     "fewest and simplest names where structure is left": {"run.simplest": _kept},
     "no further names beside an inexact law": {"search.effect_selection.laws_are_inexact": _never},
     "a look beside a name that chance may explain": {"search.effect_selection.WORTH_A_LOOK": 1.0},
+    "two shapes of each effect": {"search.hypothesis_search.FIRST_EFFECT": SearchEffort(12, gap_share=0.3)},
     "further shapes of a resonance": {"search.hypothesis_search._further_shapes": _none},
     "laws that do nearly the same": {
         "search.hypothesis_search._relatives": _none,
         "search.effect_selection.relatives_in_place": _none,
     },
     "starts from other coefficients": {"search.hypothesis_search._starts_elsewhere": _none},
+    "a race where all are far off": {"search.hypothesis_search._is_lost": _never},
     "laws with more detail": {"search.hypothesis_search.finer_laws": _none},
     "learned laws": {"run.with_learned_laws": _kept},
     "learned laws in the place of all names": {"laws.laws_alone.with_laws_alone": _without_laws},
+}
+# Whether a rule did anything, by what it returned and was called with, and what stands in its place.
+DID: dict[Any, Callable[[Any, tuple[Any, ...]], bool]] = {
+    _kept: lambda found, arguments: found is not arguments[1],
+    _none: lambda found, arguments: bool(found),
+    _never: lambda found, arguments: bool(found),
+    _without_laws: lambda found, arguments: bool(found.laws),
 }
 
 
@@ -74,22 +86,55 @@ def without(rule: str) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def observed() -> Iterator[set[str]]:
+    """Diagnoses with all rules, and those that did something or may have; a constant may always have."""
+    used = {rule for rule, parts in RULES.items() if any(not callable(part) for part in parts.values())}
+
+    def noting(rule: str, original: Callable[..., Any], did: Callable[[Any, tuple[Any, ...]], bool]) -> Any:
+        def call(*arguments: Any, **options: Any) -> Any:
+            found = original(*arguments, **options)
+            if did(found, arguments):
+                used.add(rule)
+            return found
+
+        return call
+
+    with ExitStack() as stack:
+        for rule, parts in RULES.items():
+            for name, replacement in parts.items():
+                if rule not in used:
+                    path = f"camid.diagnosis.{name}"
+                    stack.enter_context(mock.patch(path, noting(rule, resolve_name(path), DID[replacement])))
+        yield used
+
+
 def diagnosed(case: Case) -> list[dict[str, Any]]:
     """A row for each rule that is left out: what the diagnosis got right, and its seconds of a processor."""
     made = make(case)
-    rows = []
     with tempfile.TemporaryDirectory() as name:
         folders = [Path(name) / folder for folder in ("recordings", "held_out", "truths")]
         write_case(case.index, made, *folders)
         own = folders[0] / str(case.index)
-        for rule in RULES:
-            with without(rule):
-                start = time.process_time()
-                found = camid.diagnose(own / RECORDING, own / SIMULATION, time_limit=None).to_mapping()
-                seconds = time.process_time() - start
+
+        def row(rule: str) -> dict[str, Any]:
+            start = time.process_time()
+            found = camid.diagnose(own / RECORDING, own / SIMULATION, time_limit=None).to_mapping()
+            seconds = time.process_time() - start
             fit = found["fit"]
             error = fit["nrmse_improved"] / max(fit["nrmse_refitted"], 1e-12)
-            rows.append({"rule": rule, "case": case.index, **score(made.truth, found), "error": error, "s": seconds})
+            return {"rule": rule, "case": case.index, **score(made.truth, found), "error": error, "s": seconds}
+
+        usual, *others = RULES
+        with observed() as used:
+            rows = [row(usual)]
+        for rule in others:
+            if rule in used:
+                with without(rule):
+                    rows.append(row(rule))
+            else:
+                rows.append({**rows[0], "rule": rule})
+            rows[-1]["used"] = rule in used
     return rows
 
 
@@ -102,6 +147,7 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
         found.append(
             {
                 "left out": "–" if rule == "all rules" else rule,
+                "did something in": "–" if rule == "all rules" else int(part["used"].sum()),
                 "other names": int((part["names"] != usual["names"]).sum()),
                 "strong effects named": f"{part['strong_in_class'].sum()} of {part['strong'].sum()}",
                 "wrong names": int(part["wrong_names"].sum()),
@@ -118,8 +164,11 @@ def main(arguments: list[str]) -> None:
     """Print the table."""
     recordings, seed = (int(a) for a in [*arguments, *map(str, (RECORDINGS, SEED)[len(arguments) :])])
     with ProcessPoolExecutor(WORKERS) as pool:
-        rows = pd.DataFrame([row for some in pool.map(diagnosed, plan(seed, recordings)) for row in some])
-    print(tabulate(summary(rows), headers="keys", tablefmt="github", showindex=False))
+        rows: list[dict[str, Any]] = []
+        for number, some in enumerate(pool.map(diagnosed, plan(seed, recordings)), start=1):
+            rows += some
+            print(f"\r{number} of {recordings}", end="", file=sys.stderr, flush=True)
+    print(tabulate(summary(pd.DataFrame(rows)), headers="keys", tablefmt="github", showindex=False))
     print(f"\n{recordings} recordings of seed {seed}; errors are shares of the re-estimated simulation's, at most 2.")
 
 
