@@ -1,7 +1,9 @@
 """Compile everything that camid compiles, once per installation: ``python -m camid.compile_all``.
 
 Each part runs a small example of what it compiles, so that exactly the argument types of real use are compiled; the
-parts share out among the processors. What is in the folder of :mod:`camid.compiled` already costs nothing.
+parts share out among the processors. What is in the folder of :mod:`camid.compiled` already costs nothing. One part
+lets Python compile the modules that commands import: where it may not keep them later, because the installation is
+read-only or the shell forbids it, a diagnosis would spend seconds on that each time.
 """
 
 from __future__ import annotations
@@ -21,6 +23,28 @@ from camid.compiled import folder, keep_quiet
 Array = NDArray[np.float64]
 
 PERIOD = 0.05
+# What is imported late.
+LATE_MODULES = (
+    *(f"camid.commands.{name}" for name in ("diagnose", "design", "identify", "simulate")),
+    *(f"scipy.{name}" for name in ("interpolate", "ndimage", "optimize", "signal", "sparse", "stats")),
+    "ruamel.yaml",
+    "rich.console",
+    "rich.progress",
+    "rich.table",
+)
+
+
+def modules() -> None:
+    """Python's own modules: those of the commands, and of the packages that they import where they need them."""
+    from importlib import import_module
+    from importlib.util import find_spec
+
+    for name in LATE_MODULES:
+        import_module(name)
+    if find_spec("matplotlib") is not None:  # it comes with camid[plots]
+        from camid.diagnosis.report.page import load
+
+        load()
 
 
 def engine() -> None:
@@ -109,7 +133,16 @@ def concealed() -> None:
 
 
 # What takes longest comes first, so that no processor waits at the end.
-PARTS: tuple[Callable[[], None], ...] = (learned_laws, identification, engine, starts, concealed, effects, images)
+PARTS: tuple[Callable[[], None], ...] = (
+    learned_laws,
+    identification,
+    engine,
+    modules,
+    starts,
+    concealed,
+    effects,
+    images,
+)
 
 
 def _signal(count: int) -> Array:

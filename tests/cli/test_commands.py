@@ -162,6 +162,12 @@ def test_help(capsys, arguments):
     assert out.startswith("camid, version" if arguments == ["--version"] else "Usage: camid")
 
 
+def test_the_command_line_starts_without_the_engine():
+    program = "import sys, camid.cli; print(*{'numpy', 'numba', 'scipy'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "\n"
+
+
 def test_the_module_runs_as_a_program(bench):
     def run(*arguments):
         environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONWARNINGS": "default"}

@@ -7,8 +7,10 @@ that the times of 34 diagnoses on one machine came out, and only have to stay wh
 from __future__ import annotations
 
 from threading import Lock
+from typing import TYPE_CHECKING
 
-from camid.engine.forces import Mechanics
+if TYPE_CHECKING:  # the command line asks for the limits of an effort, and is not to load the engine for it
+    from camid.engine.forces import Mechanics
 
 # Microseconds for a simulation, for each of its rows, and for each step of the integrator; in addition where a force
 # depends on a velocity that it changes at once, and where one has kinks or remembers.
