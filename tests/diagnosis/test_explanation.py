@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from camid.diagnosis.diagnosis import Coefficient, Location, NormalisedErrors, ParameterEstimate
+from camid.diagnosis.diagnosis import Coefficient, Location, NormalisedErrors
 from camid.diagnosis.explanation import explanation
+from camid.diagnosis.finding import ParameterEstimate
 from camid.diagnosis.verdict import verdict_of
 from tests.support import written_diagnoses
 

@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from camid.diagnosis.diagnosis import Location, ParameterEstimate
+from camid.diagnosis.diagnosis import Location
+from camid.diagnosis.finding import ParameterEstimate
 from camid.diagnosis.report import beside, summary
 from camid.diagnosis.report import page as report
 from camid.diagnosis.results_folder import FILES, write_diagnosis

@@ -10,8 +10,9 @@ import pytest
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.diagnosis.diagnosis import Finding, Location, ParameterEstimate
+from camid.diagnosis.diagnosis import Location
 from camid.diagnosis.effect_signals import EffectSignals
+from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.next_experiment import next_experiments
 from camid.diagnosis.report import effect_pictures, noise_pictures, panel, pictures
 from camid.diagnosis.report import page as report

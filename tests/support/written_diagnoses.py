@@ -8,15 +8,14 @@ from camid.chain.plant import TransferFunction
 from camid.diagnosis.diagnosis import (
     Coefficient,
     Diagnosis,
-    Finding,
     Location,
     NormalisedErrors,
-    ParameterEstimate,
     Signals,
     StructureTest,
     Undetectable,
 )
 from camid.diagnosis.effect_signals import EffectSignals
+from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.provenance import FILE_TIME, Provenance, RecordedFile
 from camid.simulation.model import Simulation
 

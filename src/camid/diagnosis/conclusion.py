@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from camid.diagnosis.detection_limits import undetectable
-from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.effect_signals import effect_signals
 from camid.diagnosis.evidence import coefficients_of, errors_without, removed_shares, signals_of, tests_of
 from camid.diagnosis.explanation import explained
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.laws.formula.account import with_words
 from camid.diagnosis.laws.laws_alone import with_laws

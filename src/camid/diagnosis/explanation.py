@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location, NormalisedErrors
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED

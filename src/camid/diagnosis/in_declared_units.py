@@ -13,16 +13,9 @@ from camid.number_text import SPACE, plain
 from camid.simulation.declared_units import DeclaredUnits
 
 if TYPE_CHECKING:
-    from camid.diagnosis.diagnosis import (
-        Coefficient,
-        Diagnosis,
-        Finding,
-        Location,
-        ParameterEstimate,
-        Signals,
-        Undetectable,
-    )
+    from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location, Signals, Undetectable
     from camid.diagnosis.effect_signals import EffectSignals
+    from camid.diagnosis.finding import Finding, ParameterEstimate
     from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
 
     Shown = TypeVar("Shown", ParameterEstimate, Quantity)

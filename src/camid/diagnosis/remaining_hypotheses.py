@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Finding
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.verdict import different_inputs

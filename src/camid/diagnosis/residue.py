@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camid.diagnosis.diagnosis import Finding, NormalisedErrors
+from camid.diagnosis.diagnosis import NormalisedErrors
 from camid.diagnosis.evidence import errors
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import recognised_noise, uneven_spread

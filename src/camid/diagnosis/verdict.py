@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Finding, ParameterEstimate
+from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.search.effect_selection import Decision, p_value
 from camid.diagnosis.search.hypothesis import members_of

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.watch import Watch
 from camid.diagnosis.weights import UNLISTED
 from camid.engine.mechanics import NotApplicable

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.report.noise_pictures import TITLES, noise_pictures
 from camid.diagnosis.report.panel import (
     LARGEST_LINE,

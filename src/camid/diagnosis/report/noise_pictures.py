@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Diagnosis, Finding
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.report.panel import (
     DOTS,
     Panel,

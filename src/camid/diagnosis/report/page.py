@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camid import number_text
-from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Finding
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME, effect_file
 from camid.diagnosis.next_experiment import next_experiments

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camid.diagnosis.diagnosis import Diagnosis, Finding, ParameterEstimate, Undetectable
+from camid.diagnosis.diagnosis import Diagnosis, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import wrong_coefficients
+from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.learned_part import LearnedPart

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Finding, Location
+from camid.diagnosis.diagnosis import Location
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.search.screening import Metric, metrics
 from camid.diagnosis.weights import UNLISTED

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Finding
+from camid.diagnosis.finding import Finding
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
 from camid.effects.base import Effect, Recognition
