@@ -23,7 +23,6 @@ from tabulate import tabulate
 
 import camid
 from camid.diagnosis.search.effect_selection import Decision
-from camid.diagnosis.search.hypothesis_search import SearchEffort
 from camid.proof.concealed.cases import plan
 from camid.proof.concealed.generator import Case, make
 from camid.proof.scoring import score
@@ -56,12 +55,7 @@ RULES: dict[str, dict[str, Any]] = {
     "fewest and simplest names where structure is left": {"run.simplest": _kept},
     "no further names beside an inexact law": {"search.effect_selection.laws_are_inexact": _never},
     "a look beside a name that chance may explain": {"search.effect_selection.WORTH_A_LOOK": 1.0},
-    "two shapes of each effect": {"search.hypothesis_search.FIRST_EFFECT": SearchEffort(12, gap_share=0.3)},
     "further shapes of a resonance": {"search.hypothesis_search._further_shapes": _none},
-    "laws that do nearly the same": {
-        "search.hypothesis_search._relatives": _none,
-        "search.effect_selection.relatives_in_place": _none,
-    },
     "starts from other coefficients": {"search.hypothesis_search._starts_elsewhere": _none},
     "a race where all are far off": {"search.hypothesis_search._is_lost": _never},
     "laws with more detail": {"search.hypothesis_search.finer_laws": _none},

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,15 +54,25 @@ class Absorbed:
         columns = [np.ones_like(at)] * self.constant + [at] * self.line
         return np.column_stack(columns) if columns else np.zeros((len(at), 0))
 
-    def part_of(self, values: Array) -> Array:
-        """How much of each is in laws with these values on the grid, shape (G,) or (G, c): shape (k,) or (k, c)."""
+    @cached_property
+    def on_grid(self) -> Array:
+        """Constant and line on the grid, shape (G, k)."""
+        return self.functions(self.grid)
+
+    @cached_property
+    def parts(self) -> Array:
+        """What takes the values of a law on the grid to how much of each is in it, shape (k, G)."""
         if not len(self.constraints):
-            return np.zeros((0, *values.shape[1:]))
-        return np.asarray(np.linalg.solve(self.constraints @ self.functions(self.grid), self.constraints @ values))
+            return np.zeros((0, len(self.grid)))
+        return np.asarray(np.linalg.solve(self.constraints @ self.on_grid, self.constraints))
+
+    def part_of(self, values: Array) -> Array:
+        """How much of each, shape (k,) or (…, k, c), is in laws with these values on the grid, (G,) or (…, G, c)."""
+        return np.asarray(self.parts @ values)
 
     def without(self, values: Array) -> Array:
         """The laws without them, on the grid."""
-        return np.asarray(values - self.functions(self.grid) @ self.part_of(values))
+        return np.asarray(values - self.on_grid @ self.part_of(values))
 
 
 @dataclass(frozen=True)
@@ -91,9 +102,14 @@ class LinearisedLaw:
     absorbed: Absorbed
     rows: int
 
+    @cached_property
+    def factor_of_any(self) -> Array:
+        """F for laws that still hold what the coefficients absorb, shape (n, G)."""
+        return np.asarray(self.factor - (self.factor @ self.absorbed.on_grid) @ self.absorbed.parts)
+
     def left_by(self, values: Array) -> float:
         """Sum of squares that a law leaves."""
-        missed = self.factor @ self.absorbed.without(values) - self.target
+        missed = self.factor_of_any @ values - self.target
         return float(missed @ missed) + self.rest
 
 

@@ -43,8 +43,6 @@ class SearchEffort:
     ----------
     effects : int
         Different effects that are fitted.
-    shapes : int
-        Candidates for each of them.
     steps : int
         Evaluations for a first fit.
     least_share : float
@@ -55,14 +53,13 @@ class SearchEffort:
     """
 
     effects: int
-    shapes: int = 1
     steps: int = FIRST_STEPS
     least_share: float = 0.01
     gap_share: float = 0.0
 
 
 # A first fit of a few steps may stop far from where a thorough one ends.
-FIRST_EFFECT = SearchEffort(12, shapes=2, gap_share=0.3)
+FIRST_EFFECT = SearchEffort(12, gap_share=0.3)
 # Several recordings say so much more than a first fit reaches that its criterion hardly ranks.
 GAP_SHARE_SEVERAL = 0.5
 # Where phases add up the screening is a poor guide; beside a first effect the motion is followed, and it is one again.
@@ -117,7 +114,6 @@ def hypotheses(
             runners = raced(problem, nominal)
             first += [h for some in watch.batches(runners) for h in pool.map(fitted_from, some) if h is not None]
         first += _simpler(problem, base, first)
-        first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
         ranked = best_of_each(first)
         further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
         ranked = best_of_each([*ranked, *_in_other_minima(problem, further, pool, watch)])
@@ -255,28 +251,13 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     return list(found.values())
 
 
-def _relatives(base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
-    """Models in which effects that do nearly the same take the place of those that explain something."""
-    models = []
-    for hypothesis in best_of_each(fitted):
-        if hypothesis.beyond(Hypothesis("", base)) < 0.0:
-            model = hypothesis.fitted.model
-            present = {e.identifier for e in model.effects}
-            models += [
-                replace(model, effects=(*model.effects[:-1], relative))
-                for relative in model.effects[-1].relatives()
-                if relative.identifier not in present
-            ]
-    return models
-
-
 def _start_of(candidate: ScreenedEffect) -> Effect:
     """The effect in the size that the screening suggests."""
     return candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
 
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:
-    """The likeliest shapes of each of the likeliest effects, of those that may be more than chance."""
+    """The likeliest shape of each branch of the likeliest effects, of those that may be more than chance."""
     from scipy.special import chdtrc
 
     if not screened:
@@ -290,8 +271,6 @@ def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: Sea
             known = shapes.setdefault(candidate.effect.identifier, [])
             # No fit leads from one branch to another, so that each has its start.
             new = candidate.effect.branch not in {k.effect.branch for k in known}
-            if (new or len(known) < effort.shapes) and not any(
-                alike(_start_of(candidate), _start_of(k)) for k in known
-            ):
+            if new and not any(alike(_start_of(candidate), _start_of(k)) for k in known):
                 known.append(candidate)
     return [c for known in list(shapes.values())[: effort.effects] for c in known]

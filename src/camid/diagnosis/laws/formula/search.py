@@ -92,8 +92,15 @@ def fitted_forms(law: LinearisedLaw, forms: Sequence[Form] = FORMS) -> list[Fitt
         if not form.curved and law.absorbed.line:
             continue
         if form.bends:
-            starts = [(_amplitudes(law, form.columns(x, start))[0], tuple(start)) for start in form.starts(visited)]
-            bent.append((min(left for left, _ in starts), form, starts))
+            guesses = list(form.starts(visited))
+            lefts = _left(law, np.stack([form.columns(x, guess) for guess in guesses]))
+            bent.append(
+                (
+                    float(np.min(lefts)),
+                    form,
+                    [(float(a), tuple(b.tolist())) for a, b in zip(lefts, guesses, strict=True)],
+                )
+            )
             continue
         left, amplitudes = _amplitudes(law, form.columns(x, np.zeros(0)))
         found.append(FittedForm(form, amplitudes, np.zeros(0), length, left))
@@ -136,7 +143,7 @@ def _refined(law: LinearisedLaw, form: Form, x: Array, visited: Range, start: Ar
     low, high = form.bounds(visited)
 
     def missed(bends: Array) -> Array:
-        columns = law.factor @ law.absorbed.without(form.columns(x, bends))
+        columns = law.factor_of_any @ form.columns(x, bends)
         lengths = np.linalg.norm(columns, axis=0)
         kept = columns[:, lengths > 0.0]
         basis = np.linalg.qr(kept)[0]
@@ -156,16 +163,35 @@ def _refined(law: LinearisedLaw, form: Form, x: Array, visited: Range, start: Ar
 
 def _amplitudes(law: LinearisedLaw, columns: Array) -> tuple[float, Array]:
     """Sum of squares that a form's columns leave, and their amplitudes; infinite where one of them does nothing."""
-    reduced = law.absorbed.without(columns)
-    if not np.all(np.isfinite(reduced)):
-        return np.inf, np.zeros(columns.shape[1])
-    sizes = np.linalg.norm(columns - columns.mean(axis=0), axis=0)
-    if np.any(np.linalg.norm(reduced, axis=0) <= LEAST_LEFT * np.maximum(sizes, 1e-300)):
-        return np.inf, np.zeros(columns.shape[1])
-    table = law.factor @ reduced
-    lengths = np.linalg.norm(table, axis=0)
-    if np.any(lengths <= ROUNDING * np.linalg.norm(law.factor) * np.linalg.norm(reduced, axis=0)):
+    table, lengths, works = _table(law, columns)
+    if not works:
         return np.inf, np.zeros(columns.shape[1])
     amplitudes = np.linalg.lstsq(table / lengths, law.target, rcond=1e-10)[0] / lengths
     missed = law.target - table @ amplitudes
     return float(missed @ missed) + law.rest, amplitudes
+
+
+def _left(law: LinearisedLaw, columns: Array) -> Array:
+    """Sums of squares that several tables of columns leave, shape (s, G, a): shape (s,)."""
+    table, lengths, works = _table(law, columns)
+    left = np.full(len(columns), np.inf)
+    basis = np.linalg.qr(table[works] / lengths[works, None])[0]
+    missed = law.target - np.einsum("sna,sa->sn", basis, law.target @ basis)
+    left[works] = np.einsum("sn,sn->s", missed, missed) + law.rest
+    return left
+
+
+def _table(law: LinearisedLaw, columns: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """What columns, shape (…, G, a), do to the output, shape (…, n, a).
+
+    Beside it their lengths, shape (…, a), and whether each of a table's does anything, shape (…).
+    """
+    finite = np.asarray(np.isfinite(columns).all(axis=(-2, -1)))
+    columns = np.where(finite[..., None, None], columns, 0.0)
+    reduced = law.absorbed.without(columns)
+    table = law.factor @ reduced
+    sizes = np.linalg.norm(columns - columns.mean(axis=-2, keepdims=True), axis=-2)
+    sizes_left, lengths = np.linalg.norm(reduced, axis=-2), np.linalg.norm(table, axis=-2)
+    least = ROUNDING * np.linalg.norm(law.factor)
+    works = (sizes_left > LEAST_LEFT * np.maximum(sizes, 1e-300)) & (lengths > least * sizes_left)
+    return table, lengths, finite & works.all(axis=-1)
