@@ -138,12 +138,13 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     found = []
     for rule in RULES:
         part = rows[rows["rule"] == rule].set_index("case")
+        listed = part[part["kind"] != "outside"]  # the others have no name
         found.append(
             {
                 "left out": "–" if rule == "all rules" else rule,
                 "did something in": "–" if rule == "all rules" else int(part["used"].sum()),
                 "other names": int((part["names"] != usual["names"]).sum()),
-                "strong effects named": f"{part['strong_in_class'].sum()} of {part['strong'].sum()}",
+                "strong effects named": f"{listed['strong_in_class'].sum()} of {listed['strong'].sum()}",
                 "wrong names": int(part["wrong_names"].sum()),
                 "confidently wrong": int(part["confidently_wrong"].sum()),
                 "false alarms": int(part["false_alarm"].sum()),

@@ -16,7 +16,7 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
-WORK, WORK_OF_ROW = 13.0, 2.5e-3
+WORK, WORK_OF_ROW = 9.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
 # Fits between which it is looked at: two threads share them.
@@ -59,10 +59,15 @@ class Watch:
         self._work = work
         self._bound = (self.effort or 0.0) * (WORK + WORK_OF_ROW * rows)
 
-    def take_stock(self, share: float = FORMULAS) -> None:
-        """Note whether a share of the work is done; not while other threads simulate."""
+    @property
+    def done(self) -> float:
+        """Work that is done, in seconds of a processor."""
+        return 0.0 if self._work is None else self._work.seconds
+
+    def take_stock(self, share: float = FORMULAS, ahead: float = 0.0) -> None:
+        """Note whether a share of the work is done, or will be with what is ahead; not while other threads simulate."""
         if self.effort is not None and self._work is not None:
-            self._spent = self._work.seconds >= share * self._bound
+            self._spent = self.done + ahead >= share * self._bound
 
     def batches(self, items: Sequence[Item], share: float = NAMES) -> Iterator[Sequence[Item]]:
         """A few items at a time, before each of which stock is taken."""

@@ -64,9 +64,11 @@ def with_learned_laws(
     def holds(found: Decision, before: Decision) -> bool:
         return _errs_less(problem, found, before, judging)
 
+    begun = watch.done
     first = _with_another_law(problem, decision, holds, watch)
     if first is decision:
         return decision
+    work = watch.done - begun
     left = structure_left(problem, first)
     if left == 0.0:
         return first
@@ -79,7 +81,7 @@ def with_learned_laws(
         complete, left = found, structure_left(problem, found)
         if left == 0.0 and holds(complete, first):
             return complete
-    return _with_another_law(problem, first, holds, watch)
+    return _with_another_law(problem, first, holds, watch, work)
 
 
 def with_laws_alone(problem: Problem, base: Fitted, judging: Sequence[NDArray[np.bool_]], watch: Watch) -> Decision:
@@ -88,10 +90,11 @@ def with_laws_alone(problem: Problem, base: Fitted, judging: Sequence[NDArray[np
     def holds(found: Decision, before: Decision) -> bool:
         return _errs_less(problem, found, before, judging)
 
+    begun = watch.done
     first = _with_another_law(problem, Decision(base, base), holds, watch)
     if not first.laws or structure_left(problem, first) == 0.0:
         return first
-    return _with_another_law(problem, first, holds, watch)
+    return _with_another_law(problem, first, holds, watch, watch.done - begun)
 
 
 def _errs_less(problem: Problem, found: Decision, before: Decision, judging: Sequence[NDArray[np.bool_]]) -> bool:
@@ -107,25 +110,34 @@ def structure_left(problem: Problem, decision: Decision) -> float:
 
 
 def _with_another_law(
-    problem: Problem, decision: Decision, holds: Callable[[Decision, Decision], bool], watch: Watch
+    problem: Problem,
+    decision: Decision,
+    holds: Callable[[Decision, Decision], bool],
+    watch: Watch,
+    ahead: float = 0.0,
 ) -> Decision:
-    """The decision with the likeliest law beside it; the same where none has enough evidence, or it does not hold."""
-    watch.take_stock(LAWS)
+    """The decision with the likeliest law beside it; the same where none has enough evidence, or it does not hold.
+
+    ``ahead`` is the work that it may take: that of the law before it.
+    """
+    watch.take_stock(LAWS, ahead)
     # A first law is most of what a simulation lacks whose names are not exact.
     part = "another law without a name" if decision.laws else "a law without a name"
     if watch.no_time_for(part, needed=not decision.laws):
         return decision
     watch.say("learning a law without a name")
     coefficients = _coefficients_hold(decision)
+    begun = watch.done
     law = _likeliest(problem, decision.improved, coefficients)
     if law is None:
         return decision
+    work = watch.done - begun
     best = replace(decision, laws=(*decision.laws, law))
     if not holds(best, decision):
         return decision
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure.
-        watch.take_stock(LAWS)
+        watch.take_stock(LAWS, work)
         if structure_left(problem, best) == 0.0 or watch.no_time_for("a law on more knots"):
             break
         finer = _learned(problem, decision.improved, best.laws[-1].law.refined(), coefficients)
@@ -188,7 +200,7 @@ def _with_effect_beside(
         decision,
         fitted=fitted,
         rivals=[*decision.rivals, ranked],
-        without=leaving_out(problem, decision.base, fitted, known),
+        without=leaving_out(problem, decision.base, fitted, known, watch),
         laws=laws,
         certain=decision.certain | {effect.identifier},
     )

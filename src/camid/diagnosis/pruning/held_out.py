@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.pruning.simplest_effects import without_effect
 from camid.diagnosis.residual.residual_structure import FAILED_ERROR_RATIO
 from camid.diagnosis.search.effect_selection import Decision
-from camid.diagnosis.watch import LAWS, Watch
+from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -40,8 +40,9 @@ def borne_out(
         How many of the model's effects the nominal simulation holds already.
     watch : Watch
     """
-    watch.take_stock(LAWS)
-    while decision.rivals and not watch.no_time_for("holding the effects against rows that were not fitted"):
+    # That costs next to nothing, and what it refuses would be a wrong name.
+    part = "holding the effects against rows that were not fitted"
+    while decision.rivals and not watch.no_time_for(part, needed=True):
         fitted = decision.fitted
         evidence = [held_out_evidence(problem, fitted, without, judging) for without in decision.without]
         worst = int(np.argmin(evidence))
@@ -49,7 +50,7 @@ def borne_out(
         coloured = len(fitted.noise.whitening) > 1
         if evidence[worst] >= -REFUTED or (coloured and not _fails(problem, decision, worst, judging)):
             break
-        decision = without_effect(problem, decision, known, worst)
+        decision = without_effect(problem, decision, known, worst, watch)
     return decision
 
 

@@ -21,7 +21,7 @@ from camid.diagnosis.search.effect_selection import FALSE_ALARM_BESIDE_OTHERS, L
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.screening import metrics, projector
-from camid.diagnosis.watch import Watch
+from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import WORKERS, Problem
 
@@ -68,10 +68,10 @@ def simplest(
         if _shows_elsewhere(problem, decision, known + weakest, decision.without[weakest], inexact):
             certain.add(effects[weakest].identifier)
             continue
-        decision = without_effect(problem, decision, known, weakest)
+        decision = without_effect(problem, decision, known, weakest, watch)
     decision = replace(decision, certain=frozenset(certain))
     for index in range(len(decision.rivals)):
-        decision = _special(problem, decision, known, index, noise)
+        decision = _special(problem, decision, known, index, noise, watch)
     return decision
 
 
@@ -103,15 +103,19 @@ def _explained(without: Fitted, fitted: Fitted, noise: float) -> float:
     return (without.cost - fitted.cost) / max(without.cost - noise, 1e-300)
 
 
-def without_effect(problem: Problem, decision: Decision, known: int, index: int) -> Decision:
+def without_effect(
+    problem: Problem, decision: Decision, known: int, index: int, watch: Watch | None = None
+) -> Decision:
     """The decision without one of its effects, the others fitted again."""
     rivals = decision.rivals[:index] + decision.rivals[index + 1 :]
     fitted = decision.without[index]
-    without = leaving_out(problem, decision.base, fitted, known)
+    without = leaving_out(problem, decision.base, fitted, known, watch)
     return replace(decision, fitted=fitted, rivals=rivals, without=without)
 
 
-def _special(problem: Problem, decision: Decision, known: int, index: int, noise: float) -> Decision:
+def _special(
+    problem: Problem, decision: Decision, known: int, index: int, noise: float, watch: Watch | None
+) -> Decision:
     """The decision with the special case of an effect in its place, if that explains nearly as much."""
     model = decision.fitted.model
     general = model.effects[known + index]
@@ -130,18 +134,21 @@ def _special(problem: Problem, decision: Decision, known: int, index: int, noise
     others = [h for h in decision.rivals[index] if h.identifier not in {special.identifier}]
     ranked = [Hypothesis(special.identifier, fitted), *others]
     rivals = [*decision.rivals[:index], ranked, *decision.rivals[index + 1 :]]
-    return replace(decision, fitted=fitted, rivals=rivals, without=leaving_out(problem, decision.base, fitted, known))
+    return replace(
+        decision, fitted=fitted, rivals=rivals, without=leaving_out(problem, decision.base, fitted, known, watch)
+    )
 
 
-def leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int) -> list[Fitted]:
-    """The model without each of its effects, fitted."""
+def leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int, watch: Watch | None = None) -> list[Fitted]:
+    """The model without each of its effects, fitted: from its own coefficients and, if there is time, the base's."""
     count = len(fitted.model.effects) - known
     if count == 1:
         return [base]
-    # Each from its own coefficients and from those of the base.
-    own = [fitted.model.without(known + i) for i in range(count)]
-    other = [replace(m, coefficients=base.model.coefficients, initial=base.model.initial) for m in own]
-    starts = [start for pair in zip(own, other, strict=True) for start in pair]
+    starts = [fitted.model.without(known + i) for i in range(count)]
+    if watch is not None:
+        watch.take_stock(NAMES)
+    if watch is None or not watch.no_time_for("models without an effect from other coefficients"):
+        starts += [replace(m, coefficients=base.model.coefficients, initial=base.model.initial) for m in starts]
     with ThreadPoolExecutor(WORKERS) as pool:
         found = list(pool.map(lambda start: fit(problem, start, steps=ALL_STEPS), starts))
-    return [min(pair, key=lambda f: f.cost) for pair in zip(found[::2], found[1::2], strict=True)]
+    return [min(found[i::count], key=lambda f: f.cost) for i in range(count)]
