@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camid.analysis.diagnosed_responses import diagnosed_responses
-from camid.analysis.frequency_response import FrequencyResponses
+from camid.analysis.diagnosed_responses import DiagnosedResponses
 from camid.commands.results import DiagnosisResult
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
 from camid.diagnosis.provenance import provenance_of
@@ -129,7 +128,7 @@ def _diagnosed(
     sources = recording if isinstance(recording, list | tuple) else [recording]
     found = replace(
         diagnosis,
-        responses=_responses(believed, diagnosis, recordings),
+        response_source=_responses(believed, diagnosis, recordings),
         provenance=provenance_of(sources, believed.source, _first_stamps(sources, recordings)),
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
@@ -143,14 +142,12 @@ def _diagnosed(
     return DiagnosisResult.of(found, sources, believed)
 
 
-def _responses(
-    believed: Simulation, diagnosis: Diagnosis, recordings: Sequence[Recording]
-) -> FrequencyResponses | None:
+def _responses(believed: Simulation, diagnosis: Diagnosis, recordings: Sequence[Recording]) -> DiagnosedResponses:
     """Of the plant before and after."""
     models = {AS_GIVEN: believed, REFITTED: diagnosis.refitted, IMPROVED: diagnosis.improved}
     if not (diagnosis.findings or diagnosis.learned):
         del models[IMPROVED]
-    return diagnosed_responses({name: model for name, model in models.items() if model is not None}, recordings)
+    return DiagnosedResponses({name: model for name, model in models.items() if model is not None}, recordings)
 
 
 def _first_stamps(sources: Sequence[RecordingSource], recordings: Sequence[Recording]) -> list[float | None]:

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from camid.diagnosis.diagnosis import Undetectable
-from camid.diagnosis.search.effect_selection import FALSE_ALARM
+from camid.diagnosis.search.effect_selection import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS
 from camid.diagnosis.search.screening import Metric, ScreenedEffect, metrics, signature, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -24,13 +24,13 @@ SIMULATIONS = 6
 LARGEST_FACTOR = 1e4
 
 
-def needed(problem: Problem, effect: type[Effect]) -> float:
-    """Root of the expected gain at which 95 % of the recordings detect an effect."""
+def needed(problem: Problem, effect: type[Effect], level: float = FALSE_ALARM) -> float:
+    """Root of the expected gain at which 95 % of recordings detect an effect at a probability of false alarms."""
     from scipy.special import chdtri
 
     count = sum(not e.noise_like for e in known_effects().values())
     freedom = max(len(effect.numeric()), 1)
-    threshold = float(chdtri(freedom, FALSE_ALARM / (trials(effect, problem) * count)))
+    threshold = float(chdtri(freedom, level / (trials(effect, problem) * count)))
     return float(np.sqrt(threshold)) + POWER
 
 
@@ -51,6 +51,7 @@ def undetectable(
     """
     situation = problem.situation(fitted.model)
     view = metrics(problem, fitted)[-1]
+    level = FALSE_ALARM_BESIDE_OTHERS if found else FALSE_ALARM
     shapes: dict[str, list[ScreenedEffect]] = {}
     for candidate in screened:
         shapes.setdefault(candidate.effect.identifier, []).append(candidate)
@@ -74,7 +75,7 @@ def undetectable(
                 identifier,
                 "with this input a change of the plant's coefficients imitates it, or it has no meaning here",
             )
-        return _smallest(problem, fitted, view, max(visible, key=lambda c: c.visible))
+        return _smallest(problem, fitted, view, max(visible, key=lambda c: c.visible), level)
 
     items = [i for i in sorted(known_effects().items()) if i[0] not in found]
     with ThreadPoolExecutor(WORKERS) as pool:
@@ -91,10 +92,10 @@ def _visible(problem: Problem, fitted: Fitted, view: Metric, effect: Effect) -> 
     return size / float(np.sqrt(max(view.variance, 1e-300))), 1.0 - (size / whole) ** 2 if whole > 0.0 else 1.0
 
 
-def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: ScreenedEffect) -> Undetectable:
+def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: ScreenedEffect, level: float) -> Undetectable:
     """Size of an effect of one shape at which it is detected in 95 % of the recordings."""
     effect, kind = candidate.effect, type(candidate.effect)
-    wanted = needed(problem, kind)
+    wanted = needed(problem, kind, level)
     visible, imitated = _visible(problem, fitted, view, effect)
     factor = 1.0
     for _ in range(SIMULATIONS):

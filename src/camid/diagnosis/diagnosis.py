@@ -16,6 +16,7 @@ from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
+    from camid.analysis.diagnosed_responses import DiagnosedResponses
     from camid.analysis.frequency_response import FrequencyResponses
     from camid.diagnosis.effect_signals import EffectSignals
     from camid.diagnosis.remaining_hypotheses import Conditions, RemainingHypothesis
@@ -268,8 +269,8 @@ class Diagnosis:
         What the first recording shows of the effects that are named, and of the learned laws.
     refitted : Simulation or None
         As given, its coefficients re-estimated.
-    responses : FrequencyResponses or None
-        Of the plant as given, re-estimated and improved, where it has an input and a linear part.
+    response_source : DiagnosedResponses or None
+        What the frequency responses are made from.
     provenance : Provenance or None
         Where all of this comes from.
     """
@@ -300,8 +301,13 @@ class Diagnosis:
     conditions: Conditions | None = None
     effect_signals: list[EffectSignals] = field(default_factory=list)
     refitted: Simulation | None = None
-    responses: FrequencyResponses | None = None
+    response_source: DiagnosedResponses | None = None
     provenance: Provenance | None = None
+
+    @property
+    def responses(self) -> FrequencyResponses | None:
+        """Of the plant as given, re-estimated and improved, where it has an input and a linear part."""
+        return None if self.response_source is None else self.response_source.found
 
     @property
     def compared(self) -> str:

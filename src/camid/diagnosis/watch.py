@@ -69,10 +69,10 @@ class Watch:
         if self.effort is not None and self._work is not None:
             self._spent = self.done + ahead >= share * self._bound
 
-    def batches(self, items: Sequence[Item], share: float = NAMES) -> Iterator[Sequence[Item]]:
+    def batches(self, items: Sequence[Item]) -> Iterator[Sequence[Item]]:
         """A few items at a time, before each of which stock is taken."""
         for first in range(0, len(items), BATCH):
-            self.take_stock(share)
+            self.take_stock(NAMES)
             yield items[first : first + BATCH]
 
     def say(self, sentence: str) -> None:

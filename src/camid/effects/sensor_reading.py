@@ -109,29 +109,6 @@ class SensorDrift(Effect):
         return situation.far_from_zero
 
 
-def smoothest_signs(distances: Array) -> Array:
-    """Signs, shape (N,), that make the sum of squared second differences of a signal smallest, the first positive.
-
-    By dynamic programming over the signs of two neighbouring samples (Viterbi 1967); the whole may be reversed.
-    """
-    signs, count = np.array([1.0, -1.0]), len(distances)
-    if count < 3:
-        return np.ones(count)
-    cost = np.zeros((2, 2))  # of the best signs so far, by those of the last two samples
-    choices = np.zeros((count, 2, 2), np.intp)
-    for k in range(2, count):
-        last = distances[k - 2 : k + 1]
-        second = signs[:, None, None] * last[0] - 2.0 * signs[None, :, None] * last[1] + signs[None, None, :] * last[2]
-        total = cost[:, :, None] + second**2
-        choices[k] = np.argmin(total, axis=0)
-        cost = np.min(total, axis=0)
-    found = np.empty(count, np.intp)
-    found[-2], found[-1] = np.unravel_index(int(np.argmin(cost)), (2, 2))
-    for k in range(count - 1, 1, -1):
-        found[k - 2] = choices[k][found[k - 1], found[k]]
-    return signs[found] * signs[found[0]]
-
-
 class AbsoluteValue(Effect):
     """The sensor knows the distance from its zero, not the direction."""
 
@@ -147,14 +124,6 @@ class AbsoluteValue(Effect):
     def observe(self, output: Array, time: Array) -> Array:
         """Drop the sign."""
         return np.abs(output)
-
-    @classmethod
-    def undone(cls, recorded: Array) -> Array | None:
-        """The smoothest motion with these distances from zero, if it passes zero."""
-        if np.min(recorded) < 0.0:
-            return None
-        signs = smoothest_signs(recorded)
-        return signs * recorded if np.any(signs < 0.0) else None
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import inf, isfinite
+from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,12 +132,3 @@ class Limits:
         # Towards zero: what is rounded up would leave the range.
         factor = 10.0**decimals
         return np.asarray(np.trunc(signal * factor + np.sign(signal) * 1e-6) / factor)
-
-    def without_positions(self) -> Limits:
-        """The same for a rig that starts where it rests."""
-        return replace(self, positions=())
-
-
-def no_limit() -> float:
-    """A rate that limits nothing."""
-    return inf

@@ -107,11 +107,6 @@ class LinearisedLaw:
         """F for laws that still hold what the coefficients absorb, shape (n, G)."""
         return np.asarray(self.factor - (self.factor @ self.absorbed.on_grid) @ self.absorbed.parts)
 
-    def left_by(self, values: Array) -> float:
-        """Sum of squares that a law leaves."""
-        missed = self.factor_of_any @ values - self.target
-        return float(missed @ missed) + self.rest
-
 
 @dataclass(frozen=True)
 class LawTable:

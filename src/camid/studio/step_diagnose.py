@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
+from camid.diagnosis.watch import TIME_LIMIT
 from camid.studio.project import DIAGNOSIS
-from camid.studio.work import TIME_LIMIT
 
 if TYPE_CHECKING:
     from camid.studio.page import Page
@@ -19,7 +19,7 @@ def draw(page: Page) -> None:
     """The button, the verdict and the report."""
     project, work = page.work.project, page.work
     ui.label(
-        "Finds, names and models what the simulation leaves out. It takes half a minute to a few minutes."
+        "Finds, names and models what the simulation leaves out, in seconds to a quarter of a minute, seldom more."
     ).classes("studio-note")
     limit = page.chosen.setdefault("limit", TIME_LIMIT)
     with ui.element("div").classes("studio-buttons"):

@@ -9,13 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from camid.diagnosis.watch import TIME_LIMIT
 from camid.errors import InputError
 from camid.studio import declaration
 from camid.studio.job import Job
 from camid.studio.project import COMPARISON, DIAGNOSIS, FRAME, MODEL, PREVIEW, SIMULATION, Project
-
-# Seconds: what diagnose takes for its limit unless another one is typed.
-TIME_LIMIT = 120.0
 
 
 @dataclass

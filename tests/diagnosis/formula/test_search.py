@@ -85,7 +85,7 @@ def test_nothing_outside_of_the_dictionary_is_taken_for_a_form():
 
 def test_in_noise_no_form_explains_more_than_chance():
     law = linearised(lambda x: 0.0 * x)
-    nothing = law.left_by(np.zeros(len(law.grid)))
+    nothing = float(law.target @ law.target) + law.rest
     for each in fitted_forms(law):
         # Thresholds and periods may be chosen among many.
         assert (nothing - each.left) / NOISE**2 < 12.0 + 4.0 * each.form.count

@@ -311,6 +311,8 @@ def _script() -> str:
 
 def load() -> None:
     """Import and prepare everything that drawing a page needs, which takes longer than the drawing itself."""
+    import scipy.signal  # noqa: F401 - the recordings' frequency responses need it
+
     from camid.diagnosis.report.panel import inline_svg, look_of_the_project, new_panel
 
     with look_of_the_project():

@@ -1,4 +1,4 @@
-"""Which effects a recording supports: forward selection with swaps and backward removal, and what it cannot tell.
+"""Which effects a recording supports: forward selection with swaps and backward removal.
 
 Hypotheses are compared by Bayes's criterion, tempered where the residual is not white; see
 :meth:`camid.fitting.fit.Fitted.criterion_beyond`. An effect is added where the likelihood ratio would be exceeded by

@@ -63,7 +63,7 @@ def raced(problem: Problem, start: Model) -> list[Model]:
 
 
 def _entrants(part: Problem, base: Fitted) -> list[Model]:
-    """Every effect that the first horizon does not contradict, in the size that it suggests."""
+    """The likeliest shapes of every effect over the first horizon, in the size that it suggests."""
     shapes: dict[str, list[ScreenedEffect]] = {}
     for candidate in screen(part, base):
         known = shapes.setdefault(candidate.effect.identifier, [])

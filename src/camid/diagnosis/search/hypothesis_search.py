@@ -37,14 +37,12 @@ MOST_THOROUGH = 6
 
 @dataclass(frozen=True)
 class SearchEffort:
-    """How many candidates of a screening are fitted, and how far.
+    """How many candidates of a screening are fitted.
 
     Attributes
     ----------
     effects : int
         Different effects that are fitted.
-    steps : int
-        Evaluations for a first fit.
     least_share : float
         Candidates whose screened gain is below this share of the best are not fitted.
     gap_share : float
@@ -53,7 +51,6 @@ class SearchEffort:
     """
 
     effects: int
-    steps: int = FIRST_STEPS
     least_share: float = 0.01
     gap_share: float = 0.0
 
@@ -99,7 +96,7 @@ def hypotheses(
     def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
         if watch.no_time_for(candidate.effect.identifier):
             return None
-        return _fitted_first(problem, base, _start_of(candidate), effort.steps)
+        return _fitted_first(problem, base, _start_of(candidate))
 
     def fitted_from(model: Model) -> Hypothesis | None:
         identifier = model.effects[-1].identifier
@@ -135,9 +132,9 @@ def _fitted_thoroughly(problem: Problem, hypothesis: Hypothesis, watch: Watch) -
     return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
 
 
-def _fitted_first(problem: Problem, base: Fitted, effect: Effect, steps: int) -> Hypothesis | None:
+def _fitted_first(problem: Problem, base: Fitted, effect: Effect) -> Hypothesis | None:
     """A few steps of a fit from an effect beside a base."""
-    found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), steps, base)
+    found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), FIRST_STEPS, base)
     return found if found is not None and found.fitted.cost < base.cost else None
 
 

@@ -63,15 +63,12 @@ class ScreenedEffect:
     visible : float
         Size of what the coefficients cannot imitate, in standard deviations of the noise: the root of the gain to be
         expected if the effect were there at this size.
-    imitated : float
-        Share of the change of the output that the coefficients imitate.
     """
 
     effect: Effect
     gain: float
     factor: float
     visible: float
-    imitated: float
 
 
 def trials(effect: type[Effect], problem: Problem) -> float:
@@ -99,12 +96,12 @@ def try_own_effects(problem: Problem, base: Fitted) -> None:
                 refuse_raised_by(kind, error)
 
 
-def candidates(problem: Problem, base: Fitted, only: set[str] | None = None) -> Iterator[Effect]:
+def candidates(problem: Problem, base: Fitted) -> Iterator[Effect]:
     """All first guesses of the catalogue that are not in the model already."""
     views = problem.situations(base.model)
     present = {e.identifier for e in base.model.effects}
     for identifier, effect in sorted(known_effects().items()):
-        if effect.noise_like or identifier in present or (only is not None and identifier not in only):
+        if effect.noise_like or identifier in present:
             continue
         view = views.of(effect)
         if problem.kind.unseen(effect) is None and effect.invisible(view) is None:
@@ -222,22 +219,18 @@ def alike(one: Effect, other: Effect) -> bool:
     return words[0] == words[1] and bool(np.allclose(one.vector, other.vector, rtol=ALIKE, atol=0.0))
 
 
-def screen(
-    problem: Problem, base: Fitted, only: set[str] | None = None, signatures: Signatures | None = None
-) -> list[ScreenedEffect]:
+def screen(problem: Problem, base: Fitted, signatures: Signatures | None = None) -> list[ScreenedEffect]:
     """Every first guess with its gain, the highest first.
 
     Parameters
     ----------
     problem : Problem
     base : Fitted
-    only : set of str, optional
-        Effects to screen.
     signatures : Signatures, optional
         Of earlier screenings of the same rows; what is simulated is added.
     """
     views = metrics(problem, base)
-    listed = dict(_listed(candidates(problem, base, only)))
+    listed = dict(_listed(candidates(problem, base)))
     known = signatures.near(problem, base, listed) if signatures else {}
     judge = partial(_judged, problem, views)
     # A change of the output is as long as the recordings: it is kept only where it will be wanted again.
@@ -291,7 +284,7 @@ def _listed(effects: Iterator[Effect]) -> Iterator[tuple[_Key, Effect]]:
 
 def _judged(problem: Problem, views: Sequence[Metric], effect: Effect, change: Array) -> ScreenedEffect:
     """What the residual says about an effect that changes the output so, shape (M,)."""
-    best = ScreenedEffect(effect, 0.0, 0.0, 0.0, 1.0)
+    best = ScreenedEffect(effect, 0.0, 0.0, 0.0)
     if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * problem.output_spread:
         return best
     imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
@@ -308,6 +301,5 @@ def _judged(problem: Problem, views: Sequence[Metric], effect: Effect, change: A
             gain = 0.0
         noise = max(view.variance - gain / len(rest), 1e-300)
         if gain / remaining >= best.gain:
-            visible, kept = size / float(np.sqrt(noise)), (size / whole) ** 2
-            best = ScreenedEffect(effect, gain / remaining, factor, visible, 1.0 - kept)
+            best = ScreenedEffect(effect, gain / remaining, factor, size / float(np.sqrt(noise)))
     return best

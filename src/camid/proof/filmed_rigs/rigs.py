@@ -5,7 +5,7 @@ Nothing here imports camid. Lengths are in px of the image where the scale is on
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, copysign, exp, log, pi
 from typing import Any
 
@@ -259,8 +259,3 @@ def simulation(rig: Rig, motion: Run) -> dict[str, Any]:
         "sensor": {"column": "y" if rig.vertical else "x", "kind": "camera", "exposure": rig.exposure},
         "initial_state": "estimate",
     }
-
-
-def shortened(rig: Rig, frames: int) -> Rig:
-    """The same with fewer frames."""
-    return replace(rig, frames=frames)
