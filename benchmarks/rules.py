@@ -56,6 +56,10 @@ RULES: dict[str, dict[str, Any]] = {
     "no further names beside an inexact law": {"search.effect_selection.laws_are_inexact": _never},
     "a look beside a name that chance may explain": {"search.effect_selection.WORTH_A_LOOK": 1.0},
     "further shapes of a resonance": {"search.hypothesis_search._further_shapes": _none},
+    "laws that do nearly the same": {
+        "search.hypothesis_search._relatives": _none,
+        "search.effect_selection.relatives_in_place": _none,
+    },
     "starts from other coefficients": {"search.hypothesis_search._starts_elsewhere": _none},
     "a race where all are far off": {"search.hypothesis_search._is_lost": _never},
     "laws with more detail": {"search.hypothesis_search.finer_laws": _none},

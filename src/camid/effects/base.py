@@ -271,6 +271,13 @@ class Effect:
         """A simpler effect of about the same size that is a special case of this one; None if there is none."""
         return None
 
+    def relatives(self) -> tuple[Effect, ...]:
+        """Other effects that do nearly the same, in the shape in which they do.
+
+        A search that has fitted this one starts them from there, too: their own first guesses may lead elsewhere.
+        """
+        return ()
+
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """First guesses of a finer law beside values that are known of it."""

@@ -88,6 +88,10 @@ class ParallelMode(Effect):
         gain = self.values["gain"]
         return second_order(gain, self.values["natural_frequency"], self.values["damping"]) if gain != 0.0 else None
 
+    def relatives(self) -> tuple[Effect, ...]:
+        """The same mode in series."""
+        return (ExtraMode(natural_frequency=self.values["natural_frequency"], damping=self.values["damping"]),)
+
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Frequencies from a third of the plant's to beyond the Shannon limit, lightly and well damped."""

@@ -111,6 +111,7 @@ def hypotheses(
             runners = raced(problem, nominal)
             first += [h for some in watch.batches(runners) for h in pool.map(fitted_from, some) if h is not None]
         first += _simpler(problem, base, first)
+        first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
         ranked = best_of_each(first)
         further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
         ranked = best_of_each([*ranked, *_in_other_minima(problem, further, pool, watch)])
@@ -246,6 +247,21 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
             if special is not None:
                 found[special.identifier] = special
     return list(found.values())
+
+
+def _relatives(base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
+    """Models in which effects that do nearly the same take the place of those that explain something."""
+    models = []
+    for hypothesis in best_of_each(fitted):
+        if hypothesis.beyond(Hypothesis("", base)) < 0.0:
+            model = hypothesis.fitted.model
+            present = {e.identifier for e in model.effects}
+            models += [
+                replace(model, effects=(*model.effects[:-1], relative))
+                for relative in model.effects[-1].relatives()
+                if relative.identifier not in present
+            ]
+    return models
 
 
 def _start_of(candidate: ScreenedEffect) -> Effect:

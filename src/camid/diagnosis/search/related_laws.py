@@ -1,6 +1,6 @@
 """Laws that are related to one that a model holds, fitted from where that one is.
 
-Its special case, and laws with more detail.
+Its special case, what does nearly the same, and laws with more detail.
 """
 
 from __future__ import annotations
@@ -23,6 +23,18 @@ def special_case(problem: Problem, general: Fitted, index: int, known: set[str])
         return None
     others = (*model.effects[:index], *model.effects[index + 1 :])
     return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
+
+
+def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
+    """What does nearly the same as one of a model's effects in its place, fitted from there."""
+    model = fitted.model
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    found = [
+        fitted_hypothesis(problem, relative.identifier, replace(model, effects=(*others, relative)), ALL_STEPS)
+        for relative in model.effects[index].relatives()
+        if relative.identifier not in {e.identifier for e in others}
+    ]
+    return [h for h in found if h is not None]
 
 
 def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
