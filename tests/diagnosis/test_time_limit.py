@@ -6,7 +6,7 @@ import pytest
 
 import camid
 from camid.cli import main
-from camid.diagnosis.watch import WORK, WORK_OF_ROW, Watch
+from camid.diagnosis.watch import LAWS, WORK, WORK_OF_ROW, Watch
 from camid.engine.work import ROW, RUN, Work
 from tests.support.mass_on_spring import effect, record, simulation
 
@@ -85,3 +85,15 @@ def test_the_command_warns_and_writes(recording, tmp_path, capsys):
     assert main(["diagnose", *arguments, "--no-report", "--time-limit", "1e-9"]) == 0
     assert "not tried: effects of the catalogue" in " ".join(capsys.readouterr().err.split())
     assert json.loads((tmp_path / "d/diagnosis.json").read_text(encoding="utf-8"))["verdict"] == "unexplained"
+
+
+def test_what_is_ahead_counts_as_done():
+    work, watch = Work(), Watch(effort=1.0)
+    watch.count(work, 0)
+    work.add_run(0)
+    watch.take_stock(LAWS, 0.5 * WORK)
+    assert not watch.no_time_for("a second law")
+    watch.take_stock(LAWS, WORK)
+    assert watch.no_time_for("a second law")
+    watch.take_stock(LAWS)
+    assert not watch.no_time_for("what costs nothing")

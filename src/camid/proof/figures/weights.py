@@ -42,8 +42,8 @@ def draw(weights: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         label="measured",
     )
     for row in table.to_dict("records"):
-        # Above the point on the left, below it on the right: away from the diagonal and from the frame.
-        left = row["weight"] < 0.5
+        # Beside the point on its own side of the diagonal, and so away from that and from the line.
+        left = row["share"] >= row["weight"]
         axes.annotate(
             f"{row['members']}",
             (row["weight"], row["share"]),

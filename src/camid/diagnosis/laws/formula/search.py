@@ -94,13 +94,8 @@ def fitted_forms(law: LinearisedLaw, forms: Sequence[Form] = FORMS) -> list[Fitt
         if form.bends:
             guesses = list(form.starts(visited))
             lefts = _left(law, np.stack([form.columns(x, guess) for guess in guesses]))
-            bent.append(
-                (
-                    float(np.min(lefts)),
-                    form,
-                    [(float(a), tuple(b.tolist())) for a, b in zip(lefts, guesses, strict=True)],
-                )
-            )
+            starts = [(float(left), tuple(guess.tolist())) for left, guess in zip(lefts, guesses, strict=True)]
+            bent.append((min(starts)[0], form, starts))
             continue
         left, amplitudes = _amplitudes(law, form.columns(x, np.zeros(0)))
         found.append(FittedForm(form, amplitudes, np.zeros(0), length, left))
