@@ -19,6 +19,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.camera_models import model_1_response
 from camid.errors import InputError
 from camid.identification.from_recordings import acquisition_of
+from camid.identification.welch import cross_spectrum
 from camid.number_text import plain
 from camid.recording.recording import Recording
 from camid.simulation.model import Simulation
@@ -127,8 +128,6 @@ def empirical_response(
     InputError
         If there is no input, or too little of it.
     """
-    from scipy.signal import csd
-
     column = simulation.input_column
     if column is None:
         raise InputError(
@@ -151,7 +150,7 @@ def empirical_response(
         drive = reference[0] if reference else u
         pairs = {"du": (drive, u), "dy": (drive, y), "dd": (drive, drive), "uu": (u, u), "yy": (y, y)}
         for name, (first, second) in pairs.items():
-            frequency, spectrum = csd(first, second, 1.0 / acquisition.period, "hann", rows, rows // 2)
+            frequency, spectrum = cross_spectrum(first, second, acquisition.period, rows)
             sums[name] = sums.get(name, np.zeros(len(frequency))) + count * spectrum
     inner = slice(1, -1)
     angular = 2.0 * pi * frequency[inner]

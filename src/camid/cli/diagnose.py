@@ -61,14 +61,15 @@ def diagnose(
     All recordings are fitted, and a fifth of each validates, unless the simulation says which rows do.
     """
     from camid.diagnosis.report.beside import PageDrawnBeside
-    from camid.diagnosis.results_folder import RESULTS, write_diagnosis
-    from camid.writing import check_folder, without_infinities
 
     if report:
         need("report.html", "plots", hint="or say --no-report")
-    check_folder(output, RESULTS, [*recording, simulation, *effects])
     with ExitStack() as stack:
         drawn_beside = stack.enter_context(PageDrawnBeside()) if report else None
+        from camid.diagnosis.results_folder import RESULTS, write_diagnosis
+        from camid.writing import check_folder, without_infinities
+
+        check_folder(output, RESULTS, [*recording, simulation, *effects])
         progress = stack.enter_context(progress_display(as_json))
         from camid.commands.diagnose import diagnose as run
 

@@ -52,10 +52,10 @@ class NoiseModel:
         """Rows, shape (N,) or (N, p), in standard deviations of white noise."""
         if len(self.whitening) == 1:
             return np.asarray(rows / self.deviation)
-        from scipy.signal import lfilter
-
-        filtered = lfilter(self.whitening, [1.0], rows, axis=0)
-        filtered[: len(self.whitening) - 1] = 0.0
+        order = len(self.whitening) - 1
+        filtered = np.zeros(np.shape(rows))
+        for lag, share in enumerate(self.whitening):
+            filtered[order:] += share * rows[order - lag : len(rows) - lag]
         return np.asarray(filtered / self.deviation)
 
 

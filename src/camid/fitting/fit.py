@@ -16,6 +16,7 @@ from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import WORKERS, Noise, Problem
 from camid.fitting.updated_derivative import UpdatedDerivative
+from camid.identification.autoregression import coloured
 
 Array = NDArray[np.float64]
 
@@ -98,9 +99,7 @@ class Fitted:
         length = float(change @ change)
         if len(self.noise.whitening) == 1 or length <= 0.0 or not np.isfinite(length):
             return 1.0
-        from scipy.signal import lfilter
-
-        carried = lfilter([1.0], self.noise.whitening, change[::-1])
+        carried = coloured(change[::-1], self.noise.whitening)
         innovations = self.problem.whitened(self.residual, self.noise.whitening)
         return max(float(carried @ carried) / length * float(innovations @ innovations) / max(self.cost, 1e-300), 1.0)
 
@@ -139,10 +138,8 @@ class Fitted:
         if self.weighted or len(self.noise.whitening) == 1:
             inverse = inverse * variance
         else:
-            from scipy.signal import lfilter
-
             # Noise e = H ε has the covariance σ² H Hᵀ; Hᵀ runs backwards through the rows.
-            carried = lfilter([1.0], self.noise.whitening, alone[::-1], axis=0)
+            carried = coloured(alone[::-1], self.noise.whitening)
             spread = float(innovations @ innovations) / max(len(residual) - len(lengths), 1)
             inverse = inverse @ (carried.T @ carried) @ inverse * spread
         result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])

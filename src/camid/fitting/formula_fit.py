@@ -15,6 +15,7 @@ from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.fitting.updated_derivative import UpdatedDerivative
+from camid.identification.autoregression import coloured
 
 Array = NDArray[np.float64]
 
@@ -222,10 +223,8 @@ def _covariance(fitted: Fitted, table: Array) -> Array:
     if len(fitted.noise.whitening) == 1:
         inverse = inverse * fitted.cost / freedom
     else:
-        from scipy.signal import lfilter
-
         innovations = fitted.problem.whitened(fitted.residual, fitted.noise.whitening)
-        carried = lfilter([1.0], fitted.noise.whitening, scaled[::-1], axis=0)
+        carried = coloured(scaled[::-1], fitted.noise.whitening)
         inverse = inverse @ (carried.T @ carried) @ inverse * float(innovations @ innovations) / freedom
     result = np.full((len(lengths), len(lengths)), np.inf)
     result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])

@@ -13,10 +13,13 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import camid
-from camid.diagnosis.diagnosis import Diagnosis
+
+# It is started before anything that takes long to load.
+if TYPE_CHECKING:
+    from camid.diagnosis.diagnosis import Diagnosis
 
 
 class PageDrawnBeside:
@@ -94,7 +97,7 @@ def serve() -> None:
     from camid.diagnosis.report.page import load, render
 
     load()
-    page = render(pickle.load(sys.stdin.buffer))
+    page = render(pickle.load(sys.stdin.buffer), shared=True)
     sys.stdout.buffer.write(page.encode("utf-8", errors="surrogatepass"))
 
 

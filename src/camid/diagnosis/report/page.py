@@ -206,7 +206,7 @@ def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return found
 
 
-def _context(diagnosis: Diagnosis) -> dict[str, Any]:
+def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
     from markupsafe import Markup
 
     import camid
@@ -215,7 +215,7 @@ def _context(diagnosis: Diagnosis) -> dict[str, Any]:
     units = diagnosis.improved.units
     own = diagnosis.own_titles
     seen, unseen = summary.sorted_undetectable(diagnosis.undetectable, own)
-    pictures = draw(diagnosis)
+    pictures = draw(diagnosis, shared=shared)
     state = diagnosis.location.state
     headings = _headings(diagnosis)
     return {
@@ -311,8 +311,6 @@ def _script() -> str:
 
 def load() -> None:
     """Import and prepare everything that drawing a page needs, which takes longer than the drawing itself."""
-    import scipy.signal  # noqa: F401 - the recordings' frequency responses need it
-
     from camid.diagnosis.report.panel import inline_svg, look_of_the_project, new_panel
 
     with look_of_the_project():
@@ -321,10 +319,10 @@ def load() -> None:
     _template()
 
 
-def render(diagnosis: Diagnosis) -> str:
-    """The page as text."""
+def render(diagnosis: Diagnosis, *, shared: bool = False) -> str:
+    """The page as text; ``shared`` as in :func:`camid.diagnosis.report.pictures.draw`."""
     # The file of a learned law is in SI units, as everything that programs read.
-    return _template().render(_context(in_declared_units(diagnosis)), effect_file=effect_file(diagnosis))
+    return _template().render(_context(in_declared_units(diagnosis), shared), effect_file=effect_file(diagnosis))
 
 
 @cache

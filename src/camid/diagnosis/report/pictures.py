@@ -7,6 +7,7 @@ telephone. They keep their text as text, and dense scatters are one path of dots
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis, NormalisedErrors, Signals
 from camid.diagnosis.report.bode_pictures import bode_pictures
+from camid.diagnosis.report.copied_process import begun_in_a_copy
 from camid.diagnosis.report.effect_pictures import Names, effect_pictures, shown_as_force
 from camid.diagnosis.report.learned_pictures import learned_pictures
 from camid.diagnosis.report.panel import (
@@ -207,8 +209,15 @@ def _spectrum(diagnosis: Diagnosis, output: str, named: bool) -> Axes:
     return axes
 
 
-def draw(diagnosis: Diagnosis) -> dict[str, list[Panel]]:
+def draw(diagnosis: Diagnosis, *, shared: bool = False) -> dict[str, list[Panel]]:
     """Draw all panels.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    shared : bool
+        Whether a second process, a copy of this one, draws those of the fit, which take half of the time. For a process
+        that does nothing else: a copy of one with threads at work may hang.
 
     Returns
     -------
@@ -216,14 +225,21 @@ def draw(diagnosis: Diagnosis) -> dict[str, list[Panel]]:
         ``fit`` (before and after), ``response`` (Bode), ``effects`` (what shows the effects that were found),
         ``structure`` (what the missing force depends on, where it is one) and ``learned`` (laws without a name).
     """
-    with look_of_the_project():
-        return {
-            "fit": list(_fit_pictures(diagnosis)),
+    with look_of_the_project(), ExitStack() as stack:
+        fit = (
+            stack.enter_context(begun_in_a_copy(_fit_panels, diagnosis)) if shared else partial(_fit_panels, diagnosis)
+        )
+        others = {
             "response": list(bode_pictures(diagnosis)),
             "effects": list(effect_pictures(diagnosis, _names(diagnosis))),
             "structure": list(_structure_pictures(diagnosis)),
             "learned": list(learned_pictures(diagnosis)),
         }
+        return {"fit": fit(), **others}
+
+
+def _fit_panels(diagnosis: Diagnosis) -> list[Panel]:
+    return list(_fit_pictures(diagnosis))
 
 
 def _named(diagnosis: Diagnosis) -> bool:

@@ -23,6 +23,7 @@ from camid.effects import known_effects
 from camid.effects.base import PLACES
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
+from camid.identification.welch import cross_spectrum
 
 Array = NDArray[np.float64]
 
@@ -281,11 +282,9 @@ def _span(time: Array, residual: Array) -> tuple[float, float] | None:
 
 
 def _band(residual: Array, period: float) -> tuple[float, float] | None:
-    from scipy.signal import welch
-
     length = min(len(residual), 256)
-    frequency, density = welch(residual, 1.0 / period, nperseg=length)
-    found = _shortest(np.maximum(density - np.median(density), 0.0))
+    frequency, density = cross_spectrum(residual, residual, period, length)
+    found = _shortest(np.maximum(density.real - np.median(density.real), 0.0))
     return None if found is None else (float(frequency[found[0]]), float(frequency[found[1] - 1]))
 
 
