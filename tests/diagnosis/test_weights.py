@@ -1,6 +1,7 @@
 """Weights of the names that a recording cannot tell apart, and of physics outside the catalogue."""
 
 from dataclasses import replace
+from math import exp, log
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,7 @@ from camid.diagnosis.weights import (
     Comparison,
     Constants,
     Member,
+    undone_by_generality,
     weight_outside,
     weights,
 )
@@ -62,9 +64,23 @@ def test_a_general_law_that_says_no_more_has_a_smaller_prior():
     assert found["hysteresis"] == pytest.approx(3.0 / 7.0 * found["coulomb-friction"])
 
 
-def test_a_general_law_that_is_not_exact_has_its_prior_too():
-    found = of(Member("stribeck-friction", 100.0, -0.001, general=True))
-    assert found["stribeck-friction"] == pytest.approx(0.3 * 3.0 / 7.0 * found["coulomb-friction"])
+def test_a_general_law_that_does_nothing_more_is_not_there_whether_exact_or_not():
+    found = of(Member("stribeck-friction", 4.0, 0.0, general=True))
+    expected = exp(-2.0) * (0.7 + 0.3 * 3.0 / 7.0)
+    assert found["stribeck-friction"] == pytest.approx(expected * found["coulomb-friction"])
+
+
+@pytest.mark.parametrize(("gain", "asked"), [(4e5, 400.0), (200.0, 1.0)])
+def test_what_makes_a_law_general_is_beforehand_as_large_as_the_effect(gain, asked):
+    """The criterion takes it for as large as one of a thousand rows shows; a noisy recording says no more than that."""
+    member = Member("stribeck-friction", 2.0, 0.0, general=True, more=2)
+    comparison = replace(ALONE, gain=gain, rows=1000)
+    added = undone_by_generality(member, comparison)
+    assert added == pytest.approx(2.0 * log(asked), abs=1e-5)
+    assert undone_by_generality(replace(member, general=False), comparison) == 0.0
+    found = of(member, gain=gain, rows=1000)
+    plain = of(replace(member, gap=2.0 + added, more=0), gain=gain, rows=1000)
+    assert found == pytest.approx(plain)
 
 
 def test_a_class_is_small_and_without_remote_names():

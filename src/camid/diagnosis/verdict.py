@@ -76,6 +76,7 @@ def findings(
             i == strongest,
             linear=effect.imitates_linear_dynamics,
             experiments=different_inputs(problem),
+            rows=len(decision.fitted.residual),
         )
         names, unlisted = weights(comparison)
         own = next((w for name, w in names if name == effect.identifier), 0.0)

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
-from math import exp, inf, log
+from math import exp, inf, log, log1p
 
 UNLISTED = "unlisted"  # alternative of a finding that stands for physics outside the catalogue
 # Weight from which an alternative is worth naming, and how many effects a class may hold.
@@ -84,6 +84,8 @@ class Member:
         Whether it and the likeliest are different laws of the same special case. A law of the rig may then have what
         makes either of them general, and ``left`` is what this one leaves beyond the best of these other laws, their
         special case included.
+    more : int
+        Parameters that it has beyond those of the likeliest.
     """
 
     identifier: str
@@ -92,6 +94,7 @@ class Member:
     special: bool = False
     general: bool = False
     sibling: bool = False
+    more: int = 0
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,8 @@ class Comparison:
         Whether it is an effect on the noise.
     experiments : int
         How many experiments with different inputs are explained.
+    rows : int
+        That are fitted.
     """
 
     members: tuple[Member, ...]
@@ -126,6 +131,7 @@ class Comparison:
     linear: bool = False
     noise: bool = False
     experiments: int = 1
+    rows: int = 1
 
     @property
     def chances(self) -> int:
@@ -167,12 +173,25 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     """
     constants = constants or calibrated()
     unlisted = weight_outside(comparison, constants)
-    raw = [(m.identifier, relative_weight(m, comparison.chances, constants)) for m in comparison.members]
+    members = [replace(m, gap=m.gap + undone_by_generality(m, comparison)) for m in comparison.members]
+    raw = [(m.identifier, relative_weight(m, comparison.chances, constants)) for m in members]
     total = sum(value for _, value in raw)
     raw = sorted(((name, value / total) for name, value in raw), key=lambda item: -item[1])
     kept = [item for item in raw if item[1] >= LEAST_WEIGHT][:LARGEST_CLASS]
     total = sum(value for _, value in kept)
     return [(name, value / total * (1.0 - unlisted)) for name, value in kept], unlisted
+
+
+def undone_by_generality(member: Member, comparison: Comparison) -> float:
+    """What Bayes's criterion asks too little of a law that has the likeliest for its special case.
+
+    The criterion takes what one row says of a parameter for all that is known of it beforehand. What makes a law more
+    general changes a motion beforehand by about as much as the effect itself, which shows in one row in so many
+    thousands of variances as the recording is clean.
+    """
+    if not member.general or member.more <= 0 or not 0.0 < comparison.gain < inf:
+        return 0.0
+    return member.more * max(log1p(comparison.gain) - log(comparison.rows), 0.0)
 
 
 def relative_weight(member: Member, chances: int = 1, constants: Constants | None = None) -> float:
@@ -188,6 +207,8 @@ def relative_weight(member: Member, chances: int = 1, constants: Constants | Non
     # What a special case leaves is what makes its general law general.
     other = 1.0 if member.special else exp(-max(member.left, 0.0) / constants.law_error)
     other *= prior if member.sibling or member.general else 1.0
+    # What makes a law more general, and does nothing, is not there, whether the special case is exact or not.
+    other *= exp(-0.5 * max(member.gap, 0.0)) if member.general else 1.0
     # A general law that fits better than its special case, and says no more, is ranked behind it for its prior.
     exact *= prior if member.general and member.gap < 0.0 else 1.0
     return (1.0 - other_law) * exact + other_law * other

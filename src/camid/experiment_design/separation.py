@@ -9,7 +9,7 @@ from math import hypot, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Comparison, Member, relative_weight, weights
+from camid.diagnosis.weights import Comparison, Member, relative_weight, undone_by_generality, weights
 from camid.experiment_design.general_laws import GeneralLaw
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
@@ -140,10 +140,11 @@ class Judge:
         total = max(self.rows_before + FITTED_SHARE * rows, 1.0)
         for law in self.general:
             if law.special == name and law.identifier not in present:
-                gap = law.more * log(total) + law.penalty
+                member = Member(law.identifier, law.more * log(total) + law.penalty, 0.0, general=True, more=law.more)
                 # What its additional numbers fit of the noise varies as χ² of their number does.
-                found.append((Member(law.identifier, gap, 0.0, general=True), sqrt(2.0 * law.more)))
-        return found
+                found.append((member, sqrt(2.0 * law.more)))
+        comparison = self._comparison(true, gain=self._gain(true, pairs), rows=round(total))
+        return [(replace(m, gap=m.gap + undone_by_generality(m, comparison), more=0), spread) for m, spread in found]
 
     def _member(self, pair: Pair, rows: int) -> tuple[Member, float]:
         true, rival = self.hypotheses[pair.true], self.hypotheses[pair.rival]
@@ -159,14 +160,24 @@ class Judge:
             simple is not None and simple == rival.identifier,
             of_rival is not None and of_rival == true.identifier,
             simple is not None and simple == of_rival,
+            rival.count - true.count,
         )
         return member, self._spread(pair.true, pair.left, rows)
 
-    def _comparison(self, true: int, members: tuple[Member, ...] = (), gain: float = inf) -> Comparison:
+    def _gain(self, true: int, pairs: Sequence[Pair]) -> float:
+        """What a name removes of all recordings, in variances of the noise; infinite where nobody knows.
+
+        That is so without a simulation without the effect.
+        """
+        return max(p.mismatch for p in pairs if p.true == true) + (self._mismatch(true) or 0.0) or inf
+
+    def _comparison(self, true: int, members: tuple[Member, ...] = (), gain: float = inf, rows: int = 1) -> Comparison:
         """What a name that is right and leaves nothing is compared with."""
         effect = self.hypotheses[true].effect
         linear = effect is not None and effect.imitates_linear_dynamics
-        return Comparison(members, share=1.0, left=0.0, gain=gain, linear=linear, experiments=self.experiments)
+        return Comparison(
+            members, share=1.0, left=0.0, gain=gain, linear=linear, experiments=self.experiments, rows=rows
+        )
 
     def weight(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
         """Weight that the diagnosis is expected to state for a name, if it is right and leaves nothing.
@@ -174,9 +185,7 @@ class Judge:
         It is the mean over the noise of the next recording: evidence of ten may as well come as two or eighteen.
         """
         name, rivals = self.hypotheses[true].identifier, self._members(true, pairs, rows)
-        # Without a simulation without the effect nobody knows how much of the motion it makes.
-        gain = max(p.mismatch for p in pairs if p.true == true) + (self._mismatch(true) or 0.0) or inf
-        mean = 0.0
+        gain, mean = self._gain(true, pairs), 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
             names, outside = weights(self._comparison(true, _recorded(name, rivals, float(noise)), gain))
             own = dict(names).get(name, 0.0)

@@ -98,6 +98,7 @@ def members_of(
             hypothesis.identifier == special and not _is_finer(hypothesis, lead),
             of == lead.identifier,
             sibling,
+            len(hypothesis.fitted.penalised_names) - len(lead.fitted.penalised_names),
         )
 
     # One effect that is exactly two which are found is as likely as these two: nothing tells them apart.

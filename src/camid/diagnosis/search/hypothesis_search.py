@@ -27,7 +27,7 @@ MOST_FROM_NOMINAL = 7
 RUN_AWAY = 30.0
 # Shapes of the best effect that are fitted, too, where it is a resonance, which costs next to nothing, and the share of
 # its best one's screened gain that they need.
-MOST_FURTHER_SHAPES, NEARLY = 24, 0.1
+MOST_FURTHER_SHAPES, NEARLY = 6, 0.1
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
