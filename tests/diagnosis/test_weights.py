@@ -14,7 +14,7 @@ from camid.diagnosis.weights import (
     Comparison,
     Constants,
     Member,
-    undone_by_generality,
+    penalty_of_generality,
     weight_outside,
     weights,
 )
@@ -75,9 +75,9 @@ def test_what_makes_a_law_general_is_beforehand_as_large_as_the_effect(gain, ask
     """The criterion takes it for as large as one of a thousand rows shows; a noisy recording says no more than that."""
     member = Member("stribeck-friction", 2.0, 0.0, general=True, more=2)
     comparison = replace(ALONE, gain=gain, rows=1000)
-    added = undone_by_generality(member, comparison)
+    added = penalty_of_generality(member, comparison)
     assert added == pytest.approx(2.0 * log(asked), abs=1e-5)
-    assert undone_by_generality(replace(member, general=False), comparison) == 0.0
+    assert penalty_of_generality(replace(member, general=False), comparison) == 0.0
     found = of(member, gain=gain, rows=1000)
     plain = of(replace(member, gap=2.0 + added, more=0), gain=gain, rows=1000)
     assert found == pytest.approx(plain)

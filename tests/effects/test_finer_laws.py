@@ -11,6 +11,7 @@ from camid.effects.drift import SettlingDrift
 from camid.effects.gradual_saturation import GradualSaturation
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
+from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
 from camid.effects.stiffness import PendulumDrivenAcross, PendulumGravity
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
@@ -82,12 +83,20 @@ def test_a_lens_of_two_coefficients_bends_the_position():
     np.testing.assert_allclose(plain, none, atol=1e-12)
 
 
+def test_a_contour_that_counts_for_a_power_of_its_speed():
+    mean, own = output(acquisition=CAMERA), output(SpeedWeightedCentroid())
+    assert np.max(np.abs(mean - own)) > 1e-3
+    np.testing.assert_array_equal(output(GradedSpeedWeightedCentroid(exponent=1.0)), own)
+    np.testing.assert_allclose(output(GradedSpeedWeightedCentroid(exponent=0.0)), mean, atol=5e-5)
+
+
 LAWS = [
     ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
     ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
     ("lens-distortion", LensDistortionOfFourthOrder(k1=-0.15, k2=0.05), "k2"),
     ("rate-limit", RateLimitedLag(rate=12.0, time_constant=0.04), "time_constant"),
     ("parameter-drift", SettlingDrift(coefficient="gain", rate=0.05, time_constant=4.0), "time_constant"),
+    ("speed-weighted-centroid", GradedSpeedWeightedCentroid(exponent=0.45), "exponent"),
 ]
 
 

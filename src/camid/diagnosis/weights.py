@@ -173,7 +173,7 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     """
     constants = constants or calibrated()
     unlisted = weight_outside(comparison, constants)
-    members = [replace(m, gap=m.gap + undone_by_generality(m, comparison)) for m in comparison.members]
+    members = [replace(m, gap=m.gap + penalty_of_generality(m, comparison)) for m in comparison.members]
     raw = [(m.identifier, relative_weight(m, comparison.chances, constants)) for m in members]
     total = sum(value for _, value in raw)
     raw = sorted(((name, value / total) for name, value in raw), key=lambda item: -item[1])
@@ -182,12 +182,12 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     return [(name, value / total * (1.0 - unlisted)) for name, value in kept], unlisted
 
 
-def undone_by_generality(member: Member, comparison: Comparison) -> float:
+def penalty_of_generality(member: Member, comparison: Comparison) -> float:
     """What Bayes's criterion asks too little of a law that has the likeliest for its special case.
 
-    The criterion takes what one row says of a parameter for all that is known of it beforehand. What makes a law more
-    general changes a motion beforehand by about as much as the effect itself, which shows in one row in so many
-    thousands of variances as the recording is clean.
+    The criterion takes what one row says of a parameter for all that is known of it beforehand (Kass & Wasserman 1995,
+    J. Am. Stat. Assoc. 90, 928-934). What makes a law more general is beforehand about as large as the effect itself,
+    which removes ``gain`` variances of the noise.
     """
     if not member.general or member.more <= 0 or not 0.0 < comparison.gain < inf:
         return 0.0

@@ -19,6 +19,9 @@ from camid.effects.situation import Situation
 
 # A drift that settles faster has always been settled.
 LEAST_TIME_CONSTANT = 1e-6
+# Relative change over the recording of first guesses, and the shares of it that time constants are of.
+CHANGE = 0.05
+SETTLED_WITHIN = (0.2, 0.6)
 
 
 class ParameterDrift(Effect):
@@ -58,9 +61,14 @@ class ParameterDrift(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Each coefficient, by a twentieth over the recording."""
+        """Each coefficient, by a twentieth over the recording, at a constant rate or early on.
+
+        What settles within a fifth of the recording is no drift at a constant rate, and is not found by way of one.
+        """
         for kind in ("stiffness", "damping", "gain"):
-            yield cls(coefficient=kind, rate=0.05 / situation.duration)
+            drift = cls(coefficient=kind, rate=CHANGE / situation.duration)
+            yield drift
+            yield next(SettlingDrift.starts(situation, **drift.values))
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
@@ -92,7 +100,7 @@ class SettlingDrift(ParameterDrift):
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Of time constants within the recording, the drift by its end being what it is."""
-        for share in (0.2, 0.6):
+        for share in SETTLED_WITHIN:
             settled = share * (1.0 - exp(-1.0 / share))
             yield cls(**(values | {"rate": values["rate"] / settled, "time_constant": share * situation.duration}))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,11 @@ from camid.effects.situation import Situation
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
+
+
+# Points of an exposure at which a motion is weighted, and exponents of the speed from which a search starts.
+POINTS_OF_EXPOSURE = 33
+FIRST_EXPONENT, EXPONENTS = 0.5, (0.7, 1.4)
 
 
 class Clipping(Effect):
@@ -144,18 +149,53 @@ class SpeedWeightedCentroid(Effect):
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean over the path in the exposure instead of over its time."""
-        share = np.linspace(0.0, 1.0, 33)
+        return self._centroid(motion, start, end, 1.0)
+
+    @staticmethod
+    def _centroid(motion: Motion, start: Array, end: Array, exponent: float) -> Array:
+        """Mean in the exposure that counts a part of the path for this power of its length."""
+        share = np.linspace(0.0, 1.0, POINTS_OF_EXPOSURE)
         points = motion.at(start[:, None] + (end - start)[:, None] * share)
         # A motion that runs away has no centroid.
         with np.errstate(invalid="ignore", over="ignore"):
             lengths = np.abs(np.diff(points, axis=1))
-            total = np.sum(lengths, axis=1)
-            weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * lengths, axis=1)
-            still = total <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
+            still = np.sum(lengths, axis=1) <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
+            weights = lengths if exponent == 1.0 else lengths**exponent
+            total = np.sum(weights, axis=1)
+            weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * weights, axis=1)
             return np.where(still, points[:, 0], weighted / np.where(still, 1.0, total))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """There is one; an instant sensor has none."""
+        """The speed itself, and half of its power; an instant sensor has none.
+
+        A contour that counts for little more than the others may be nearer to the mean over the time than to this.
+        """
         if situation.acquisition.sensor == "camera":
             yield cls()
+            yield GradedSpeedWeightedCentroid(exponent=FIRST_EXPONENT).measured_from(0.0)
+
+
+class GradedSpeedWeightedCentroid(SpeedWeightedCentroid):
+    """The centroid of a blurred marker whose contour counts for a power of its speed.
+
+    A gradient that saturates, or a threshold on it, makes a fast contour count for less or for more than its speed.
+    """
+
+    title = "Centroid weighted with a power of the speed"
+    equation = r"w_k = \int y\,|\dot y|^p\,\mathrm{d}t \ /\ \int |\dot y|^p\,\mathrm{d}t"
+    parameters = (Parameter("exponent", "", "power p of the speed; 1 is its own", 0.0, 3.0, scale="one"),)
+
+    def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
+        """Mean over the exposure, weighted."""
+        return self._centroid(motion, start, end, self.values["exponent"])
+
+    def simplified(self) -> SpeedWeightedCentroid:
+        """Weighted with the speed itself."""
+        return SpeedWeightedCentroid()
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From a contour that counts for less than its speed, and from one that counts for more."""
+        for exponent in EXPONENTS:
+            yield cls(exponent=exponent)

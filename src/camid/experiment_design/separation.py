@@ -9,7 +9,7 @@ from math import hypot, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Comparison, Member, relative_weight, undone_by_generality, weights
+from camid.diagnosis.weights import Comparison, Member, relative_weight, penalty_of_generality, weights
 from camid.experiment_design.general_laws import GeneralLaw
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
@@ -144,7 +144,7 @@ class Judge:
                 # What its additional numbers fit of the noise varies as χ² of their number does.
                 found.append((member, sqrt(2.0 * law.more)))
         comparison = self._comparison(true, gain=self._gain(true, pairs), rows=round(total))
-        return [(replace(m, gap=m.gap + undone_by_generality(m, comparison), more=0), spread) for m, spread in found]
+        return [(replace(m, gap=m.gap + penalty_of_generality(m, comparison), more=0), spread) for m, spread in found]
 
     def _member(self, pair: Pair, rows: int) -> tuple[Member, float]:
         true, rival = self.hypotheses[pair.true], self.hypotheses[pair.rival]

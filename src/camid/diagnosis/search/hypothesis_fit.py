@@ -12,9 +12,9 @@ from camid.fitting.problem import Problem
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
 ALL_STEPS = 30
-# How often derivatives are computed anew in a fit; more often where nothing is integrated, which costs little: updates
-# of them mislead along the valleys in which coefficients and linear dynamics make up for each other.
-REFRESHES, REFRESHES_EXACT = 3, 10
+# How often derivatives are computed anew in a fit; more often where all is linear: updates of them mislead along the
+# valleys in which coefficients and further linear dynamics make up for each other, and nothing has to be integrated.
+REFRESHES, REFRESHES_LINEAR = 3, 10
 # Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
 TOLERANCE = 1e-6
 
@@ -34,7 +34,7 @@ def fitted_hypothesis(
     identifier : str
     start : Model
     steps : int
-        Evaluations at most; where nothing is integrated always those of a thorough fit.
+        Evaluations at most; where all is linear always those of a thorough fit.
     base : Fitted, optional
         The model without the effect: a first fit, which takes its noise and its scales from there.
 
@@ -43,8 +43,8 @@ def fitted_hypothesis(
     Hypothesis or None
         None where the fit fails or ends at values that are not possible.
     """
-    if is_exact(problem, start):
-        steps, refreshes = ALL_STEPS, REFRESHES_EXACT
+    if is_linear(problem, start):
+        steps, refreshes = ALL_STEPS, REFRESHES_LINEAR
     else:
         refreshes = 0 if base else REFRESHES
     try:
@@ -58,10 +58,9 @@ def fitted_hypothesis(
     return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
 
 
-def is_exact(problem: Problem, model: Model) -> bool:
-    """Whether a model is simulated exactly: its plant is linear, and no effect is a force on it."""
-    forces = any(e.force is not None or e.friction_level is not None for e in model.effects)
-    return problem.kind.nonlinear(model) is None and not forces
+def is_linear(problem: Problem, model: Model) -> bool:
+    """Whether a plant and all effects are linear."""
+    return problem.kind.nonlinear(model) is None and all(e.linear_dynamics for e in model.effects)
 
 
 def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
