@@ -103,7 +103,12 @@ def test_an_effect_that_is_hardly_known_promises_less():
 
 def test_general_laws_that_are_not_listed_take_their_share():
     law = GeneralLaw("a general law", "name 0", 1, 1.7)
-    pairs = [Pair(0, 1, 1e4, 1e4), Pair(1, 0, 1e4, 1e4)]
-    with_it = judge(0.5, 0.5, general=[law])
-    assert with_it.weight(0, pairs, 500) < judge(0.5, 0.5).weight(0, pairs, 500) - 0.01
-    assert with_it.weight(1, pairs, 500) == judge(0.5, 0.5).weight(1, pairs, 500)
+    with_it, without = judge(0.5, 0.5, general=[law]), judge(0.5, 0.5)
+
+    def taken(true, mismatch):
+        pairs = [Pair(0, 1, 1e3, mismatch), Pair(1, 0, 1e3, mismatch)]
+        return without.weight(true, pairs, 500) - with_it.weight(true, pairs, 500)
+
+    assert taken(0, 1e3) > 0.01
+    assert taken(1, 1e3) == 0.0
+    assert taken(0, 1e5) < 0.2 * taken(0, 1e3)  # beforehand as large as the effect, and nothing of it shows

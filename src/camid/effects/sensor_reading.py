@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -145,7 +145,7 @@ class SpeedWeightedCentroid(Effect):
     drawn_against = "rate"
     equation = r"w_k = \int y\,|\dot y|\,\mathrm{d}t \ /\ \int |\dot y|\,\mathrm{d}t"
     reference = "Laroche & Delavigne, equation (2)"
-    parameters = ()
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean over the path in the exposure instead of over its time."""

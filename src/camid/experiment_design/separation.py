@@ -9,7 +9,7 @@ from math import hypot, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Comparison, Member, relative_weight, penalty_of_generality, weights
+from camid.diagnosis.weights import Comparison, Member, penalty_of_generality, relative_weight, weights
 from camid.experiment_design.general_laws import GeneralLaw
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
