@@ -178,3 +178,11 @@ def test_what_is_left_adds_to_what_no_test_sees():
     seen = replace(ALONE, gain=400.0, left=0.09)
     assert seen.unexplained(40.0) == pytest.approx(0.2)
     assert weight_outside(seen, CONSTANTS) == pytest.approx(weight_outside(replace(ALONE, gain=200.0), CONSTANTS))
+
+
+def test_a_weaker_effect_stands_for_the_law_of_a_stronger_one_in_every_experiment():
+    strong, weak = (
+        [weight_outside(replace(ALONE, strongest=s, experiments=n), CONSTANTS) for n in (1, 2)] for s in (True, False)
+    )
+    assert strong[1] < strong[0]
+    assert weak[1] == weak[0]

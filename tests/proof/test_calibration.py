@@ -81,7 +81,8 @@ def test_what_is_outside_the_catalogue_is_counted_beside_what_is_stated():
     one = Comparison((Member("a", 0.0, 0.0),), share=0.5, left=0.0)
     two = Comparison((Member("a", 0.0, 0.0),), share=0.5, left=0.2, experiments=2)
     noise = Comparison((Member("outliers", 0.0, 0.0),), share=0.0, left=0.0, noise=True)
-    table = outside_stated_and_true([(one, {"a"}), (one, {"b"}), (one, {"a"}), (two, set()), (noise, set())])
+    rows = [(one, {"a"}), (one, {"b"}), (one, {"a"}), (two, set()), (noise, set())]
+    table = outside_stated_and_true(rows, TRUE)
     rows = table.set_index(["left", "experiments"])
     assert rows.loc[("nothing", 1), ["effects", "true"]].tolist() == [3, 1]
     assert rows.loc[("something", 2), ["effects", "true"]].tolist() == [1, 1]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Estimate the constants of the weights, and write how reliable they make them."""
-    comparisons = _read(snakemake.input.one)
+    comparisons = [*_read(snakemake.input.one), *_read(snakemake.input.two)]
     constants = calibrate(comparisons)
     content = {
         "seed": snakemake.params.seed,
@@ -28,8 +28,7 @@ def main() -> None:
     table = stated_and_true(comparisons, constants)
     table.to_csv(snakemake.output.reliability, index=False, lineterminator="\n", float_format="%.4g")
     print(table.to_string())
-    # What several experiments are worth is derived, and held against rigs of which there are two.
-    table = outside_stated_and_true([*comparisons, *_read(snakemake.input.two)])
+    table = outside_stated_and_true(comparisons, constants)
     table.to_csv(snakemake.output.outside, index=False, lineterminator="\n", float_format="%.4g")
     print(table.to_string())
 

@@ -135,11 +135,12 @@ class Comparison:
 
     @property
     def chances(self) -> int:
-        """How many experiments had a chance to show that it is another law, one of linear dynamics.
+        """How many experiments had a chance to show that it is another law.
 
-        What is linear, too, and imitates them does so with every input.
+        What is linear, and imitates linear dynamics, does so with every input; and a weaker effect that stands for what
+        the law of a stronger one has inexactly stands for it in every experiment.
         """
-        return 1 if self.linear else self.experiments
+        return 1 if self.linear or not self.strongest else self.experiments
 
     def unexplained(self, unseen: float) -> float:
         """Share of what the effect removes that is left, or that may be without a test seeing it; at most one.

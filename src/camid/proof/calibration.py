@@ -25,6 +25,8 @@ START = Constants(0.3, 0.05, 10.0, 1.0, 0.3, -0.2, 0.5, -3.0, 2.0)
 PROBABILITIES, POSITIVE = ("other_law",), ("law_error", "unseen")
 SPREAD = 2.0
 EVALUATIONS = 6000
+# Fall of what is minimised, in natural units for each comparison, from which another simplex is worth while.
+SETTLED = 1e-4
 
 
 def comparisons_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
@@ -95,8 +97,13 @@ def calibrate(comparisons: Sequence[tuple[Comparison, set[str]]]) -> Constants:
         distance = float(np.sum(((vector - start) / SPREAD) ** 2)) / len(comparisons)
         return 0.5 * distance - log_likelihood(comparisons, _constants(vector))
 
-    found = minimize(loss, start, method="Nelder-Mead", options={"maxfev": EVALUATIONS, "maxiter": EVALUATIONS})
-    return _constants(found.x)
+    options: Any = {"maxfev": EVALUATIONS, "maxiter": EVALUATIONS}
+    found = minimize(loss, start, method="Nelder-Mead", options=options)
+    while True:  # a simplex that has shrunk to nothing may lie on a slope
+        again = minimize(loss, found.x, method="Nelder-Mead", options=options)
+        if again.fun >= found.fun - SETTLED:
+            return _constants(found.x)
+        found = again
 
 
 def stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]], constants: Constants) -> pd.DataFrame:
@@ -109,12 +116,13 @@ def stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]], constant
     return reliability(pd.DataFrame(rows))
 
 
-def outside_stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]]) -> pd.DataFrame:
+def outside_stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]], constants: Constants) -> pd.DataFrame:
     """How often physics outside the catalogue, and not the names, is the truth of effects, beside what is stated.
 
     Parameters
     ----------
     comparisons : sequence of (Comparison, set of str)
+    constants : Constants
 
     Returns
     -------
@@ -128,8 +136,8 @@ def outside_stated_and_true(comparisons: Sequence[tuple[Comparison, set[str]]]) 
             "left": "something" if comparison.left > 0.0 else "nothing",
             "strongest": comparison.strongest,
             "experiments": comparison.experiments,
-            "stated": weights(comparison)[1],
-            "true": not any(name in truth for name, _ in weights(comparison)[0]),
+            "stated": weights(comparison, constants)[1],
+            "true": not any(name in truth for name, _ in weights(comparison, constants)[0]),
         }
         for comparison, truth in comparisons
         if not comparison.noise
