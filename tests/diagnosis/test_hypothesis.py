@@ -11,7 +11,10 @@ from camid.effects import bristle_friction, known_effects
 def hypothesis(effect, cost):
     """A hypothesis whose criterion is its cost."""
     model = SimpleNamespace(effects=(effect,))
-    fitted = SimpleNamespace(model=model, cost=cost, criterion_beyond=lambda other: cost - other.cost)
+    names = [p.name for p in effect.numeric()]
+    fitted = SimpleNamespace(
+        model=model, cost=cost, penalised_names=names, criterion_beyond=lambda other: cost - other.cost
+    )
     return Hypothesis(effect.identifier, fitted)
 
 
@@ -38,6 +41,7 @@ def test_another_law_of_the_same_special_case_is_compared_with_that():
     assert coulomb.left == pytest.approx(0.5)
     assert not drag.sibling
     assert drag.left == pytest.approx(0.6)
+    assert [law.more for law in (stribeck, load, coulomb)] == [1, 0, -1]
 
 
 def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
