@@ -144,6 +144,7 @@ class Judge:
                 # What its additional numbers fit of the noise varies as χ² of their number does.
                 found.append((member, sqrt(2.0 * law.more)))
         comparison = self._comparison(true, gain=self._gain(true, pairs), rows=round(total))
+        # Once and for all: what compares members later knows nothing of the rows.
         return [(replace(m, gap=m.gap + penalty_of_generality(m, comparison), more=0), spread) for m, spread in found]
 
     def _member(self, pair: Pair, rows: int) -> tuple[Member, float]:
