@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress_display(quiet: bool) -> Iterator[Callable[[str], None] | None]:
-    """A spinner with the current step on the error stream; nothing for machines, but lines for those that ask."""
+    """The current step on the error stream; nothing for machines, but lines for those that ask.
+
+    It is not animated: that takes a thread, beside which this process cannot be copied (:mod:`camid.side_by_side`).
+    """
     if os.environ.get(progress.VARIABLE) == progress.LINES:
         yield lambda sentence: click.echo(f"{progress.PREFIX}{' '.join(sentence.split())}", err=True)
         return
@@ -28,9 +31,11 @@ def progress_display(quiet: bool) -> Iterator[Callable[[str], None] | None]:
         yield None
         return
     from rich.console import Console
+    from rich.live import Live
+    from rich.text import Text
 
-    with Console(stderr=True).status("starting") as status:
-        yield status.update
+    with Live(Text("starting …"), console=Console(stderr=True), auto_refresh=False, transient=True) as live:
+        yield lambda sentence: live.update(Text(f"{sentence} …"), refresh=True)
 
 
 def warn(sentence: str) -> None:

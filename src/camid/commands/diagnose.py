@@ -30,6 +30,7 @@ from camid.identification.from_recordings import (
 from camid.linear_algebra_threads import one_blas_thread
 from camid.number_text import with_deviation
 from camid.recording.recording import Recording
+from camid.side_by_side import with_a_copy
 from camid.simulation.file import load_simulation
 from camid.simulation.model import Simulation
 
@@ -104,9 +105,10 @@ def _diagnosed(
         last_judges = one_file and len(set(problem.runs)) > 1
         problem, validation, chosen = with_validation(problem, nominal, held_out, last_judges=last_judges)
         watch.count(problem.work, len(problem.output))
-        diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
-        watch.say("designing the next experiment")
-        diagnosis = with_designed_experiments(diagnosis)
+        with with_a_copy(problem, nominal, watch):
+            diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
+            watch.say("designing the next experiment")
+            diagnosis = with_designed_experiments(diagnosis)
     except InputError:
         raise
     except MotionJumps:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -12,9 +12,11 @@ from camid.diagnosis.search.effect_selection import FALSE_ALARM, FALSE_ALARM_BES
 from camid.diagnosis.search.screening import Metric, ScreenedEffect, metrics, signature, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
 from camid.number_text import number
+from camid.side_by_side import side_by_side
 
 # Standard deviations beyond the threshold at which 95 % of the recordings detect an effect.
 POWER = 1.645
@@ -49,37 +51,45 @@ def undetectable(
     found : set of str
         Identifiers of the effects that were found.
     """
-    situation = problem.situation(fitted.model)
-    view = metrics(problem, fitted)[-1]
+    situation, view = problem.situation(fitted.model), metrics(problem, fitted)[-1]
     level = FALSE_ALARM_BESIDE_OTHERS if found else FALSE_ALARM
     shapes: dict[str, list[ScreenedEffect]] = {}
     for candidate in screened:
         shapes.setdefault(candidate.effect.identifier, []).append(candidate)
 
-    def judge(item: tuple[str, type[Effect]]) -> Undetectable:
-        identifier, effect = item
-        reason = problem.kind.unseen(effect)
-        if reason is None and effect.noise_like:
-            return Undetectable(identifier, effect.limit_of_recognition(situation))
-        reason = reason or effect.invisible(situation)
-        if reason is not None:
-            return Undetectable(identifier, reason)
-        visible = [c for c in shapes.get(identifier, []) if c.visible > 0.0]
-        if not visible and effect.bends_coefficients:
-            return Undetectable(
-                identifier,
-                "the re-estimated motion never gets to where it would show, so that nothing is known of its size",
-            )
-        if not visible:
-            return Undetectable(
-                identifier,
-                "with this input a change of the plant's coefficients imitates it, or it has no meaning here",
-            )
-        return _smallest(problem, fitted, view, max(visible, key=lambda c: c.visible), level)
+    items = [(e, shapes.get(i, [])) for i, e in sorted(known_effects().items()) if i not in found]
+    return side_by_side(partial(_judged, problem, fitted, situation, view, level), items)
 
-    items = [i for i in sorted(known_effects().items()) if i[0] not in found]
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return list(pool.map(judge, items))
+
+def _judged(
+    problem: Problem,
+    fitted: Fitted,
+    situation: Situation,
+    view: Metric,
+    level: float,
+    item: tuple[type[Effect], Sequence[ScreenedEffect]],
+) -> Undetectable:
+    """What of an effect the recording could have shown."""
+    effect, shapes = item
+    identifier = effect.identifier
+    reason = problem.kind.unseen(effect)
+    if reason is None and effect.noise_like:
+        return Undetectable(identifier, effect.limit_of_recognition(situation))
+    reason = reason or effect.invisible(situation)
+    if reason is not None:
+        return Undetectable(identifier, reason)
+    visible = [c for c in shapes if c.visible > 0.0]
+    if not visible and effect.bends_coefficients:
+        return Undetectable(
+            identifier,
+            "the re-estimated motion never gets to where it would show, so that nothing is known of its size",
+        )
+    if not visible:
+        return Undetectable(
+            identifier,
+            "with this input a change of the plant's coefficients imitates it, or it has no meaning here",
+        )
+    return _smallest(problem, fitted, view, max(visible, key=lambda c: c.visible), level)
 
 
 def _visible(problem: Problem, fitted: Fitted, view: Metric, effect: Effect) -> tuple[float, float]:

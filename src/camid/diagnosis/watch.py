@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from camid.engine.work import Work
+from camid.side_by_side import Account
 
 Item = TypeVar("Item")
 
@@ -24,7 +25,7 @@ BATCH = 8
 
 
 @dataclass
-class Watch:
+class Watch(Account):
     """Progress and limits of one diagnosis.
 
     A limit ends no computation that has begun: before each part that the answer can do without, the diagnosis asks
@@ -74,6 +75,24 @@ class Watch:
         for first in range(0, len(items), BATCH):
             self.take_stock(NAMES)
             yield items[first : first + BATCH]
+
+    def state(self) -> tuple[list[str], bool, bool]:
+        """What is left out, whether for lack of time, and whether all work is done."""
+        return self.left_out.copy(), self._late, self._spent
+
+    def set(self, state: tuple[list[str], bool, bool]) -> None:
+        """Make it as it was."""
+        self.left_out[:], self._late, self._spent = state
+
+    def since(self, state: tuple[list[str], bool, bool]) -> tuple[list[str], bool]:
+        """What was left out since a state, and whether for lack of time."""
+        return self.left_out[len(state[0]) :], self._late
+
+    def add(self, changes: tuple[list[str], bool]) -> None:
+        """Leave parts out."""
+        parts, late = changes
+        self.left_out += [part for part in parts if part not in self.left_out]
+        self._late = self._late or late
 
     def say(self, sentence: str) -> None:
         """Tell the current step."""

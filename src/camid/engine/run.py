@@ -6,6 +6,7 @@ by the compiled integrator on a grid of several steps per frame, and the sensor 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, inf
 
@@ -61,7 +62,7 @@ MOST_DOUBT_VELOCITY = 4e-3
 MOST_DOUBT_EVENTS = 1e-3
 
 
-def run(chain: Chain, signal: Array, time: Array) -> Array:
+def run(chain: Chain, signal: Array, time: Array, *, moved: Callable[[], Motion] | None = None) -> Array:
     """Samples of the sensor at the end of a chain.
 
     Parameters
@@ -71,6 +72,8 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
         Recorded input u_k.
     time : ndarray, shape (N,)
         Recorded times in seconds.
+    moved : callable, optional
+        The motion before the sensor, of a caller that may know it already; asked only where the integrator is needed.
 
     Returns
     -------
@@ -83,7 +86,7 @@ def run(chain: Chain, signal: Array, time: Array) -> Array:
         chain.work.add_run(len(signal))
     output = exactly(chain, signal, acquisition)
     if output is None:
-        motion = move(chain, signal, time, acquisition)
+        motion = move(chain, signal, time, acquisition) if moved is None else moved()
         if motion.control is not None:
             return motion.control
         return observed(chain, motion, time)

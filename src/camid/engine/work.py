@@ -9,6 +9,8 @@ from __future__ import annotations
 from threading import Lock
 from typing import TYPE_CHECKING
 
+from camid.side_by_side import Account
+
 if TYPE_CHECKING:  # the command line asks for the limits of an effort, and is not to load the engine for it
     from camid.engine.forces import Mechanics
 
@@ -19,12 +21,15 @@ RUN, ROW, STEP, IMPLICIT, KINKED = 270.0, 0.17, 0.07, 0.6, 0.2
 TANGENT, COLUMN = 0.75, 0.1
 
 
-class Work:
-    """What all threads together have simulated for one purpose, in seconds of a processor."""
+class Work(Account):
+    """What all threads and processes together have simulated for one purpose, in seconds of a processor."""
 
     def __init__(self) -> None:
-        self._microseconds = 0.0
+        self._microseconds = 0
         self._lock = Lock()
+
+    def __reduce__(self) -> tuple[type[Work], tuple[()]]:
+        return Work, ()  # what another process counts for itself
 
     @property
     def seconds(self) -> float:
@@ -50,3 +55,19 @@ class Work:
         # Parts of a microsecond would add up to other sums in another order.
         with self._lock:
             self._microseconds += round(microseconds)
+
+    def state(self) -> int:
+        """Microseconds."""
+        return self._microseconds
+
+    def set(self, state: int) -> None:
+        """Go on from so many microseconds."""
+        self._microseconds = state
+
+    def since(self, state: int) -> int:
+        """Microseconds since a state."""
+        return self._microseconds - state
+
+    def add(self, changes: int) -> None:
+        """Count so many microseconds."""
+        self._add(changes)

@@ -14,9 +14,8 @@ what the fit then absorbs (Hunter & Reiner 1965, Technometrics 7, 307–323; Atk
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -26,7 +25,7 @@ from camid.diagnosis.residual.validation_rows import VALIDATION_SHARE
 from camid.experiment_design.hypothesis import Hypothesis, Played
 from camid.fitting.fit import sensitivities
 from camid.fitting.packing import Packing
-from camid.fitting.problem import WORKERS
+from camid.side_by_side import in_threads
 
 Array = NDArray[np.float64]
 
@@ -176,7 +175,6 @@ def response(hypothesis: Hypothesis, played: Played, noise: NoiseModel) -> Respo
 
 def responses(hypotheses: Sequence[Hypothesis], played: Played, noise: NoiseModel) -> list[Response]:
     """What all hypotheses predict."""
-    if len(played.signal) < ROWS_WORTH_A_THREAD:
-        return [response(h, played, noise) for h in hypotheses]
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return list(pool.map(lambda h: response(h, played, noise), hypotheses))
+    short = len(played.signal) < ROWS_WORTH_A_THREAD
+    respond = partial(response, played=played, noise=noise)
+    return [respond(h) for h in hypotheses] if short else in_threads(respond, hypotheses)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from camid.experiment_design.separation import Pair, most_left, values_of
 from camid.experiment_design.together import Earlier, Together
 from camid.fitting.fit import sensitivities
 from camid.fitting.packing import Packing
-from camid.fitting.problem import WORKERS
+from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 
@@ -68,21 +68,29 @@ def refitted_together(
         problem, model = hypotheses[i].at(played)
         truths[i] = problem.pinned(model, finest=True).simulate_one(model, 0)
 
-    def checked(pair: Pair) -> tuple[Pair, Hypothesis | None]:
-        rival, true = hypotheses[pair.rival], hypotheses[pair.true]
-        starts = _starts(found, pair, noise)
-        whole, vector, cost = _least(rival, starts, past.earlier, (played, truths[pair.true], noise))
-        left = max(cost - past.sums[pair.rival], 0.0)
-        if not np.isfinite(left) or left >= pair.left:
-            return pair, None
-        alone = Together(rival, past.earlier)
-        model = replace(whole.packing.unpack(vector), initial=alone.packing.template.initial)
-        moved = around(alone, alone.packing.pack(model), past.sums[pair.rival])
-        return replace(pair, left=min(left, most_left(true, rival))), moved if left < NEWS * pair.left else None
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        every = list(pool.map(checked, pairs))
+    every = side_by_side(partial(_refitted_together, hypotheses, found, played, noise, past, truths), pairs)
     return [pair for pair, _ in every], [moved for _, moved in every if moved is not None]
+
+
+def _refitted_together(
+    hypotheses: Sequence[Hypothesis],
+    found: Sequence[Response],
+    played: Played,
+    noise: NoiseModel,
+    past: Past,
+    truths: Mapping[int, Array],
+    pair: Pair,
+) -> tuple[Pair, Hypothesis | None]:
+    rival, true = hypotheses[pair.rival], hypotheses[pair.true]
+    starts = _starts(found, pair, noise)
+    whole, vector, cost = _least(rival, starts, past.earlier, (played, truths[pair.true], noise))
+    left = max(cost - past.sums[pair.rival], 0.0)
+    if not np.isfinite(left) or left >= pair.left:
+        return pair, None
+    alone = Together(rival, past.earlier)
+    model = replace(whole.packing.unpack(vector), initial=alone.packing.template.initial)
+    moved = around(alone, alone.packing.pack(model), past.sums[pair.rival])
+    return replace(pair, left=min(left, most_left(true, rival))), moved if left < NEWS * pair.left else None
 
 
 def _starts(found: Sequence[Response], pair: Pair, noise: NoiseModel) -> list[Hypothesis]:
@@ -117,12 +125,14 @@ def refitted(hypotheses: Sequence[Hypothesis], played: Played, noise: NoiseModel
         problem, model = hypotheses[i].at(played)
         truths[i] = problem.pinned(model, finest=True).simulate_one(model, 0)
 
-    def checked(pair: Pair) -> Pair:
-        left = left_after_fit(hypotheses[pair.rival], truths[pair.true], played, noise)
-        return replace(pair, left=min(left, pair.left) if np.isfinite(left) else pair.left)
+    return side_by_side(partial(_refitted, hypotheses, played, noise, truths), pairs)
 
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return list(pool.map(checked, pairs))
+
+def _refitted(
+    hypotheses: Sequence[Hypothesis], played: Played, noise: NoiseModel, truths: Mapping[int, Array], pair: Pair
+) -> Pair:
+    left = left_after_fit(hypotheses[pair.rival], truths[pair.true], played, noise)
+    return replace(pair, left=min(left, pair.left) if np.isfinite(left) else pair.left)
 
 
 def left_after_fit(rival: Hypothesis, truth: Array, played: Played, noise: NoiseModel) -> float:

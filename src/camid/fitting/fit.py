@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,9 +13,10 @@ from camid.engine.mechanics import NotApplicable
 from camid.fitting.onset_profile import onset_deviations
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Noise, Problem
+from camid.fitting.problem import Noise, Problem
 from camid.fitting.updated_derivative import UpdatedDerivative
 from camid.identification.autoregression import coloured
+from camid.side_by_side import in_threads
 
 Array = NDArray[np.float64]
 
@@ -151,10 +151,12 @@ class Fitted:
         return onset_deviations(self)
 
 
-def evaluate(problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False) -> Fitted:
-    """Residual and noise of a model as it is."""
+def evaluate(
+    problem: Problem, model: Model, fixed: int = 0, *, weighted: bool = False, simulated: Array | None = None
+) -> Fitted:
+    """Residual and noise of a model as it is; ``simulated`` is its output on the fitted rows where that is known."""
     packing = Packing.of(problem, model, fixed)
-    residual = problem.output - problem.simulate_fitted(model)
+    residual = problem.output - (problem.simulate_fitted(model) if simulated is None else simulated)
     return Fitted(problem, model, residual, problem.noise(residual, len(packing.names)), packing, weighted)
 
 
@@ -173,11 +175,8 @@ def sensitivities(
         except (ValueError, ArithmeticError):
             return np.zeros(len(simulated))
 
-    if problem.integrated < STEPS_WORTH_A_THREAD or len(columns) < 2:
-        found = [derivative(i) for i in columns]
-    else:
-        with ThreadPoolExecutor(WORKERS) as pool:
-            found = list(pool.map(derivative, columns))
+    short = problem.integrated < STEPS_WORTH_A_THREAD
+    found = [derivative(i) for i in columns] if short else in_threads(derivative, columns)
     table = np.column_stack(found) if found else np.empty((len(simulated), 0))
     table[~np.isfinite(table)] = 0.0
     return table
@@ -252,6 +251,13 @@ class _OutputError:
         rows = self._simulated(vector)
         self.latest = [*self.latest[-1:], (vector.copy(), rows)]
         return rows
+
+    def known(self, vector: Array) -> Array | None:
+        """The simulated output where it was one of the last two and nothing of it was cut off; else None."""
+        for point, rows in reversed(self.latest):
+            if np.array_equal(point, vector) and bool(np.all((self.lowest < rows) & (rows < self.highest))):
+                return rows
+        return None
 
     def residual(self, vector: Array) -> Array:
         """Shape (M,)."""
@@ -333,7 +339,10 @@ def fit(
     vector = output_error.least(begin, steps)
     if finest:
         vector = _with_fine_steps(problem, output_error, begin, vector, steps)
-    return evaluate(output_error.problem, packing.unpack(vector), fixed, weighted=len(whitening) > 1)
+    simulated = output_error.known(vector)
+    return evaluate(
+        output_error.problem, packing.unpack(vector), fixed, weighted=len(whitening) > 1, simulated=simulated
+    )
 
 
 def _with_fine_steps(problem: Problem, output_error: _OutputError, begin: Array, vector: Array, steps: int) -> Array:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from camid.effects.learned import LearnedEffect
 from camid.engine.law_derivatives import by_law
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 
@@ -67,13 +68,12 @@ def _by_tangents(pinned: Problem, model: Model, index: int, ways: Array, size: f
 
 def by_differences(pinned: Problem, model: Model, index: int, ways: Array, size: float, simulated: Array) -> Array:
     """The same from a whole simulation for each direction, by one-sided differences; see :func:`law_columns`."""
+    return np.column_stack(side_by_side(partial(_difference, pinned, model, index, size, simulated), list(ways.T)))
+
+
+def _difference(pinned: Problem, model: Model, index: int, size: float, simulated: Array, way: Array) -> Array:
     law = model.effects[index]
     assert isinstance(law, LearnedEffect)
-
-    def derivative(way: Array) -> Array:
-        moved = law.with_heights(law.heights + size * way)
-        effects = (*model.effects[:index], moved, *model.effects[index + 1 :])
-        return (pinned.simulate_fitted(replace(model, effects=effects)) - simulated) / size
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return np.column_stack(list(pool.map(derivative, ways.T)))
+    moved = law.with_heights(law.heights + size * way)
+    effects = (*model.effects[:index], moved, *model.effects[index + 1 :])
+    return (pinned.simulate_fitted(replace(model, effects=effects)) - simulated) / size

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
+from camid.chain.motion import Motion
 from camid.effects.base import Effect
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import ROUGH, few_steps_of, move, run, steps_of
 from camid.engine.work import Work
 from camid.fitting.plant_with_effects import Model
+from camid.fitting.remembered_motions import RememberedMotions
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
@@ -26,9 +28,6 @@ if TYPE_CHECKING:
     from camid.fitting.plants.kind import PlantKind
 
 Array = NDArray[np.float64]
-
-# Threads that simulate side by side.
-WORKERS = 2
 
 LARGEST_ORDER = 12
 # Share of the rows of a run of which a part is fitted for the sake of its initial state alone.
@@ -106,6 +105,8 @@ class Problem:
         Root mean square of what an earlier diagnosis left unexplained.
     work : Work
         Counts all simulations for this problem and those that were made from it.
+    motions : RememberedMotions
+        Of the same problems.
     """
 
     structure: Structure
@@ -116,6 +117,7 @@ class Problem:
     steps: tuple[int, ...] | None = None
     remainder: float | None = None
     work: Work = field(default_factory=Work, compare=False)
+    motions: RememberedMotions = field(default_factory=RememberedMotions, compare=False)
 
     @property
     def runs(self) -> list[int]:
@@ -247,7 +249,22 @@ class Problem:
 
     def simulate_one(self, model: Model, index: int) -> Array:
         """What is compared with the output of one recording, all rows, shape (N,)."""
-        return run(self.chain(model, index), self.experiments[index].signal, self.times[index])
+        chain, experiment = self.chain(model, index), self.experiments[index]
+        moved = partial(self._moved, chain, model, index, experiment.seen)
+        return run(chain, experiment.signal, self.times[index], moved=moved)
+
+    def _moved(self, chain: Chain, model: Model, index: int, seen: int | None) -> Motion:
+        """Motion of a model's chain, remembered where the integrator finds its steps itself; see :meth:`chain`."""
+        experiment, time = self.experiments[index], self.times[index]
+        if self.steps is not None:
+            return move(chain, experiment.signal, time)
+
+        def simulate(work: Work) -> Motion:
+            return move(replace(chain, work=work), experiment.signal, time)
+
+        objects = (model, self.structure, self.kind, experiment.signal, experiment.input_log, time)
+        values = (index, seen, experiment.acquisition, chain.state_before_record)
+        return self.motions.of(objects, values, simulate, self.work)
 
     def simulate(self, model: Model) -> list[Array]:
         """What is compared with the outputs of all recordings, all rows: shapes (N,)."""
@@ -291,8 +308,8 @@ class Problem:
             if e.same_run_as is not None:
                 found.append(found[e.same_run_as])
                 continue
-            chain = self.chain(model, i)
-            motion = move(replace(chain, equations=self.kind.nonlinear(model)), e.signal, t)
+            chain = replace(self.chain(model, i), equations=self.kind.nonlinear(model))
+            motion = self._moved(chain, model, i, None)
             nodes = np.round((t - motion.start) / motion.step).astype(int)
             found.append((motion.position[nodes], motion.velocity[nodes]))
         return found

@@ -8,8 +8,8 @@ has most evidence. What is left beside it is searched again, with all that the c
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,8 @@ from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 # Laws that are fitted, of those that first order says are likeliest, and how much less evidence they may have there.
 MOST_FITTED = 2
@@ -163,8 +164,8 @@ def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> LearnedL
     if not ordered or gains[ordered[0]] < LEAST_EVIDENCE:
         return None
     likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
-    with ThreadPoolExecutor(WORKERS) as pool:
-        found = list(pool.map(lambda name: _learned(problem, fitted, blank[name], coefficients), likely))
+    learned = partial(_learned, problem, fitted, coefficients=coefficients)
+    found = side_by_side(learned, [blank[name] for name in likely])
     best = max((law for law in found if law is not None), key=lambda law: law.log_evidence, default=None)
     return best if best is not None and best.gain_on(fitted) >= LEAST_EVIDENCE else None
 

@@ -10,8 +10,8 @@ a name (:mod:`camid.diagnosis.laws.learned_laws`): modelled, and not named.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -23,7 +23,8 @@ from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.screening import metrics, projector
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 # Share of what the other effects leave, noise subtracted, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
@@ -149,6 +150,5 @@ def leaving_out(problem: Problem, base: Fitted, fitted: Fitted, known: int, watc
         watch.take_stock(NAMES)
     if watch is None or not watch.no_time_for("models without an effect from other coefficients"):
         starts += [replace(m, coefficients=base.model.coefficients, initial=base.model.initial) for m in starts]
-    with ThreadPoolExecutor(WORKERS) as pool:
-        found = list(pool.map(lambda start: fit(problem, start, steps=ALL_STEPS), starts))
+    found = side_by_side(partial(fit, problem, steps=ALL_STEPS), starts)
     return [min(found[i::count], key=lambda f: f.cost) for i in range(count)]

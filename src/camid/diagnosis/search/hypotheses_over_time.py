@@ -12,7 +12,7 @@ force imitates the friction of a decay over a few periods, and leaves it behind 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -20,7 +20,8 @@ from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import GROWTH, first_horizon
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 # Evaluations for each horizon.
 STEPS = 8
@@ -48,7 +49,8 @@ def raced(problem: Problem, start: Model) -> list[Model]:
     models = _entrants(part, part.kind.refit(part, part.with_initial_states(start)))
     entered, rows = 0, first
     while models:
-        results = [f for f in _fitted(problem.start_of(rows), models) if f is not None]
+        part = problem.start_of(rows)
+        results = [f for f in side_by_side(partial(_fitted, part), models) if f is not None]
         closest = min(results, key=lambda f: f.cost, default=None)
         if closest is not None:
             results.sort(key=lambda f: f.criterion_beyond(closest))
@@ -78,16 +80,12 @@ def _entrants(part: Problem, base: Fitted) -> list[Model]:
     return found
 
 
-def _fitted(part: Problem, models: Sequence[Model]) -> list[Fitted | None]:
-    def one(model: Model) -> Fitted | None:
-        try:
-            result = fit(part, model, steps=STEPS, refreshes=1, finest=False)
-        except (ValueError, ArithmeticError, np.linalg.LinAlgError):
-            return None
-        return result if np.isfinite(result.noise.deviance) else None
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return list(pool.map(one, models))
+def _fitted(part: Problem, model: Model) -> Fitted | None:
+    try:
+        result = fit(part, model, steps=STEPS, refreshes=1, finest=False)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        return None
+    return result if np.isfinite(result.noise.deviance) else None
 
 
 def _best_of_each(results: Sequence[Fitted]) -> list[Fitted]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,7 +19,10 @@ from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
+
+Start = TypeVar("Start")
 
 # Error, as a share of the output's spread, from which fits start from the nominal coefficients, too.
 NOMINAL_START_ERROR = 0.1
@@ -93,39 +97,43 @@ def hypotheses(
     if nominal is not None and not watch.no_time_for("starts from other coefficients"):
         elsewhere += _starts_elsewhere(problem, nominal, screened)
 
-    def fitted(candidate: ScreenedEffect) -> Hypothesis | None:
-        if watch.no_time_for(candidate.effect.identifier):
-            return None
-        return _fitted_first(problem, base, _start_of(candidate))
-
-    def fitted_from(model: Model) -> Hypothesis | None:
-        identifier = model.effects[-1].identifier
-        if watch.no_time_for(f"other starts of {identifier}"):
-            return None
-        return fitted_hypothesis(problem, identifier, model, FIRST_STEPS)
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        first = [h for some in watch.batches(starts) for h in pool.map(fitted, some) if h is not None]
-        first += [h for some in watch.batches(elsewhere) for h in pool.map(fitted_from, some) if h is not None]
-        if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
-            runners = raced(problem, nominal)
-            first += [h for some in watch.batches(runners) for h in pool.map(fitted_from, some) if h is not None]
-        first += _simpler(problem, base, first)
-        first += [h for h in pool.map(fitted_from, _relatives(base, first)) if h is not None]
-        ranked = best_of_each(first)
-        further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
-        ranked = best_of_each([*ranked, *_in_other_minima(problem, further, pool, watch)])
-        near = _near_the_best(ranked, base, effort, incumbent)
-        watch.take_stock(NAMES)
-        thorough = pool.map(lambda h: _fitted_thoroughly(problem, h, watch), near)
-        found = in_order([*thorough, *ranked[len(near) :]])
+    from_model = partial(_fitted_from, problem, watch, "other starts of", FIRST_STEPS)
+    first = _in_batches(partial(_fitted_first, problem, watch, base), starts, watch)
+    first += _in_batches(from_model, elsewhere, watch)
+    if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
+        first += _in_batches(from_model, raced(problem, nominal), watch)
+    first += _simpler(problem, base, first)
+    first += [h for h in side_by_side(from_model, _relatives(base, first)) if h is not None]
+    ranked = best_of_each(first)
+    further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
+    in_other_minima = partial(_fitted_from, problem, watch, "other shapes of", ALL_STEPS)
+    ranked = best_of_each([*ranked, *_in_batches(in_other_minima, further, watch)])
+    near = _near_the_best(ranked, base, effort, incumbent)
+    watch.take_stock(NAMES)
+    thorough = side_by_side(partial(_fitted_thoroughly, problem, watch), near)
+    found = in_order([*thorough, *ranked[len(near) :]])
     watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
         return found
     return best_of_each([*found, *finer_laws(problem, found[: len(near)])])
 
 
-def _fitted_thoroughly(problem: Problem, hypothesis: Hypothesis, watch: Watch) -> Hypothesis:
+def _in_batches(
+    fitted: Callable[[Start], Hypothesis | None], starts: Sequence[Start], watch: Watch
+) -> list[Hypothesis]:
+    """The hypotheses that fits from some starts end in, a few at a time."""
+    return [h for some in watch.batches(starts) for h in side_by_side(fitted, some) if h is not None]
+
+
+def _fitted_from(problem: Problem, watch: Watch, part: str, steps: int, model: Model) -> Hypothesis | None:
+    """A fit from a model with an effect, where there is time for that part of the search."""
+    identifier = model.effects[-1].identifier
+    if watch.no_time_for(f"{part} {identifier}"):
+        return None
+    return fitted_hypothesis(problem, identifier, model, steps)
+
+
+def _fitted_thoroughly(problem: Problem, watch: Watch, hypothesis: Hypothesis) -> Hypothesis:
     """A hypothesis fitted on."""
     if watch.no_time_for("more thorough fits"):
         return hypothesis
@@ -133,8 +141,11 @@ def _fitted_thoroughly(problem: Problem, hypothesis: Hypothesis, watch: Watch) -
     return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
 
 
-def _fitted_first(problem: Problem, base: Fitted, effect: Effect) -> Hypothesis | None:
-    """A few steps of a fit from an effect beside a base."""
+def _fitted_first(problem: Problem, watch: Watch, base: Fitted, candidate: ScreenedEffect) -> Hypothesis | None:
+    """A few steps of a fit from an effect beside a base, where there is time for it."""
+    if watch.no_time_for(candidate.effect.identifier):
+        return None
+    effect = _start_of(candidate)
     found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), FIRST_STEPS, base)
     return found if found is not None and found.fitted.cost < base.cost else None
 
@@ -175,20 +186,6 @@ def best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
         if known is None or hypothesis.beyond(known) < 0.0:
             best[hypothesis.identifier] = hypothesis
     return in_order(list(best.values()))
-
-
-def _in_other_minima(
-    problem: Problem, models: Sequence[Model], pool: ThreadPoolExecutor, watch: Watch
-) -> list[Hypothesis]:
-    """Thorough fits of the effect that models hold last."""
-
-    def fitted(model: Model) -> Hypothesis | None:
-        identifier = model.effects[-1].identifier
-        if watch.no_time_for(f"other shapes of {identifier}"):
-            return None
-        return fitted_hypothesis(problem, identifier, model, ALL_STEPS)
-
-    return [h for some in watch.batches(models) for h in pool.map(fitted, some) if h is not None]
 
 
 def _further_shapes(

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.side_by_side import WORKERS, side_by_side
 
 
 def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
@@ -61,12 +63,16 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
 def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
     """Fits of the effect that models hold last, up to the first that leaves white noise, the best first."""
     found: list[Hypothesis] = []
-    for model in starts:
-        fitted = fitted_hypothesis(problem, model.effects[-1].identifier, model, ALL_STEPS)
-        found += [] if fitted is None else [fitted]
-        if fitted is not None and len(fitted.fitted.noise.whitening) == 1:
-            break
+    for first in range(0, len(starts), WORKERS):
+        for fitted in side_by_side(partial(_fitted_from, problem), starts[first : first + WORKERS]):
+            found += [] if fitted is None else [fitted]
+            if fitted is not None and len(fitted.fitted.noise.whitening) == 1:
+                return in_order(found)
     return in_order(found)
+
+
+def _fitted_from(problem: Problem, model: Model) -> Hypothesis | None:
+    return fitted_hypothesis(problem, model.effects[-1].identifier, model, ALL_STEPS)
 
 
 def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:

@@ -8,7 +8,6 @@ best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,7 +20,8 @@ from camid.effects.own_effect_trial import tried_guesses
 from camid.effects.own_effects import own_effects_in_use, refuse_raised_by
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 
@@ -236,22 +236,25 @@ def screen(problem: Problem, base: Fitted, signatures: Signatures | None = None)
     # A change of the output is as long as the recordings: it is kept only where it will be wanted again.
     kept = signatures is not None and not known and signatures.has_room(problem, len(listed))
 
-    def simulated(key: _Key) -> tuple[ScreenedEffect, Array | None] | None:
-        change = signature(problem, base, listed[key])
-        return None if change is None else (judge(listed[key], change), change if kept else None)
-
-    with ThreadPoolExecutor(WORKERS) as pool:
-        roughly = dict(zip(known, pool.map(judge, (listed[k] for k in known), known.values()), strict=True))
-        likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
-        fresh = [key for key in listed if key not in known or key in likely]
-        found = [(key, result) for key, result in zip(fresh, pool.map(simulated, fresh), strict=True) if result]
-        resized = partial(_resized, problem, base, judge)
-        judged = [screened for _, (screened, _) in found]
-        judged += [rough for key, rough in roughly.items() if key not in likely]
-        judged = list(pool.map(resized, judged))
+    roughly = {key: judge(listed[key], change) for key, change in known.items()}
+    likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
+    fresh = [key for key in listed if key not in known or key in likely]
+    results = side_by_side(partial(_simulated, problem, base, judge, kept), [listed[key] for key in fresh])
+    found = [(key, result) for key, result in zip(fresh, results, strict=True) if result]
+    judged = [screened for _, (screened, _) in found]
+    judged += [rough for key, rough in roughly.items() if key not in likely]
+    judged = side_by_side(partial(_resized, problem, base, judge), judged)
     if signatures is not None and kept:
         signatures.keep(problem, base, {k: (listed[k], change) for k, (_, change) in found if change is not None})
     return sorted(judged, key=lambda c: -c.gain)
+
+
+def _simulated(
+    problem: Problem, base: Fitted, judge: Callable[[Effect, Array], ScreenedEffect], kept: bool, effect: Effect
+) -> tuple[ScreenedEffect, Array | None] | None:
+    """A candidate as it is judged, and the change of the output where that is kept; None where it has no meaning."""
+    change = signature(problem, base, effect)
+    return None if change is None else (judge(effect, change), change if kept else None)
 
 
 def _resized(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -29,10 +28,11 @@ from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import AT_ZERO, BIAS, LATENCIES, LATENCY, OFFSET, SKEW
-from camid.fitting.problem import WORKERS, Problem, Views
+from camid.fitting.problem import Problem, Views
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
+from camid.side_by_side import in_threads
 from camid.simulation.model import Simulation
 
 if TYPE_CHECKING:
@@ -293,8 +293,7 @@ class PlantKind:
             disturbed = run(replace(chain, known_force=(size * force, hold)), signal, time)
             return np.nan_to_num((disturbed - undisturbed) / size)
 
-        with ThreadPoolExecutor(WORKERS) as pool:
-            return list(pool.map(respond, forces))
+        return in_threads(respond, forces)
 
     def equivalent_input(self, problem: Problem, model: Model, residual: Array) -> Array:
         """Input that would have caused the residual of a recording, shape (N,)."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,8 @@ from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.formula_fit import FormulaFit, fit_formula
 from camid.fitting.linearised_law import Absorbed, LawTable, LinearisedLaw, fine_grid
-from camid.fitting.problem import WORKERS, Problem
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 
@@ -109,12 +110,13 @@ def fitted_through_the_chain(
     """
     likely = [e for i, e in enumerate(entries[:MOST_FITTED]) if i < FEWEST_FITTED or e[0] <= entries[0][0] + GAP]
 
-    def fitted(entry: Entry) -> Candidate | None:
-        _, form, named, linear = entry
-        return through_the_chain(problem, final, group, form, named, linear, constant)
+    fitted = side_by_side(partial(_fitted, problem, final, group, constant), likely)
+    return in_order([candidate for candidate in fitted if candidate is not None])
 
-    with ThreadPoolExecutor(WORKERS) as pool:
-        return in_order([candidate for candidate in pool.map(fitted, likely) if candidate is not None])
+
+def _fitted(problem: Problem, final: Fitted, group: Group, constant: Effect | None, entry: Entry) -> Candidate | None:
+    _, form, named, linear = entry
+    return through_the_chain(problem, final, group, form, named, linear, constant)
 
 
 def through_the_chain(

@@ -54,6 +54,9 @@ class Form:
     symmetric: bool = False
     contains: frozenset[str] = frozenset()
 
+    def __reduce__(self) -> tuple[Callable[[str], Form], tuple[str]]:
+        return form_of, (self.name,)  # functions without a name are not pickled
+
     @property
     def count(self) -> int:
         """How many numbers it has."""
@@ -294,3 +297,8 @@ _CONTAINED = {
 }
 _EVERY = (*POWERS, *WAVES, *BUMPS, *GROWTH, *SATURATION, *KINKS)
 FORMS = tuple(replace(form, contains=frozenset(_CONTAINED.get(form.name, ()))) for form in _EVERY)
+
+
+def form_of(name: str) -> Form:
+    """The form of a name."""
+    return next(form for form in FORMS if form.name == name)
