@@ -66,8 +66,10 @@ _here = _Here()
 
 
 @contextmanager
-def with_a_copy(*known: object) -> Iterator[None]:
+def with_a_copy(*known: object) -> Iterator[bool]:
     """Let a copy of this process, which is made now, take its share in :func:`side_by_side` within the block.
+
+    What is yielded says whether there is one.
 
     Parameters
     ----------
@@ -80,11 +82,11 @@ def with_a_copy(*known: object) -> Iterator[None]:
         with suppress(OSError):  # no right to start a process, or no memory
             copy = _Copy(known)
     if copy is None:
-        yield
+        yield False
         return
     _here.copy = copy
     try:
-        yield
+        yield True
     finally:
         _here.copy = None
         copy.end()

@@ -6,8 +6,8 @@ telephone. They keep their text as text, and dense scatters are one path of dots
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis, NormalisedErrors, Signals
 from camid.diagnosis.report.bode_pictures import bode_pictures
-from camid.diagnosis.report.copied_process import begun_in_a_copy
 from camid.diagnosis.report.effect_pictures import Names, effect_pictures, shown_as_force
 from camid.diagnosis.report.learned_pictures import learned_pictures
 from camid.diagnosis.report.panel import (
@@ -39,12 +38,15 @@ from camid.diagnosis.report.panel import (
     wide_panel,
 )
 from camid.number_text import percentage, printable
+from camid.side_by_side import side_by_side, with_a_copy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
+# In the order of what they take: the longest first, so that two processes end at about the same time.
+GROUPS = ("fit", "structure", "effects", "response", "learned")
 ZOOMED_ROWS = 150
 # Letters of a name beside an axis.
 LONGEST_NAME = 22
@@ -216,8 +218,7 @@ def draw(diagnosis: Diagnosis, *, shared: bool = False) -> dict[str, list[Panel]
     ----------
     diagnosis : Diagnosis
     shared : bool
-        Whether a second process, a copy of this one, draws those of the fit, which take half of the time. For a process
-        that does nothing else: a copy of one with threads at work may hang.
+        Whether a copy of this process draws a part of them.
 
     Returns
     -------
@@ -225,21 +226,22 @@ def draw(diagnosis: Diagnosis, *, shared: bool = False) -> dict[str, list[Panel]
         ``fit`` (before and after), ``response`` (Bode), ``effects`` (what shows the effects that were found),
         ``structure`` (what the missing force depends on, where it is one) and ``learned`` (laws without a name).
     """
-    with look_of_the_project(), ExitStack() as stack:
-        fit = (
-            stack.enter_context(begun_in_a_copy(_fit_panels, diagnosis)) if shared else partial(_fit_panels, diagnosis)
-        )
-        others = {
-            "response": list(bode_pictures(diagnosis)),
-            "effects": list(effect_pictures(diagnosis, _names(diagnosis))),
-            "structure": list(_structure_pictures(diagnosis)),
-            "learned": list(learned_pictures(diagnosis)),
-        }
-        return {"fit": fit(), **others}
+    drawn = partial(_drawn, diagnosis)
+    with look_of_the_project(), with_a_copy(diagnosis) if shared else nullcontext(False) as copied:
+        panels = side_by_side(drawn, GROUPS) if copied else [drawn(group) for group in GROUPS]
+    return dict(zip(GROUPS, panels, strict=True))
 
 
-def _fit_panels(diagnosis: Diagnosis) -> list[Panel]:
-    return list(_fit_pictures(diagnosis))
+def _drawn(diagnosis: Diagnosis, group: str) -> list[Panel]:
+    """The panels of one group."""
+    pictures: dict[str, Callable[[], Iterable[Panel]]] = {
+        "fit": partial(_fit_pictures, diagnosis),
+        "structure": partial(_structure_pictures, diagnosis),
+        "effects": lambda: effect_pictures(diagnosis, _names(diagnosis)),
+        "response": partial(bode_pictures, diagnosis),
+        "learned": partial(learned_pictures, diagnosis),
+    }
+    return list(pictures[group]())
 
 
 def _named(diagnosis: Diagnosis) -> bool:
