@@ -1,6 +1,8 @@
 """One function of many items by this process and a copy of it."""
 
 import os
+import subprocess
+import sys
 import time
 from dataclasses import dataclass, field
 from functools import partial
@@ -133,6 +135,42 @@ def test_the_first_exception_is_raised_and_the_copy_can_be_asked_again():
 
 
 @copies
+def test_an_exception_keeps_the_place_where_it_was_raised():
+    account = Counted()
+    with with_a_copy(account):
+        for _ in range(3):
+            with pytest.raises(ValueError, match="not 7") as raised:
+                side_by_side(partial(noted, account, (7,)), list(range(8)))
+            assert raised.traceback[-1].name == "noted"
+
+
+@copies
+def test_a_copy_ends_with_the_process_that_made_it(tmp_path):
+    program = (
+        "import os, sys, time\n"
+        "from functools import partial\n"
+        "from camid.side_by_side import side_by_side, with_a_copy\n"
+        "def note(folder, item):\n"
+        "    open(os.path.join(folder, f'{item} {os.getpid()}'), 'w').close()\n"
+        "    time.sleep(0.1)\n"
+        "with with_a_copy():\n"
+        "    side_by_side(partial(note, sys.argv[1]), list(range(200)))\n"
+    )
+    (tmp_path / "program.py").write_text(program)
+    folder = tmp_path / "taken"
+    folder.mkdir()
+    process = subprocess.Popen([sys.executable, tmp_path / "program.py", folder])
+    while len({each.name.split()[1] for each in folder.iterdir()}) < 2:
+        time.sleep(0.05)
+    process.kill()
+    process.wait()
+    time.sleep(0.3)  # what it is at, it ends
+    count = len(list(folder.iterdir()))
+    time.sleep(0.5)
+    assert len(list(folder.iterdir())) == count < 200
+
+
+@copies
 def test_this_process_does_what_a_copy_that_died_has_taken():
     with with_a_copy():
         for _ in range(2):
@@ -170,15 +208,23 @@ def test_a_diagnosis_says_the_same_with_and_without_a_copy(monkeypatch):
 
     examples = Path(__file__).parents[1] / "examples"
     recording, simulation = examples / "detent.csv", examples / "slide.yaml"
-    written, asked = module._Known.written, []
+    written, told, asked, heard = module._Known.written, module._Known.told, [], []
 
     def kept(self, content):
         asked.append(written(self, content))
         return asked[-1]
 
+    def understood(self, content):
+        heard.append((content, told(self, content)))
+        return heard[-1][1]
+
     monkeypatch.setattr(module._Known, "written", kept)
+    monkeypatch.setattr(module._Known, "told", understood)
     with_copy = camid.diagnose(recording, simulation, time_limit=None).to_mapping()
     assert asked
     assert None not in asked
+    # Answers that are none, because the processes found other objects, would be made again without a word.
+    nothing = len(module.pickle.dumps({}, module.pickle.HIGHEST_PROTOCOL)) + module.NUMBER
+    assert all(answers for content, answers in heard if len(content) > nothing)
     monkeypatch.setattr(module, "_may_copy", lambda: False)
     assert camid.diagnose(recording, simulation, time_limit=None).to_mapping() == with_copy

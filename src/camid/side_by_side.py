@@ -34,7 +34,7 @@ WORKERS = 2
 FEW, ALONE = 8, 0.01
 # Bytes of an item's number in the pipe from which both processes take them, the number that ends them, and how many
 # surely fit into the pipe.
-NUMBER, END, MOST_NUMBERS = 4, 2**32 - 1, 4096
+NUMBER, END, MOST_NUMBERS = 4, 2**32 - 1, 1000
 
 
 class Account(ABC):
@@ -199,13 +199,17 @@ class _Copy:
         if asked is not None:
             both = self._known.and_of((function, items))
             os.write(self._numbers, b"".join(n.to_bytes(NUMBER, "little") for n in (*range(len(items)), END, END)))
+            complete = False
             try:
                 self._here.send_bytes(asked)
                 answers = _answers(function, items, self._taken, accounts)
-                answers |= both.read(self._here.recv_bytes())
+                answers |= both.told(self._here.recv_bytes())
+                complete = True
             except (EOFError, OSError):  # it is gone: what it took is done here
-                self._lost = True
-            self._clear()
+                pass
+            finally:
+                self._lost = not complete
+                self._clear()
         return [
             _told(answers[i] if i in answers else _answer(function, item, accounts), accounts)
             for i, item in enumerate(items)
@@ -222,6 +226,7 @@ class _Copy:
     def _serve(self, there: Connection) -> None:
         """In the copy: answer until nobody asks any more."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that asks hears of it, too, and ends this one
+        asking = os.getppid()
         self._here.close()  # or the end of that process would not be heard of
         os.close(self._numbers)
         _here.busy = True
@@ -230,15 +235,24 @@ class _Copy:
                 function, items, states = self._known.loaded(there.recv_bytes())
                 _set(self._known.accounts, states)
                 both = self._known.and_of((function, items))
-                there.send_bytes(both.told(_answers(function, items, self._taken, self._known.accounts)))
+                answers = _answers(function, items, self._taken, self._known.accounts, asking)
+                # An exception is raised where it is heard of, and with where it came from.
+                there.send_bytes(both.telling({i: each for i, each in answers.items() if not each[1]}))
 
 
 def _answers(
-    function: Callable[[Any], Any], items: Sequence[Any], taken: int, accounts: Sequence[Account]
+    function: Callable[[Any], Any],
+    items: Sequence[Any],
+    taken: int,
+    accounts: Sequence[Account],
+    asking: int | None = None,
 ) -> dict[int, _Answer]:
-    """Answers for the items that this process takes; after an exception it takes no more."""
+    """Answers for the items that this process takes; after an exception, or without the process that asks, no more."""
     found: dict[int, _Answer] = {}
-    while (index := int.from_bytes(os.read(taken, NUMBER), "little")) != END:
+    while number := os.read(taken, NUMBER):
+        index = int.from_bytes(number, "little")
+        if index == END or (asking is not None and os.getppid() != asking):
+            break
         found[index] = _answer(function, items[index], accounts)
         if found[index][1]:
             break
@@ -304,7 +318,7 @@ class _Known:
         writer.persistent_id = lambda each: self._numbers.get(id(each))  # type: ignore[method-assign]
         try:
             writer.dump(content)
-        except (pickle.PicklingError, TypeError, AttributeError):
+        except Exception:  # whatever an object has against it
             return None
         return stream.getvalue()
 
@@ -314,18 +328,26 @@ class _Known:
         reader.persistent_load = self._objects.__getitem__  # type: ignore[method-assign]
         return reader.load()
 
-    def told(self, answers: dict[int, _Answer]) -> bytes:
+    def telling(self, answers: dict[int, _Answer]) -> bytes:
         """Answers as bytes, but for those that cannot be pickled."""
-        whole = self.written((self._found, answers))
-        if whole is not None:
-            return whole
-        possible = {i: each for i, each in answers.items() if self.written(each) is not None}
-        return self.written((self._found, possible)) or b""
+        whole = self.written(answers)
+        if whole is None:
+            whole = self.written({i: each for i, each in answers.items() if self.written(each) is not None})
+        return self._found.to_bytes(NUMBER, "little") + (whole or b"")
 
-    def read(self, content: bytes) -> dict[int, _Answer]:
-        """Answers that were told; none where the other process has found other objects."""
-        found, answers = self.loaded(content)
-        return answers if found == self._found else {}
+    def told(self, content: bytes) -> dict[int, _Answer]:
+        """The same as answers; none where the other process has found other objects, or they cannot be read."""
+        if int.from_bytes(content[:NUMBER], "little") != self._found:
+            return {}
+        try:
+            return dict(self.loaded(content[NUMBER:]))
+        except Exception:  # whatever an object has against it
+            return {}
+
+
+def _is_pickled_by_its_state(kind: type) -> bool:
+    """Whether an object is not pickled in a way of its own: it then has the same parts in both processes."""
+    return kind.__reduce__ is object.__reduce__ and kind.__reduce_ex__ is object.__reduce_ex__
 
 
 def _parts(each: object) -> Sequence[object] | None:
@@ -341,6 +363,7 @@ def _parts(each: object) -> Sequence[object] | None:
         found = each
     elif isinstance(each, dict):
         found = list(each.values())
-    elif not isinstance(each, Account):
-        found = list(getattr(each, "__dict__", {}).values())
+    elif not isinstance(each, Account) and _is_pickled_by_its_state(type(each)):
+        state = each.__getstate__()
+        found = list(state.values()) if isinstance(state, dict) else ()
     return found

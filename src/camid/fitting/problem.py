@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,6 +118,10 @@ class Problem:
     remainder: float | None = None
     work: Work = field(default_factory=Work, compare=False)
     motions: RememberedMotions = field(default_factory=RememberedMotions, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What it consists of, without what can be worked out again."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @property
     def runs(self) -> list[int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -86,7 +86,7 @@ class EquationsKind(NamedConstants):
 
     def rest_of(self, model: Model) -> Callable[[float], dict[str, float] | None]:
         """State at rest, by name, at an output; None where it rests nowhere."""
-        return lambda output: state_at_rest(self.equations, self.values_of(model), output)
+        return partial(state_at_rest, self.equations, self.values_of(model))
 
     def with_coefficients(self, model: Model, coefficients: Array) -> Model:
         """The model as it is: equations are not made from coefficients."""

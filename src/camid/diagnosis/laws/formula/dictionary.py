@@ -54,8 +54,10 @@ class Form:
     symmetric: bool = False
     contains: frozenset[str] = frozenset()
 
-    def __reduce__(self) -> tuple[Callable[[str], Form], tuple[str]]:
-        return form_of, (self.name,)  # functions without a name are not pickled
+    def __reduce__(self) -> tuple[Callable[..., Form], tuple[int, int]]:
+        # Its functions have no name to be pickled by, and its own name is not its alone.
+        places = ((group, i) for group, forms in enumerate((FORMS, POWERS)) for i, form in enumerate(forms))
+        return form_at, next(place for place in places if form_at(*place) is self)
 
     @property
     def count(self) -> int:
@@ -299,6 +301,6 @@ _EVERY = (*POWERS, *WAVES, *BUMPS, *GROWTH, *SATURATION, *KINKS)
 FORMS = tuple(replace(form, contains=frozenset(_CONTAINED.get(form.name, ()))) for form in _EVERY)
 
 
-def form_of(name: str) -> Form:
-    """The form of a name."""
-    return next(form for form in FORMS if form.name == name)
+def form_at(group: int, place: int) -> Form:
+    """A form of the dictionary, or of the powers as they were before it was put together."""
+    return (FORMS, POWERS)[group][place]
