@@ -18,7 +18,8 @@ from pathlib import Path
 import pandas as pd
 
 import camid
-from camid.fitting import problem
+from camid.diagnosis.watch import Watch
+from camid.engine.work import Work
 from camid.proof.concealed.cases import plan
 from camid.proof.concealed.generator import make
 from camid.proof.sealed_files import RECORDING, SIMULATION, write_table, write_yaml
@@ -77,12 +78,11 @@ def whole_command(place: Path, source: Path) -> float:
 
 def profile(place: Path) -> tuple[dict[str, float], int]:
     """Seconds of each stage, and how many simulations there were."""
-    run, count = problem.run, 0
+    count, works = Watch.count, []
 
-    def counted(*arguments: object) -> object:
-        nonlocal count
-        count += 1
-        return run(*arguments)  # type: ignore[arg-type]
+    def counted(watch: Watch, work: Work, rows: int) -> None:
+        works.append(work)
+        count(watch, work, rows)
 
     spent = dict.fromkeys(STAGES, 0.0)
     last, since = "reading", time.perf_counter()
@@ -94,13 +94,13 @@ def profile(place: Path) -> tuple[dict[str, float], int]:
         last = next((stage for stage, words in STAGES.items() if sentence.startswith(words)), last)
         since = now
 
-    problem.run = counted  # type: ignore[assignment]
+    Watch.count = counted  # type: ignore[method-assign]
     try:
         camid.diagnose(place / "recording.csv", place / "simulation.yaml", progress=say, time_limit=None)
     finally:
-        problem.run = run
+        Watch.count = count  # type: ignore[method-assign]
     say("")
-    return spent, count
+    return spent, works[0].runs
 
 
 def table(earlier: str) -> pd.DataFrame:

@@ -22,9 +22,16 @@ TANGENT, COLUMN = 0.75, 0.1
 
 
 class Work(Account):
-    """What all threads and processes together have simulated for one purpose, in seconds of a processor."""
+    """What all threads and processes together have simulated for one purpose, in seconds of a processor.
+
+    Attributes
+    ----------
+    runs : int
+        How many simulations.
+    """
 
     def __init__(self) -> None:
+        self.runs = 0
         self._microseconds = 0
         self._lock = Lock()
 
@@ -38,7 +45,7 @@ class Work(Account):
 
     def add_run(self, rows: int) -> None:
         """Count a simulation of so many rows, but for the integrator's steps."""
-        self._add(RUN + ROW * rows)
+        self._add(RUN + ROW * rows, runs=1)
 
     def add_steps(self, mechanics: Mechanics, steps: int) -> None:
         """Count so many steps of the integrator."""
@@ -51,23 +58,24 @@ class Work(Account):
         """Count so many steps with tangents."""
         self._add((TANGENT + COLUMN * columns) * steps)
 
-    def _add(self, microseconds: float) -> None:
+    def _add(self, microseconds: float, runs: int = 0) -> None:
         # Parts of a microsecond would add up to other sums in another order.
         with self._lock:
             self._microseconds += round(microseconds)
+            self.runs += runs
 
-    def state(self) -> int:
-        """Microseconds."""
-        return self._microseconds
+    def state(self) -> tuple[int, int]:
+        """Microseconds and simulations."""
+        return self._microseconds, self.runs
 
-    def set(self, state: int) -> None:
-        """Go on from so many microseconds."""
-        self._microseconds = state
+    def set(self, state: tuple[int, int]) -> None:
+        """Go on from so many."""
+        self._microseconds, self.runs = state
 
-    def since(self, state: int) -> int:
-        """Microseconds since a state."""
-        return self._microseconds - state
+    def since(self, state: tuple[int, int]) -> tuple[int, int]:
+        """How many since a state."""
+        return self._microseconds - state[0], self.runs - state[1]
 
-    def add(self, changes: int) -> None:
-        """Count so many microseconds."""
-        self._add(changes)
+    def add(self, changes: tuple[int, int]) -> None:
+        """Count so many."""
+        self._add(*changes)

@@ -22,7 +22,7 @@ class RememberedMotions:
     """Motions by what they are simulated from; the oldest go where there are too many points."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[Hashable, tuple[Sequence[object], Motion, int]] = OrderedDict()
+        self._known: OrderedDict[Hashable, tuple[Sequence[object], Motion, tuple[int, int]]] = OrderedDict()
         self._points = 0
         self._lock = Lock()
 
@@ -55,7 +55,7 @@ class RememberedMotions:
         work.add(known[2])
         return known[1]
 
-    def _keep(self, key: Hashable, known: tuple[Sequence[object], Motion, int]) -> None:
+    def _keep(self, key: Hashable, known: tuple[Sequence[object], Motion, tuple[int, int]]) -> None:
         points = len(known[1].position)
         with self._lock:
             if key not in self._known and points <= MOST_POINTS:
