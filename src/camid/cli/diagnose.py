@@ -19,6 +19,9 @@ from camid.errors import need
 if TYPE_CHECKING:
     from camid.commands.results import DiagnosisResult
 
+# Of what a diagnosis holds; named and not imported, which would take as long as all else before.
+HELD = ("camid.commands.results", "camid.diagnosis.remaining_hypotheses", "camid.analysis.diagnosed_responses")
+
 
 @click.command(short_help="Find, name and model what a simulation leaves out.")
 @click.argument("recording", type=click.Path(path_type=Path), nargs=-1, required=True)
@@ -65,7 +68,7 @@ def diagnose(
     if report:
         need("report.html", "plots", hint="or say --no-report")
     with ExitStack() as stack:
-        drawn_beside = stack.enter_context(PageDrawnBeside()) if report else None
+        drawn_beside = stack.enter_context(PageDrawnBeside(*HELD)) if report else None
         from camid.diagnosis.results_folder import RESULTS, write_diagnosis
         from camid.writing import check_folder, without_infinities
 

@@ -6,6 +6,7 @@ Loading takes longer than most diagnoses, and one interpreter does one thing at 
 
 from __future__ import annotations
 
+import importlib
 import os
 import pickle
 import subprocess
@@ -26,9 +27,15 @@ class PageDrawnBeside:
     """The page of a diagnosis that is not made yet.
 
     Where no other process can be started, or it ends without a page, the page is drawn in this one.
+
+    Parameters
+    ----------
+    modules : str
+        Whose objects the diagnosis will hold, to be loaded beforehand.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *modules: str) -> None:
+        self._modules = modules
         self._process: subprocess.Popen[bytes] | None = None
         self._diagnosis: Diagnosis | None = None
 
@@ -40,7 +47,7 @@ class PageDrawnBeside:
         with suppress(OSError, ValueError):  # no right to start a process, or an interpreter without a name
             self._process = subprocess.Popen(
                 # -P: the folder that the user stands in is no place to import from.
-                [sys.executable, "-P", "-m", __name__],
+                [sys.executable, "-P", "-m", __name__, *self._modules],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -97,6 +104,8 @@ def serve() -> None:
     from camid.diagnosis.report.page import load, render
 
     load()
+    for module in sys.argv[1:]:
+        importlib.import_module(module)
     page = render(pickle.load(sys.stdin.buffer), shared=True)
     sys.stdout.buffer.write(page.encode("utf-8", errors="surrogatepass"))
 

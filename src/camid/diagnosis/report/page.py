@@ -7,6 +7,7 @@ from base64 import b64encode
 from dataclasses import dataclass
 from functools import cache, partial
 from hashlib import sha256
+from importlib import import_module
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
@@ -311,6 +312,9 @@ def _script() -> str:
 
 def load() -> None:
     """Import and prepare everything that drawing a page needs, which takes longer than the drawing itself."""
+    # What drawing would load on its way.
+    for module in ("multiprocessing.popen_fork", "numpy.fft", "uncertainties", "camid.diagnosis.report.pictures"):
+        import_module(module)
     from camid.diagnosis.report.panel import inline_svg, look_of_the_project, new_panel
 
     with look_of_the_project():
