@@ -134,6 +134,20 @@ def test_the_first_exception_is_raised_and_the_copy_can_be_asked_again():
         assert len(set(side_by_side(process_of, list(range(8))))) == 2
 
 
+def refused_here(process, folder, item):
+    if os.getpid() == process:
+        raise ValueError("not here")
+    time.sleep(0.05)
+    (folder / str(item)).touch()
+
+
+@copies
+def test_nothing_more_is_taken_once_an_item_has_failed(tmp_path):
+    with with_a_copy(), pytest.raises(ValueError, match="not here"):
+        side_by_side(partial(refused_here, os.getpid(), tmp_path), list(range(60)))
+    assert len(list(tmp_path.iterdir())) < 20
+
+
 @copies
 def test_an_exception_keeps_the_place_where_it_was_raised():
     account = Counted()
