@@ -14,7 +14,7 @@ import pytest
 from camid import side_by_side as module
 from camid.side_by_side import Account, side_by_side, with_a_copy
 
-copies = pytest.mark.skipif(not module._may_copy() or module._cores() < 2, reason="no copy of this process can be made")
+copies = pytest.mark.skipif(not module.can_copy() or module.cores() < 2, reason="no copy of this process can be made")
 
 
 @pytest.fixture(autouse=True)

@@ -78,7 +78,7 @@ def with_a_copy(*known: object) -> Iterator[bool]:
         for what each process may work out again, and for an :class:`Account`.
     """
     copy = None
-    if _here.copy is None and not _here.busy and _cores() > 1 and _may_copy():
+    if _here.copy is None and not _here.busy and cores() > 1 and _may_copy():
         with suppress(OSError):  # no right to start a process, or no memory
             copy = _Copy(known)
     if copy is None:
@@ -143,18 +143,19 @@ def _taking() -> Iterator[None]:
         _here.busy = False
 
 
-def _cores() -> int:
+def cores() -> int:
     """Processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _may_copy() -> bool:
-    """Whether this process can be copied: a lock that another thread holds would be held in the copy for ever.
+def can_copy() -> bool:
+    """Whether this system copies processes: not macOS, whose own libraries do not survive it."""
+    return hasattr(os, "sched_getaffinity") and "fork" in multiprocessing.get_all_start_methods()
 
-    Not on macOS, whose own libraries do not survive it.
-    """
-    alone = threading.active_count() == 1 and not multiprocessing.current_process().daemon
-    return alone and hasattr(os, "sched_getaffinity") and "fork" in multiprocessing.get_all_start_methods()
+
+def _may_copy() -> bool:
+    """Whether this process may be copied: a lock that another thread holds would be held in the copy for ever."""
+    return can_copy() and threading.active_count() == 1 and not multiprocessing.current_process().daemon
 
 
 # A result or an exception, whether it is one, and the changes of the accounts.

@@ -252,12 +252,10 @@ class _OutputError:
         self.latest = [*self.latest[-1:], (vector.copy(), rows)]
         return rows
 
-    def known(self, vector: Array) -> Array | None:
-        """The simulated output where it was one of the last two and nothing of it was cut off; else None."""
-        for point, rows in reversed(self.latest):
-            if np.array_equal(point, vector) and bool(np.all((self.lowest < rows) & (rows < self.highest))):
-                return rows
-        return None
+    def simulated_whole(self, vector: Array) -> Array | None:
+        """The same; None where something of it is cut off."""
+        rows = self.simulated(vector)
+        return rows if bool(np.all((self.lowest < rows) & (rows < self.highest))) else None
 
     def residual(self, vector: Array) -> Array:
         """Shape (M,)."""
@@ -339,7 +337,7 @@ def fit(
     vector = output_error.least(begin, steps)
     if finest:
         vector = _with_fine_steps(problem, output_error, begin, vector, steps)
-    simulated = output_error.known(vector)
+    simulated = output_error.simulated_whole(vector)
     return evaluate(
         output_error.problem, packing.unpack(vector), fixed, weighted=len(whitening) > 1, simulated=simulated
     )

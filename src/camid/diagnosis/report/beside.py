@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import IO, TYPE_CHECKING
 
 import camid
+from camid.side_by_side import cores
 
 # It is started before anything that takes long to load.
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ class PageDrawnBeside:
         self._diagnosis: Diagnosis | None = None
 
     def __enter__(self) -> PageDrawnBeside:
-        if _cores() < 2:
+        if cores() < 2:
             return self
         package = str(Path(camid.__file__).parent.parent)
         paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
@@ -87,11 +88,6 @@ class PageDrawnBeside:
         from camid.diagnosis.report.page import render
 
         return render(self._diagnosis)
-
-
-def _cores() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _pipe(stream: IO[bytes] | None) -> IO[bytes]:
