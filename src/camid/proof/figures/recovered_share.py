@@ -24,7 +24,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     Parameters
     ----------
     scores : DataFrame
-        With ``share_same_kind`` and ``share_double_amplitude``, from
+        With ``kind``, ``multiple``, ``in_class``, ``share_same_kind`` and ``share_double_amplitude``, from
         :func:`camid.proof.score_table.recovered_shares`.
     """
     style.apply()
@@ -34,11 +34,12 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 3.4), sharey=True)
     for axes, (name, kind) in zip(panels, PANELS.items(), strict=True):
         shares, title = known[f"share_{name}"], kind
-        for named, symbol, colour, face, words in (
-            (True, "o", style.BLUE, style.BLUE, "all effects named or in a class"),
-            (False, "s", style.VERMILION, "white", "not all"),
+        outside = known["kind"] == "outside"
+        for chosen, symbol, colour, face, words in (
+            (outside, "x", style.GREY, style.GREY, "laws outside the catalogue"),
+            (~outside & known["in_class"], "o", style.BLUE, style.BLUE, "all effects named or in a class"),
+            (~outside & ~known["in_class"], "s", style.VERMILION, "white", "not all"),
         ):
-            chosen = known["in_class"] == named
             drawn = shares[chosen].clip(LOWEST, HIGHEST)
             axes.plot(
                 known["multiple"][chosen], drawn, symbol, color=colour, markerfacecolor=face, markersize=3, label=words
@@ -52,11 +53,11 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
             clip_on=False,
             label=f"below −{-LOWEST:g}",
         )
-        strong = shares[known["multiple"] >= STRONG].dropna()
+        strong = shares[~outside & (known["multiple"] >= STRONG)].dropna()
         if len(strong):
             middle = float(np.median(strong))
-            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.6, label=f"median from {STRONG:g} on")
-            title = f"{kind}\nmedian {middle:.3f} of {len(strong)} recordings from {STRONG:g} on"
+            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.6, label=f"their median from {STRONG:g} on")
+            title = f"{kind}\nmedian {middle:.3f} of {len(strong)} in the catalogue, from {STRONG:g} on"
         look: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.9}
         axes.axhline(TARGET, linestyle=(0, (4, 2)), label=f"target of the median: {TARGET:g}", **look)
         axes.axvline(STRONG, linestyle=(0, (1, 2)), label=f"target holds from {STRONG:g} on", **look)
@@ -71,6 +72,6 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         axes.minorticks_off()
     panels[0].set_ylabel("share of the avoidable error recovered")
     figure.legend(*panels[1].get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    columns = ["index", "truth", "multiple", "in_class"]
+    columns = ["index", "kind", "truth", "multiple", "in_class"]
     columns += [f"{quantity}_{name}" for name in PANELS for quantity in ("refitted", "improved", "floor", "share")]
     return figure, known[columns].reset_index(drop=True)

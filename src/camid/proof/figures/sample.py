@@ -20,6 +20,7 @@ OUTCOMES = {
     "right, in a class": ("o", style.BLUE, "white"),
     "right, with a wrong name besides": ("D", style.ORANGE, style.ORANGE),
     "a weaker one not named": ("^", style.BLUE, "white"),
+    "outside the catalogue, no confident claim": ("P", style.GREY, style.GREY),
     "not (all) named": ("s", style.ORANGE, "white"),
     "not detected": ("v", style.BLACK, "white"),
     "wrong": ("X", style.VERMILION, style.VERMILION),
@@ -32,14 +33,14 @@ ORDER = ("none", "invisible", "single", "several", "outside")
 def outcome(row: Mapping[Any, Any]) -> str:
     """What became of a recording, in a few words.
 
-    Physics outside the catalogue is right where it was detected and nothing wrong was said with confidence.
+    Of physics outside the catalogue nothing may be said with confidence.
     """
     if row["kind"] in {"none", "invisible"}:
         return "wrong" if row["false_alarm"] else "right"
     if row["verdict"] == "adequate":
         return "not detected"
     if row["kind"] == "outside":
-        return "wrong" if row["confidently_wrong"] else "right"
+        return "wrong" if row["confidently_wrong"] else "outside the catalogue, no confident claim"
     # Of several effects those that are too weak to show need not be named, but what is not named is not right.
     enough = row["kind"] == "several" and row["strong"] > 0
     if row["in_class"] or (enough and row["strong_in_class"] == row["strong"]):
