@@ -95,6 +95,18 @@ def test_a_simulation_declares_several():
     assert 0.0 < np.std(both - alone) < np.std(alone)
 
 
+def test_a_formula_that_is_not_known_may_be_null():
+    law = force("position", np.linspace(-3.0, 3.0, 13), lambda y: 0.2 * y**3)
+    without, null = declared(law), declared(law)
+    null["effects"][0]["parameters"]["formula"] = None
+    table = record(noise=0.0, count=200)
+    said, expected = (camid.simulate(table, content)["simulated"] for content in (null, without))
+    np.testing.assert_array_equal(said, expected)
+    null["effects"][0]["parameters"]["values"] = None
+    with pytest.raises(InputError, match="values: None is not"):
+        camid.simulate(table, null)
+
+
 @pytest.mark.parametrize(
     ("values", "says"),
     [

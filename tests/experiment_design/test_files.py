@@ -58,6 +58,22 @@ def test_the_folder_of_a_design(bench, capsys):
     assert all(d["std_after"] < d["std_before"] for d in content["parameters"] if d["name"] == "gain-asymmetry ratio")
 
 
+def test_the_input_alone(bench, capsys):
+    options = ["--duration", "4", "--time-limit", "0"]
+    assert main(["design", "diagnosis", "--output", "next.csv", *options]) == 0
+    assert "written to next.csv" in capsys.readouterr().out
+    assert (bench / "next.csv").is_file()
+    assert main(["design", "diagnosis", "--output", "next", "--no-picture", *options]) == 0
+    assert (bench / "next.csv").read_bytes() == (bench / "next/input.csv").read_bytes()
+    # An input is written over, a recording is not.
+    (bench / "next.csv").write_text("t,u\n0,0\n", encoding="utf-8")
+    assert main(["design", "diagnosis", "--output", "next.csv", *options]) == 0
+    assert (bench / "next.csv").read_bytes() == (bench / "next/input.csv").read_bytes()
+    for source in (["next.csv", "drag.yaml"], ["friction.yaml", "drag.yaml", "--recording", "next.csv"]):
+        assert main(["design", *source, "--output", "next.csv"]) == 2
+        assert "--output would overwrite what it is made from" in capsys.readouterr().err
+
+
 def test_two_simulations_as_hypotheses_and_json(bench, capsys):
     command = ["design", "friction.yaml", "drag.yaml", "--output", "next", *QUICK, "--no-picture", "--json"]
     assert main(command) == 0
@@ -112,7 +128,9 @@ def test_nothing_is_written_where_a_limit_is_refused(bench, capsys):
         (["design", "nowhere", "--output", "next"], "nowhere"),
         (["design", ".", "--output", "next"], "no diagnosis.json"),
         (["design", "first.csv", "--output", "next", *QUICK], "first.csv"),
-        (["design", "diagnosis", "--output", "first.csv"], "this is a file"),
+        (["design", "diagnosis", "--output", "first.csv"], "first.csv: this is a file with other columns"),
+        (["design", "friction.yaml", "drag.yaml", "--output", "drag.yaml"], "this is a file"),
+        (["design", "diagnosis", "--output", "no/where.csv"], "no such folder"),
         (["design", "diagnosis", "--output", "no/where"], "no such folder"),
         (["design", "friction.yaml", "drag.yaml", "--output", "next"], "--frame-rate"),
         (["design", "friction.yaml", "friction.yaml", "--output", "next", *QUICK], "named twice"),

@@ -11,6 +11,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.known import declarable_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
+from camid.errors import InputError
 
 PERIOD, ROWS = 0.01, 1200
 TRUTH = {"mass": 1.3, "damping": 2.0, "stiffness": 310.0}
@@ -77,6 +78,21 @@ def test_a_fixed_constant_keeps_its_value():
     }  # fmt: skip
     assert found.simulation.free_numerator.tolist() == [False]
     assert all(abs(z) < 4.0 for z in off(found, TRUTH).values())
+
+
+def test_what_is_not_free_is_fixed():
+    content = simulation({**SPRING, "parameters": TRUTH})
+    content["plant"]["free"] = {"mass": False, "stiffness": True}
+    found = camid.identify(recording(), content)
+    assert [p["state"] for p in found.parameters()] == ["fixed", "estimated", "estimated"]
+    both = simulation({**SPRING, "fixed": ["mass"]})
+    both["plant"]["free"] = {"mass": True}
+    with pytest.raises(InputError, match="'mass' is fixed and free; take it out of one of them"):
+        camid.identify(recording(), both)
+    stranger = simulation(SPRING)
+    stranger["plant"]["free"] = {"mess": False}
+    with pytest.raises(InputError, match="mess.*did you mean 'mass'"):
+        camid.identify(recording(), stranger)
 
 
 def test_fewer_constants_than_coefficients_are_fitted_as_such():

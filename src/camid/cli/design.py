@@ -7,14 +7,17 @@ from pathlib import Path
 
 import click
 
-from camid.cli.shared import own_effects_option, progress_display, warn
+from camid.cli.shared import check_output, own_effects_option, progress_display, warn
 from camid.errors import InputError, need
 
 
 @click.command(short_help="Compute the experiment that tells the remaining hypotheses apart.")
 @click.argument("source", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option(
-    "--output", type=click.Path(path_type=Path), required=True, help="Folder for the design; created if missing."
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Folder for the design, created if missing; or a name that ends in .csv, for the input alone.",
 )
 @own_effects_option
 @click.option("--amplitude", type=float, nargs=2, metavar="LOW HIGH", help="Least and largest input [as recorded].")
@@ -65,14 +68,15 @@ def design(
     SOURCE is the output folder of camid diagnose, or simulations that are held against each other. The experiment tells
     the hypotheses that remain apart, or, where one remains, determines its coefficients.
     """
-    from camid.experiment_design.results_folder import FILES, write_design
-    from camid.writing import check_folder, without_infinities
+    from camid.experiment_design.results_folder import write_design, write_input
+    from camid.writing import without_infinities
 
-    if picture:
-        need("design.png", "plots", hint="or say --no-picture")
-    check_folder(output, FILES, [*source, *recording, *effects])
-    if (output / "diagnosis.json").exists():
-        raise InputError("this folder holds a diagnosis", where=str(output), hint="name another one for the design")
+    inputs = [*source, *recording, *effects]
+    input_alone = output.suffix.lower() == ".csv" and not output.is_dir()
+    if input_alone:
+        _check_file(output, inputs)
+    else:
+        _check_folder(output, inputs, picture=picture)
     with progress_display(as_json) as progress:
         from camid.commands.design import design as run
 
@@ -91,7 +95,7 @@ def design(
             time_limit=time_limit or None,
             effects=effects,
         )
-        written = write_design(result, output, picture=picture)
+        written = [write_input(result, output)] if input_alone else write_design(result, output, picture=picture)
     for sentence in result.warnings:
         warn(sentence)
     if as_json:
@@ -100,3 +104,23 @@ def design(
     from camid.experiment_design.words import print_design
 
     print_design(result, written)
+
+
+def _check_file(output: Path, inputs: list[Path]) -> None:
+    """Refuse, before the work is done, a file that the input cannot go to."""
+    from camid.experiment_design.results_folder import refuse_other_tables
+
+    check_output(output, inputs)
+    refuse_other_tables(output)
+
+
+def _check_folder(output: Path, inputs: list[Path], *, picture: bool) -> None:
+    """Refuse, before the work is done, a folder that the design cannot go to."""
+    from camid.experiment_design.results_folder import FILES
+    from camid.writing import check_folder
+
+    if picture:
+        need("design.png", "plots", hint="or say --no-picture")
+    check_folder(output, FILES, inputs)
+    if (output / "diagnosis.json").exists():
+        raise InputError("this folder holds a diagnosis", where=str(output), hint="name another one for the design")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.effects.declared import effects_of
 from camid.effects.own_effects import EffectSource, own_effects, own_effects_in_use
 from camid.errors import InputError
 from camid.fitting.from_simulation import kind_of
@@ -141,12 +142,21 @@ def simulated_table(
         parts.append(pd.DataFrame(table))
         compared_from[one.experiment or ""] = _compared_from(believed, one)
     result = parts[0] if len(parts) == 1 else pd.concat(parts, ignore_index=True)
-    if said := warnings_of(recordings):
-        result.attrs["warnings"] = list(said)
+    if said := [*warnings_of(recordings), *_left_out(believed)]:
+        result.attrs["warnings"] = said
     reading = with_units_of_headers(believed, recordings).reading
     result.attrs["compared_from"] = compared_from
     result.attrs["units"] = {"input": reading.input.unit, "output": reading.output.unit}
     return result
+
+
+def _left_out(believed: Simulation) -> list[str]:
+    """What a simulated output does not show, in a sentence if there is something."""
+    noise = [e.identifier for e in effects_of(believed) if e.noise_like]
+    if not noise:
+        return []
+    change = "changes" if len(noise) == 1 else "change"
+    return [f"the simulated output is the expected one: {' and '.join(noise)} {change} only what is scattered around it"]
 
 
 def _compared_from(believed: Simulation, recording: Recording) -> float:

@@ -322,12 +322,13 @@ class Diagnosis:
 
     def to_mapping(self) -> dict[str, Any]:
         """diagnosis.json, version 1 of the design's contract: SI units, and in ``declared`` what people read."""
+        laws = sorted(self.learned, key=lambda part: -part.share)
         content = {
             "schema": 1,
             "verdict": self.verdict,
             "explanation": self.explanation,
             "location": self.location.to_mapping(),
-            "effects": [f.to_mapping() for f in self.findings] + [part.to_mapping() for part in self.learned],
+            "effects": [f.to_mapping() for f in self.findings] + [part.to_mapping() for part in laws],
             "fit": self.fit.to_mapping(),
             "undetectable": [u.to_mapping() for u in self.undetectable],
             "coefficients": [{k: v for k, v in vars(c).items() if k != "declared_by_plant"} for c in self.coefficients],

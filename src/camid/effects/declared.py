@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import inf, isfinite
 
 from camid.effects.base import Effect
@@ -33,6 +34,7 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
             raise InputError(
                 f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one"
             )
+        declared = _without_nulls(declared, kind)
         kind = kind.with_keys(declared.parameters)
         names = [p.name for p in kind.parameters]
         keys = list(dict.fromkeys([*names, *(p.name for law in kind.finer_laws for p in law.parameters)]))
@@ -52,6 +54,13 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
                 str(error), where=declared.where, hint="; ".join(f"{p.name}: {p.meaning}" for p in kind.parameters)
             ) from None
     return tuple(found)
+
+
+def _without_nulls(declared: DeclaredEffect, kind: type[Effect]) -> DeclaredEffect:
+    """Without parameters that are null where nothing has to be said: a learned law's formula that is not known."""
+    optional = {p.name for p in kind.parameters if p.default is not None}
+    said = {name: v for name, v in declared.parameters.items() if v is not None or name not in optional}
+    return replace(declared, parameters=said)
 
 
 def _where_to_find_it(identifier: str) -> str:

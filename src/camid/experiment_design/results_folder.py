@@ -20,6 +20,8 @@ from camid.writing import check_folder, without_infinities, write_whole
 INPUT, DESIGN, PICTURE = "input.csv", "design.json", "design.png"
 # All that may be written, and by what each is known to be camid's; an input and a picture say nothing of themselves.
 FILES = {DESIGN: '"frame_rate":', INPUT: None, PICTURE: None}
+# Columns of an input file: a time where the rig's files have one, and the input.
+MOST_COLUMNS = 2
 
 
 def write_design(design: Design, folder: str | os.PathLike[str], *, picture: bool = True) -> list[Path]:
@@ -62,6 +64,40 @@ def write_design(design: Design, folder: str | os.PathLike[str], *, picture: boo
     else:
         (folder / PICTURE).unlink(missing_ok=True)
     return written
+
+
+def write_input(design: Design, path: str | os.PathLike[str]) -> Path:
+    """Write the input of a design alone, as the CSV that :func:`write_design` calls input.csv.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written to, or holds more than an input.
+    """
+    target = Path(path)
+    refuse_other_tables(target)
+    write_whole(target, lambda temporary: temporary.write_text(input_text(design), encoding="utf-8"))
+    return target
+
+
+def refuse_other_tables(path: Path) -> None:
+    """Refuse to overwrite a file that has other columns than a time and an input, as a recording has.
+
+    Raises
+    ------
+    InputError
+        That says so.
+    """
+    if not path.is_file() or not path.stat().st_size:
+        return
+    with path.open(encoding="utf-8", errors="replace") as stream:
+        header = next(csv.reader(stream), [])
+    if len(header) > MOST_COLUMNS:
+        raise InputError(
+            "this is a file with other columns than those of an input, and would be overwritten",
+            where=str(path),
+            hint="move or remove it, or name another file",
+        )
 
 
 def input_text(design: Design) -> str:

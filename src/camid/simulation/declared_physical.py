@@ -34,7 +34,7 @@ def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str,
     Raises
     ------
     InputError
-        If an expression is none, a name is not known, or the constants make no stable proper plant.
+        If an expression is none, a name is not known or both fixed and free, or the constants make no stable proper plant.
     """
     constants = written.physical
     names = _names(constants, where)
@@ -43,6 +43,7 @@ def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str,
         form = _with_readings(form, columns, where)
     for key, given in (("fixed", constants.fixed), ("units", constants.units or {})):
         _refuse_strangers(given, names, where("plant", "physical", key))
+    fixed = _fixed(written, names, where)
     deviations = written.standard_deviations
     _refuse_strangers(deviations or {}, names, where("plant", "standard_deviations"))
     if written.covariance is not None:
@@ -50,7 +51,7 @@ def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str,
     physical = PhysicalPlant(
         dict(zip(names, map(float, constants.parameters.values()), strict=True)),
         form,
-        tuple(map(str, constants.fixed)),
+        fixed,
         {str(k): str(v) for k, v in (constants.units or {}).items()},
         None if not deviations else {str(k): float(v) for k, v in deviations.items()},
         None if written.covariance is None else [[float(v) for v in row] for row in written.covariance],
@@ -87,6 +88,18 @@ def _depends_on(physical: PhysicalPlant, name: str) -> bool:
         return plant_function(physical.equations).depends_on(name)
     column = physical.names.index(name)
     return bool((physical.coefficients.sensitive(physical.values)[:, column] != 0.0).any())
+
+
+def _fixed(written: PhysicalPart, names: tuple[str, ...], where: Where) -> tuple[str, ...]:
+    """Constants that keep their values: those under ``fixed``, and those that ``free`` says are not."""
+    fixed, free = tuple(map(str, written.physical.fixed)), written.free or {}
+    _refuse_strangers(free, names, where("plant", "free"))
+    for name in fixed:
+        if free.get(name, False):
+            raise InputError(
+                f"'{name}' is fixed and free", where=where("plant", "free", name), hint="take it out of one of them"
+            )
+    return tuple(name for name in names if name in fixed or not free.get(name, True))
 
 
 def _names(constants: PhysicalParameters, where: Where) -> tuple[str, ...]:

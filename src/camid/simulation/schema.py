@@ -182,7 +182,9 @@ class EffectPart(Part):
     """An effect beyond the linear chain."""
 
     id: Text = Field(description="Identifier from the catalogue.")
-    parameters: dict[str, JsonValue] = Field(description="Values in SI units, by name.")
+    parameters: dict[str, JsonValue] = Field(
+        default={}, description="Values in SI units, by name; an effect without parameters needs none."
+    )
     standard_deviations: NotNull[dict[str, JsonValue]] = Field(
         default=None, description="Standard deviations of the parameters, by name."
     )
