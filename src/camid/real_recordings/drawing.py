@@ -32,6 +32,9 @@ LOOKS: dict[str, dict[str, Any]] = {
 # Significant digits of the results: a fit of a nonlinear model settles to eight, and the order in which effects are
 # tried decides on the ninth.
 SETTLED_DIGITS = 7
+# The improved law without what was learned beside it.
+NAMED = {"color": style.BLUE, "linewidth": 1.0, "linestyle": (0, (3, 1.5))}
+LAW_LABELS = {"named": "the named law", "improved": "with the learned force"}
 RESIDUAL_COLOURS = {"refitted": "#E8A27C", "improved": style.BLUE}
 
 
@@ -91,9 +94,17 @@ def _draw_law(axes: Any, law: Law) -> None:
     if len(law.low):
         axes.fill_between(law.position, law.low, law.high, color="#D0D0D0", linewidth=0.0, label="quartiles")
     axes.plot(law.position, law.middle, "o", color=style.BLACK, markersize=2.6, label="recording")
-    for name, (abscissa, ordinate) in law.curves.items():
-        axes.plot(abscissa, ordinate, **{**LOOKS[name], "linewidth": 1.4})
+    drawn = [
+        axes.plot(abscissa, ordinate, label=LAW_LABELS.get(name), **_look_of_law(name))[0]
+        for name, (abscissa, ordinate) in law.curves.items()
+    ]
+    if "named" in law.curves:
+        axes.legend(handles=[d for d in drawn if d.get_label() in LAW_LABELS.values()], loc="upper left")
     axes.set(xlabel=law.abscissa, ylabel=law.ordinate, title=law.title)
+
+
+def _look_of_law(name: str) -> dict[str, Any]:
+    return NAMED if name == "named" else {**LOOKS[name], "linewidth": 1.4}
 
 
 def _draw_residuals(axes: Any, results: Results, factor: float, label: str) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.commands.simulate import simulate
+from camid.effects.learned import LearnedForce
 from camid.identification.from_recordings import load_recordings
 from camid.real_recordings.results import Results
 from camid.recording.recording import Recording
@@ -37,7 +38,7 @@ class Law:
     position, middle, low, high : ndarray, shape (n,)
         Bins or swings of the recording: abscissa, median and quartiles; without spread ``low`` and ``high`` are empty.
     curves : dict of str to (ndarray, ndarray)
-        Laws by name, ``improved`` or ``refitted``.
+        Laws by name, ``improved`` or ``refitted``, or ``named``: the improved one without its learned forces, if it has any.
     abscissa, ordinate, title : str
         Labels with units.
     """
@@ -55,6 +56,20 @@ class Law:
 def law(results: Results) -> Law:
     """The law of the strongest effect of a recording, or where the remainder is."""
     return LAWS[results.name](results)
+
+
+def _learned(results: Results, variable: str, values: Array) -> Array | None:
+    """Sum of the learned forces over the position or the velocity, shape (n,); None where there is none."""
+    forces = [e.parameters for e in results.improved.effects if e.identifier == LearnedForce.identifier]
+    laws = [np.interp(values, f["knots"], f["values"]) for f in forces if f["variables"] == variable]
+    return np.sum(laws, axis=0) if laws else None
+
+
+def _with_learned(grid: Array, named: Array, learned: Array | None, unit: float = 1.0) -> dict[str, tuple[Array, Array]]:
+    """The curve of a named law and, where a force was learned beside it, that of both."""
+    if learned is None:
+        return {"improved": (grid, named)}
+    return {"named": (grid, named), "improved": (grid, named + unit * learned)}
 
 
 def _recorded(results: Results) -> Recording:
@@ -96,7 +111,7 @@ def _silverbox(results: Results) -> Law:
     cubic = results.parameter("cubic-stiffness", "coefficient") * 1e-6 * grid**3
     return Law(
         *points,
-        {"improved": (grid, cubic)},
+        _with_learned(grid, cubic, _learned(results, "position", 1e-3 * grid), 1e3),
         "position V2 (mV)",
         "spring force beyond\nthe linear one (mV)",
         "the law, and what the recording says",
@@ -113,10 +128,11 @@ def _emps(results: Results) -> Law:
     inner = slice(EDGE, -EDGE)
     points = _binned(1e3 * velocity[inner], friction[inner])
     coulomb = results.parameter("coulomb-friction", "force")
-    ends = np.array([points[0][0], 0.0, 0.0, points[0][-1]])
+    tiny = 1e-9 * points[0][-1]
+    grid = np.concatenate([np.linspace(points[0][0], -tiny, 200), np.linspace(tiny, points[0][-1], 200)])
     return Law(
         *points,
-        {"improved": (ends, coulomb * np.array([-1.0, -1.0, 1.0, 1.0]))},
+        _with_learned(grid, coulomb * np.sign(grid), _learned(results, "velocity", 1e-3 * grid)),
         "velocity (mm/s)",
         "friction beyond\nthe viscous (N)",
         "the law, and what the recording says",
@@ -138,17 +154,26 @@ def _pendulum_decay(results: Results) -> Law:
     turns = np.sort(np.concatenate([find_peaks(deflection, height=0.0)[0], find_peaks(-deflection, height=0.0)[0]]))
     heights = -np.cos(deflection[turns])
     path = np.abs(np.diff(deflection[turns]))
-    squared = np.array([np.sum(velocity[a:b] ** 2) * recorded.period for a, b in pairwise(turns)])
+    swings = list(pairwise(turns))
+    squared = np.array([np.sum(velocity[a:b] ** 2) * recorded.period for a, b in swings])
+    # What a force over the position takes in a swing it gives back in the next.
+    force = _learned(results, "velocity", velocity)
+    taken = np.array([np.sum((force * velocity)[a:b]) * recorded.period for a, b in swings] if force is not None else [])
     # Two halves at a time: an angle at rest that is off by little makes one side higher and the other lower.
-    path, squared = path[1:] + path[:-1], squared[1:] + squared[:-1]
+    path, squared, taken = (v[1:] + v[:-1] for v in (path, squared, taken))
     lost = heights[:-2] - heights[2:]
-    path, squared, lost = (v[path > SHORTEST_PATH] for v in (path, squared, lost))
-    speed, friction = squared / path, lost / path
+    long = path > SHORTEST_PATH
+    speed, friction = (squared / path)[long], (lost / path)[long]
     curves = {}
     grid = np.array([0.0, float(speed.max())])
     for model, coulomb in (("refitted", 0.0), ("improved", results.parameter("coulomb-friction", "force"))):
         (a1, _), (a0, _) = results.coefficient("a1", model), results.coefficient("a0", model)
         curves[model] = (grid, 1e3 * (coulomb + a1 / a0 * grid))
+    if force is not None:
+        curves["named"] = curves.pop("improved")
+        order = np.argsort(speed)
+        named = np.interp(speed, *curves["named"])
+        curves["improved"] = (speed[order], (named + 1e3 * (taken / path)[long])[order])
     none = np.zeros(0)
     return Law(
         speed,
