@@ -19,9 +19,8 @@ def main() -> None:
     targets = [f"ablation_{name}" for name in names]
     table = pd.DataFrame({"target": targets, "conclusion": sentences})
     write_whole(snakemake.output.csv, lambda p: table.to_csv(p, index=False, lineterminator="\n"))
-    # Links from the root of the repository.
     items = [
-        f"- [**{name.replace('_', ' ')}**](paper_figs/{target}.png) (`{target}`): {sentence}\n"
+        f"- [**{name.replace('_', ' ')}**]({target}.png) (`{target}`): {sentence}\n"
         for name, target, sentence in zip(names, targets, sentences, strict=True)
     ]
     write_whole(snakemake.output.markdown, lambda p: p.write_text("".join(items), encoding="utf-8"))

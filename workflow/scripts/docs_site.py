@@ -1,7 +1,7 @@
 """Content of the site beyond docs/: figures, the paper's claims, ablations, the proof and the catalogue of effects.
 
 A hook of mkdocs (see mkdocs.yml). Nothing of it is written into docs/: a page says ``<!-- generated: NAME -->`` where a
-part belongs, and the part is made from the committed results, or from the classes of the effects, during the build.
+part belongs, with a pointer for those who read the page in the repository, and the part is made from the committed results, or from the classes of the effects, during the build.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ import effect_pictures
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "paper_figs"
 PICTURES = ROOT / "results" / "docs" / "effects"
-MARK = re.compile(r"<!-- generated: (\w+) -->")
+# What stands up to an end mark is for those who read the page in the repository.
+MARK = re.compile(r"<!-- generated: (\w+) -->(?:\n[^<]*\n<!-- end of \1 -->)?")
 # What Sphinx would make a link of; mkdocstrings leaves the role in the text.
 ROLE = re.compile(r":(?:attr|class|func|meth|mod):(?=<code>)")
 OUTSIDE = re.compile(r"(!?)\[([^\]]*)\]\(((?:\.\./)+)([^)#\s]+)\)")
