@@ -90,9 +90,12 @@ def refuse_other_tables(path: Path) -> None:
     """
     if not path.is_file() or not path.stat().st_size:
         return
-    with path.open(encoding="utf-8", errors="replace") as stream:
-        header = next(csv.reader(stream), [])
-    if len(header) > MOST_COLUMNS:
+    try:
+        with path.open(encoding="utf-8", errors="replace") as stream:
+            columns = len(next(csv.reader(stream), []))
+    except (OSError, csv.Error):  # whatever it is, it is no input
+        columns = MOST_COLUMNS + 1
+    if columns > MOST_COLUMNS:
         raise InputError(
             "this is a file with other columns than those of an input, and would be overwritten",
             where=str(path),
