@@ -170,7 +170,7 @@ def test_unknown_keys_are_named_with_line_and_nearest_match(tmp_path, old, new, 
         ),
         ("[1.0, 2.0, 100.0]", "[0]", "the first coefficient is zero; remove it"),
         ("[1.0, 2.0, 100.0]", "[1e-307, 2.0, 100.0]", "line 7, plant.transfer_function: the numerator has a coeff"),
-        ("effects: []", "effects: [{id: dead-zone}]", "line 17, effects.0: the key 'parameters' is missing"),
+        ("effects: []", "effects: [{parameters: {}}]", "line 17, effects.0: the key 'id' is missing"),
         (
             "sensor:\n",
             "  pendulum: {natural_frequency: 3, damping: 0}\nsensor:\n",
