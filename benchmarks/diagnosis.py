@@ -139,8 +139,9 @@ def main(arguments: list[str]) -> int:
         "`python -m benchmarks.diagnosis` on two idle cores: recordings of the generator of the sealed proof, the "
         f"whole command with start and report (fastest of {REPEATS}) at an earlier commit and now, in one run; then "
         "the stages of the diagnosis within a warm process, and how many times the chain was simulated. A "
-        "simulation of friction or hysteresis takes 1 to 10 ms, one of a linear chain 0.1 ms: a long search is bound by "
-        "the integrator. The rest of a whole command is loading (NumPy, SciPy, numba's machine code) and pictures.\n\n"
+        "simulation of friction or hysteresis takes 1 to 10 ms, one of a linear chain 0.1 ms: a long search is bound "
+        "by the integrator. The rest of a whole command is loading (NumPy, SciPy, numba's machine code) and "
+        "pictures.\n\n"
         f"{table(earlier).to_markdown(index=False)}\n"
     )
     FRAGMENT.write_text(fragment, encoding="utf-8")

@@ -91,7 +91,7 @@ def test_what_is_not_free_is_fixed():
         camid.identify(recording(), both)
     stranger = simulation(SPRING)
     stranger["plant"]["free"] = {"mess": False}
-    with pytest.raises(InputError, match="mess.*did you mean 'mass'"):
+    with pytest.raises(InputError, match=r"mess.*did you mean 'mass'"):
         camid.identify(recording(), stranger)
 
 

@@ -156,7 +156,8 @@ def _left_out(believed: Simulation) -> list[str]:
     if not noise:
         return []
     change = "changes" if len(noise) == 1 else "change"
-    return [f"the simulated output is the expected one: {' and '.join(noise)} {change} only what is scattered around it"]
+    names = " and ".join(noise)
+    return [f"the simulated output is the expected one: {names} {change} only what is scattered around it"]
 
 
 def _compared_from(believed: Simulation, recording: Recording) -> float:

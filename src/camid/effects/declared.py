@@ -22,19 +22,19 @@ def effects_of(simulation: Simulation) -> tuple[Effect, ...]:
         If an identifier or a parameter is not known, missing or out of range, or an effect is declared twice.
     """
     found: list[Effect] = []
-    for declared in simulation.effects:
-        kind = declarable_effects().get(declared.identifier)
+    for written in simulation.effects:
+        kind = declarable_effects().get(written.identifier)
         if kind is None:
             raise InputError(
-                f"no effect '{declared.identifier}'",
-                where=declared.where,
-                hint=_where_to_find_it(declared.identifier),
+                f"no effect '{written.identifier}'",
+                where=written.where,
+                hint=_where_to_find_it(written.identifier),
             )
+        declared = _without_nulls(written, kind)
         if kind.listed and any(e.identifier == kind.identifier for e in found):
             raise InputError(
                 f"the effect '{declared.identifier}' is declared twice", where=declared.where, hint="keep one"
             )
-        declared = _without_nulls(declared, kind)
         kind = kind.with_keys(declared.parameters)
         names = [p.name for p in kind.parameters]
         keys = list(dict.fromkeys([*names, *(p.name for law in kind.finer_laws for p in law.parameters)]))

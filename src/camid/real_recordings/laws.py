@@ -38,7 +38,8 @@ class Law:
     position, middle, low, high : ndarray, shape (n,)
         Bins or swings of the recording: abscissa, median and quartiles; without spread ``low`` and ``high`` are empty.
     curves : dict of str to (ndarray, ndarray)
-        Laws by name, ``improved`` or ``refitted``, or ``named``: the improved one without its learned forces, if it has any.
+        Laws by name, ``improved`` or ``refitted``, or ``named``: the improved one without the learned forces that it
+        may hold.
     abscissa, ordinate, title : str
         Labels with units.
     """
@@ -65,7 +66,9 @@ def _learned(results: Results, variable: str, values: Array) -> Array | None:
     return np.sum(laws, axis=0) if laws else None
 
 
-def _with_learned(grid: Array, named: Array, learned: Array | None, unit: float = 1.0) -> dict[str, tuple[Array, Array]]:
+def _with_learned(
+    grid: Array, named: Array, learned: Array | None, unit: float = 1.0
+) -> dict[str, tuple[Array, Array]]:
     """The curve of a named law and, where a force was learned beside it, that of both."""
     if learned is None:
         return {"improved": (grid, named)}
@@ -158,7 +161,8 @@ def _pendulum_decay(results: Results) -> Law:
     squared = np.array([np.sum(velocity[a:b] ** 2) * recorded.period for a, b in swings])
     # What a force over the position takes in a swing it gives back in the next.
     force = _learned(results, "velocity", velocity)
-    taken = np.array([np.sum((force * velocity)[a:b]) * recorded.period for a, b in swings] if force is not None else [])
+    power = np.zeros(len(velocity)) if force is None else force * velocity
+    taken = np.array([np.sum(power[a:b]) * recorded.period for a, b in swings])
     # Two halves at a time: an angle at rest that is off by little makes one side higher and the other lower.
     path, squared, taken = (v[1:] + v[:-1] for v in (path, squared, taken))
     lost = heights[:-2] - heights[2:]

@@ -34,7 +34,8 @@ def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str,
     Raises
     ------
     InputError
-        If an expression is none, a name is not known or both fixed and free, or the constants make no stable proper plant.
+        If an expression is none, a name is not known or both fixed and free, or the constants make no stable
+        proper plant.
     """
     constants = written.physical
     names = _names(constants, where)

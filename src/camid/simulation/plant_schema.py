@@ -157,7 +157,8 @@ class PhysicalPart(Part):
 
     physical: PhysicalParameters = Field(description="Named constants and how the plant follows from them.")
     free: NotNull[dict[Text, TruthValue]] = Field(
-        default=None, description="What may be re-estimated, by name; what is named neither here nor under fixed may be."
+        default=None,
+        description="What may be re-estimated, by name; what is named neither here nor under fixed may be.",
     )
     standard_deviations: NotNull[dict[Text, NonNegative]] = Field(
         default=None, description="Standard deviations of the constants, by name, where they were estimated."

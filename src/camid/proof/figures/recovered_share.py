@@ -56,7 +56,8 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         strong = shares[~outside & (known["multiple"] >= STRONG)].dropna()
         if len(strong):
             middle = float(np.median(strong))
-            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.6, label=f"their median from {STRONG:g} on")
+            words = f"their median from {STRONG:g} on"
+            axes.hlines(middle, STRONG, 110.0, color=style.BLACK, linewidth=1.6, label=words)
             title = f"{kind}\nmedian {middle:.3f} of {len(strong)} in the catalogue, from {STRONG:g} on"
         look: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.9}
         axes.axhline(TARGET, linestyle=(0, (4, 2)), label=f"target of the median: {TARGET:g}", **look)
