@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -13,8 +13,8 @@ from camid.proof.designed_experiment.campaign import DECIDED, EXPERIMENTS, WORDS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Evidence that the axes show, logarithmic.
-LEAST, MOST = 0.1, 1e5
+# Least evidence that the axes show, logarithmic; and the largest, as a multiple of what there is.
+LEAST, MORE = 0.1, 2.0
 
 
 def draw(rows: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
@@ -41,19 +41,26 @@ def draw(rows: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         share = np.arange(1, len(values) + 1) / max(len(values), 1)
         line, colour = lines[name]
         left.step(100.0 * share, values, line, where="pre", color=colour, label=WORDS[name])
-    left.axhline(DECIDED, color=style.GREY, linewidth=0.7, linestyle=(0, (1, 2)))
+    left.axhline(DECIDED, color=style.GREY, linewidth=0.7, linestyle=(0, (1, 2)), label=f"{100 * DECIDED:.0f} %: decided")
     left.set(
         xlabel="rigs in %, the most certain first", ylabel="weight of the right name", xlim=(0, 100), ylim=(0, 1.02)
     )
     left.legend(loc="lower left", title="second recording")
-    predicted = shown["predicted_evidence"].to_numpy(float).clip(LEAST, MOST)
-    for name, marker in (("designed", "o"),):
-        measured = shown[f"{name}_gap"].to_numpy(float).clip(LEAST, MOST)
-        good = shown[f"{name}_right"].astype(bool).to_numpy()
-        right.loglog(predicted[good], measured[good], marker, color=style.BLUE, label="the right name leads")
-        right.loglog(predicted[~good], measured[~good], "x", color=style.VERMILION, label="another name leads")
-    right.plot([LEAST, MOST], [LEAST, MOST], color=style.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-    right.set(xlabel="ΔBIC that the design predicts", ylabel="ΔBIC to the next best, measured")
+    predicted = shown["predicted_evidence"].to_numpy(float).clip(LEAST)
+    measured = shown["designed_gap"].to_numpy(float).clip(LEAST)
+    good = shown["designed_right"].astype(bool).to_numpy()
+    right.loglog(predicted[good], measured[good], "o", color=style.BLUE, label="the right name leads")
+    right.loglog(predicted[~good], measured[~good], "x", color=style.VERMILION, label="another name leads")
+    most = MORE * float(np.nanmax([predicted, measured], initial=1.0))
+    dashed: dict[str, Any] = {"color": style.GREY, "linewidth": 0.8, "linestyle": (0, (4, 2))}
+    right.plot([LEAST, most], [LEAST, most], label="as predicted", **dashed)
+    span = (LEAST / MORE, most)
+    right.set(
+        xlabel=f"ΔBIC that the design predicts (at least {LEAST:g})",
+        ylabel=f"measured, to the next best (at least {LEAST:g})",
+        xlim=span,
+        ylim=span,
+    )
     right.legend(loc="upper left")
     columns = ["number", "law", "kind", "first_truth_weight", "predicted_evidence", "predicted_weight"]
     columns += [f"{e}_{c}" for e in EXPERIMENTS for c in ("name", "weight", "truth_weight", "gap")]
