@@ -41,7 +41,8 @@ def draw(rows: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         share = np.arange(1, len(values) + 1) / max(len(values), 1)
         line, colour = lines[name]
         left.step(100.0 * share, values, line, where="pre", color=colour, label=WORDS[name])
-    left.axhline(DECIDED, color=style.GREY, linewidth=0.7, linestyle=(0, (1, 2)), label=f"{100 * DECIDED:.0f} %: decided")
+    decided = f"{100.0 * DECIDED:.0f} %: decided"
+    left.axhline(DECIDED, color=style.GREY, linewidth=0.7, linestyle=(0, (1, 2)), label=decided)
     left.set(
         xlabel="rigs in %, the most certain first", ylabel="weight of the right name", xlim=(0, 100), ylim=(0, 1.02)
     )
