@@ -71,7 +71,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     rank = scores["kind"].map(ORDER.index)
     ordered = scores.assign(rank=rank).sort_values(["rank", "multiple", "index"], ascending=[True, False, True])
     records = ordered.to_dict("records")
-    figure, axes = plt.subplots(figsize=(style.PAGE_WIDTH, 0.6 + 0.17 * len(records)))
+    figure, axes = plt.subplots(figsize=(style.PAGE_WIDTH, 0.75 + 0.17 * len(records)))
     drawn = []
     for line, row in enumerate(records):
         found = outcome(row)
@@ -108,7 +108,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         for words, (s, c, f) in OUTCOMES.items()
     ]
     handles.append(strong)
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
     columns = ["index", "kind", "multiple", "snr_db", "verdict", "names", "named_place"]
     numbers = ordered[columns].reset_index(drop=True).join(pd.DataFrame(drawn))
     # More digits would be those of the processor, as is the strength of what cannot show.
