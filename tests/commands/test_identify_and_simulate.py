@@ -392,25 +392,3 @@ def test_select_order():
     free_decay = believed(numerator=rig.NUMERATOR, input=None, initial_state="estimate")
     assert "does not determine the zeros" in refusal(decay(), free_decay, select_order)
     assert "no order can be estimated" in refusal(rig.recording(3), believed(), select_order)
-
-
-def test_an_effect_without_parameters_needs_none():
-    table = rig.recording(200)
-    short, long = (believed(effects=[{"id": "absolute-value", **more}]) for more in ({}, {"parameters": {}}))
-    simulated = camid.simulate(table, short)["simulated"]
-    assert simulated.min() >= 0.0
-    np.testing.assert_array_equal(simulated, camid.simulate(table, long)["simulated"])
-    assert "needs the parameter 'force'" in refusal(
-        table, believed(effects=[{"id": "coulomb-friction"}]), camid.simulate
-    )
-
-
-def test_simulate_says_which_effects_do_not_show_in_the_expected_output():
-    table = rig.recording(200)
-    rounded = [{"id": "quantisation", "parameters": {"step": 0.1}}]
-    simulated, without = camid.simulate(table, believed(effects=rounded)), camid.simulate(table, believed())
-    np.testing.assert_allclose(simulated["simulated"], without["simulated"], atol=1e-9)
-    assert simulated.attrs["warnings"] == [
-        "the simulated output is the expected one: quantisation changes only what is scattered around it"
-    ]
-    assert "warnings" not in without.attrs

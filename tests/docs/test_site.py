@@ -1,6 +1,7 @@
 """What the site generates is whole, and the built site asks nothing of any network."""
 
 import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -35,6 +36,17 @@ def test_claims_and_ablations_are_all_shown(generator):
     assert text.count("!!! ") == len(generator.rows("claims.csv")) > 0
     assert all(row["number"] in text for row in generator.rows("claims.csv"))
     assert all(row["conclusion"] in generator.ablations() for row in generator.rows("ablations.csv"))
+
+
+def test_every_key_of_a_simulation_file_is_shown_once_in_each_part(generator):
+    schema = json.loads((ROOT / "src/camid/schemas/simulation.schema.json").read_text(encoding="utf-8"))
+    text = generator.simulation_keys()
+    parts = [schema, *(part for part in schema["$defs"].values() if "properties" in part)]
+    assert text.count("\n## ") + 1 == len(parts)
+    assert text.count("\n| `") == sum(len(part["properties"]) for part in parts)
+    assert "| `latency` | number or `estimate` |" in text
+    assert "(#physicalpart)" in text
+    assert "{#physicalpart}" in text
 
 
 def test_pages_ask_for_parts_that_exist(generator):
