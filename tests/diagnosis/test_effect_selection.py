@@ -7,6 +7,11 @@ import camid
 from camid.chain.plant import TransferFunction
 from camid.diagnosis import setting
 from camid.diagnosis.search import effect_selection, hypothesis_search
+from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.fitting.fit import fit
+from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.identification.from_recordings import experiments_of
+from camid.simulation.file import load_simulation
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 
 
@@ -96,3 +101,23 @@ def test_an_exposure_is_found_along_a_valley_of_coefficients():
     given = simulation(plant={"transfer_function": moved})
     found = camid.diagnose(recording, given)
     assert [f.identifier for f in found.findings] == ["exposure"]
+
+
+def test_the_model_holds_the_likeliest_name_of_each_effect():
+    """Also where it is likelier by less than a swap asks for, and in the place of the effect that it replaces."""
+    friction, step = effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0)
+    file = load_simulation(simulation(sensor={"column": "y", "kind": "camera", "offset": 0.0}))
+    recordings, experiments, _ = experiments_of([record(friction, step)], file, None)
+    problem = problem_of(file, structure_of(file), recordings, experiments)
+    base = problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+    other = effect("quadratic-drag", coefficient=0.05)
+    pairs = (other, step), (step, friction)
+    current, likelier = (fit(problem, base.model.plus(one).plus(two)) for one, two in pairs)
+    own = [Hypothesis(law.identifier, current) for law in (other, step)]
+    for rivals, names in (
+        ([[own[0]], [own[1]]], ["quadratic-drag", "step-disturbance"]),
+        ([[Hypothesis("coulomb-friction", likelier), own[0]], [own[1]]], ["coulomb-friction", "step-disturbance"]),
+    ):
+        found = effect_selection.with_likelier_name(current, rivals, 0)
+        assert [e.identifier for e in found.model.effects] == names
+        assert found.cost == pytest.approx(rivals[0][0].fitted.cost, rel=1e-6)

@@ -12,7 +12,12 @@ from camid.effects.gradual_saturation import GradualSaturation
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
-from camid.effects.stiffness import PendulumDrivenAcross, PendulumGravity
+from camid.effects.stiffness import CubicStiffness, PendulumDrivenAcross, PendulumGravity, QuadraticStiffness
+from camid.effects.two_term_springs import (
+    TYPICAL_DISPLACEMENT,
+    CubicStiffnessWithQuadratic,
+    QuadraticStiffnessWithCubic,
+)
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from tests.support.mass_on_spring import PERIOD, PLANT, command, record, simulation
@@ -90,7 +95,29 @@ def test_a_contour_that_counts_for_a_power_of_its_speed():
     np.testing.assert_allclose(output(GradedSpeedWeightedCentroid(exponent=0.0)), mean, atol=5e-5)
 
 
+def test_a_spring_of_two_terms_is_both_springs():
+    both = output(QuadraticStiffness(coefficient=3.0), CubicStiffness(coefficient=2.0))
+    for law in (
+        QuadraticStiffnessWithCubic(coefficient=3.0, cubic=2.0),
+        CubicStiffnessWithQuadratic(coefficient=2.0, quadratic=3.0),
+    ):
+        np.testing.assert_allclose(output(law), both, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(("quadratic", "cubic"), [(3.0, 2.0), (1.0, 8.0)])
+def test_a_spring_of_two_terms_has_the_name_of_the_larger_one(quadratic, cubic):
+    span, named = 1.0, []
+    for law in (
+        QuadraticStiffnessWithCubic(coefficient=quadratic, cubic=cubic),
+        CubicStiffnessWithQuadratic(coefficient=cubic, quadratic=quadratic),
+    ):
+        named += [law.identifier] if law.is_plausible(span) else []
+    assert named == ["cubic-stiffness" if quadratic < cubic * TYPICAL_DISPLACEMENT * span else "quadratic-stiffness"]
+
+
 LAWS = [
+    ("quadratic-stiffness", QuadraticStiffnessWithCubic(coefficient=0.35, cubic=0.1), "cubic"),
+    ("cubic-stiffness", CubicStiffnessWithQuadratic(coefficient=0.5, quadratic=0.12), "quadratic"),
     ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
     ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
     ("lens-distortion", LensDistortionOfFourthOrder(k1=-0.15, k2=0.05), "k2"),

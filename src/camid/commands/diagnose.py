@@ -136,6 +136,7 @@ def _diagnosed(
         period=recordings[0].period,
         warnings=[
             *warnings_of(recordings),
+            *diagnosis.warnings,
             *problem.kind.remarks(diagnosis.improved),
             *_left_open(diagnosis.improved),
             *([late] if (late := watch.warning()) else []),

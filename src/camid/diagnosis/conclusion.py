@@ -21,6 +21,7 @@ from camid.diagnosis.search.effect_selection import Decision
 from camid.diagnosis.setting import Setting
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch
+from camid.effects import known_effects
 from camid.fitting.fit import Fitted, effect_deviations
 from camid.fitting.problem import Problem
 
@@ -95,8 +96,20 @@ def concluded(
             problem, final, [*(f.identifier for f in found), *(p.identifier for p in learned)]
         ),
         refitted=problem.kind.written_back(believed, problem.structure, base),
+        warnings=_left_out(setting, found),
     )
     return replace(diagnosis, explanation=explained(diagnosis))
+
+
+def _left_out(setting: Setting, found: list[Finding]) -> list[str]:
+    """That rows are left out which no effect on the noise accounts for; a sentence, or none."""
+    if not setting.spoiled or any(known_effects()[f.identifier].spoils_rows for f in found):
+        return []
+    frames = "1 frame is" if setting.spoiled == 1 else f"{setting.spoiled} frames are"
+    return [
+        f"{frames} neither fitted nor judged: read the same as the frame before, or far out in the tails of the noise, "
+        "which does not suffice to name lost frames or outliers"
+    ]
 
 
 def _location(

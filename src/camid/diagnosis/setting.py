@@ -47,6 +47,8 @@ class Setting:
         What is found beside each set of effects.
     settled : bool
         Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
+    spoiled : int
+        How many rows say nothing of the motion, and are neither fitted nor judge.
     """
 
     believed: Simulation
@@ -62,6 +64,7 @@ class Setting:
     chosen: bool
     searches: Searches
     settled: bool
+    spoiled: int
 
     @property
     def known(self) -> int:
@@ -129,6 +132,7 @@ def prepared(
         chosen,
         searches,
         settled,
+        sum(int(rows.sum()) for rows in spoiled),
     )
 
 

@@ -19,6 +19,7 @@ from camid.effects import (
     sensor_reading,
     stiffness,
     storage,
+    two_term_springs,
 )
 from camid.effects.base import PLACES, Effect
 from camid.effects.compiled_part import compiled
@@ -56,4 +57,5 @@ __all__ = [
     "sensor_reading",
     "stiffness",
     "storage",
+    "two_term_springs",
 ]

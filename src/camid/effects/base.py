@@ -43,12 +43,15 @@ class Recognition:
         Probability that its absence shows as much.
     spoiled : ndarray of bool, shape (N,)
         Rows that say nothing of the motion.
+    named : bool
+        Whether the effect is there, and not only rows that are better left out.
     """
 
     effect: Effect
     standard_deviations: dict[str, float]
     p_value: float
     spoiled: NDArray[np.bool_]
+    named: bool = True
 
 
 class LimitedState(NamedTuple):

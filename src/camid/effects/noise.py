@@ -21,6 +21,9 @@ OUTLYING = (4.0, 5.0, 7.0)
 # Share of the readings at either end, and of outlying rows among them whose expected values lie beyond.
 EDGE, AT_AN_EDGE = 0.05, 0.7
 FEWEST_REPEATED = 1
+# Logarithm of the Bayes factor from which outliers are named, and noise with heavy tails is out: twenty to one (Kass &
+# Raftery 1995, J. Am. Stat. Assoc. 90, 773-795: strong).
+LEAST_EVIDENCE = log(20.0)
 # Chance of so few repeated frames in fast motion below which it is the sensor's step that repeats them.
 LEAST_CHANCE_OF_LOSS = 1e-3
 # A marker that moves by less than this many standard deviations of the noise between two frames hardly moves.
@@ -275,13 +278,11 @@ class Outliers(Effect):
             return None
         if _at_an_edge(situation, far) >= AT_AN_EDGE * count:
             return None
-        share, deviation = outlier_share(residual[usable], far[usable], spread)
-        return Recognition(
-            cls(fraction=share),
-            {"fraction": deviation},
-            min(rarest, 1.0),
-            far,
-        )
+        share = outlier_share(residual[usable], far[usable], spread)
+        # What lies far off in noise with heavy tails bends a fit as much, and has no other cause than the noise.
+        named = share.evidence > LEAST_EVIDENCE
+        found = cls(fraction=share.fraction)
+        return Recognition(found, {"fraction": share.deviation}, min(rarest, 1.0), far, named)
 
 
 class TimestampJitter(Effect):

@@ -4,10 +4,17 @@ A count of what lies far off misses the outliers that lie near. The share comes 
 normal distribution (Tukey 1960, in Contributions to Probability and Statistics, 448-485) whose wide component is a
 generalised normal one (Subbotin 1923, Mat. Sb. 31, 296-301): from heavier tails than the noise's to nearly uniform, as
 the readings have it. Where they say that no outlier lies near, as none does of a second marker, the count holds.
+
+Noise may have heavy tails itself, and then nothing struck it: a Student distribution (Lange, Little & Taylor 1989, J.
+Am. Stat. Assoc. 84, 881-896), or a generalised normal one from Laplacian to Gaussian. Which of both it is the evidence
+says, by Bayes's criterion.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from math import log, pi, sqrt
 
 import numpy as np
@@ -25,10 +32,30 @@ LARGEST_ODDS = 30.0
 HOLLOW = 9.0
 # Change of a number of the vector that differentiates the logarithm of the density.
 STEP = 1e-4
+# Degrees of freedom of a Student distribution: of Cauchy's, below which its third moment is infinite, so that outliers
+# struck it and it is no noise of a sensor, and from which it is a Gaussian one.
+CAUCHY, STRUCK, GAUSSIAN = 1.0, 3.0, 1e3
 
 
-def outlier_share(values: Array, far: NDArray[np.bool_], spread: float) -> tuple[float, float]:
-    """Share of the values that are outliers, and its standard deviation.
+@dataclass(frozen=True)
+class OutlierShare:
+    """Share of readings that are outliers.
+
+    Attributes
+    ----------
+    fraction, deviation : float
+        The share and its standard deviation.
+    evidence : float
+        Logarithm of the Bayes factor of outliers against noise with heavy tails, by Bayes's criterion.
+    """
+
+    fraction: float
+    deviation: float
+    evidence: float
+
+
+def outlier_share(values: Array, far: NDArray[np.bool_], spread: float) -> OutlierShare:
+    """Share of the values that are outliers.
 
     Parameters
     ----------
@@ -39,8 +66,6 @@ def outlier_share(values: Array, far: NDArray[np.bool_], spread: float) -> tuple
     spread : float
         Robust standard deviation of the others.
     """
-    from scipy.optimize import Bounds, minimize
-
     sizes = np.abs(values) / spread
     share = float(np.mean(far))
     width = float(np.sqrt(np.mean(sizes[far] ** 2)))
@@ -48,21 +73,59 @@ def outlier_share(values: Array, far: NDArray[np.bool_], spread: float) -> tuple
     low = np.array([-LARGEST_ODDS, -1.0, LEAST_RATIO, LEAST_EXPONENT])
     high = np.array([LARGEST_ODDS, 1.0, LARGEST_RATIO, LARGEST_EXPONENT])
 
-    def deviance(vector: Array) -> float:
-        return -float(np.sum(_log_density(sizes, vector)))
-
-    result = minimize(deviance, start, method="L-BFGS-B", bounds=Bounds(low, high))
-    found = np.asarray(result.x)
+    found = _likeliest(partial(_log_density, sizes), start, low, high)
     # A number at its bound is not estimated.
     free = np.flatnonzero((found > low) & (found < high))
     steps = STEP * np.eye(len(found))[free]
     scores = [(_log_density(sizes, found + h) - _log_density(sizes, found - h)) / (2.0 * STEP) for h in steps]
     information = np.array(scores) @ np.array(scores).T
     singular = np.linalg.matrix_rank(information) < len(free)
-    if singular or _log_likelihood_of_hollow(sizes, far) + deviance(found) > HOLLOW:
-        return share, sqrt(share * (1.0 - share) / len(sizes))
+    mixture = float(np.sum(_log_density(sizes, found)))
+    hollow = _log_likelihood_of_hollow(sizes, far)
+    # What lies far off is a wide component, or keeps away from the noise, or has no limit.
+    struck = min(
+        _criterion(mixture, len(free), sizes),
+        _criterion(hollow, len(start), sizes),
+        _criterion_of_student(sizes, CAUCHY, STRUCK),
+    )
+    evidence = 0.5 * (_criterion_of_heavy_tails(sizes) - struck)
+    if singular or hollow - mixture > HOLLOW:
+        return OutlierShare(share, sqrt(share * (1.0 - share) / len(sizes)), evidence)
     fraction = float(1.0 / (1.0 + np.exp(-found[0])))
-    return fraction, fraction * (1.0 - fraction) * float(np.sqrt(np.linalg.inv(information)[0, 0]))
+    deviation = fraction * (1.0 - fraction) * float(np.sqrt(np.linalg.inv(information)[0, 0]))
+    return OutlierShare(fraction, deviation, evidence)
+
+
+def _criterion(log_likelihood: float, parameters: int, sizes: Array) -> float:
+    """Bayes's criterion (Schwarz 1978, Ann. Stat. 6, 461-464)."""
+    return parameters * log(len(sizes)) - 2.0 * log_likelihood
+
+
+def _criterion_of_student(sizes: Array, least: float, largest: float) -> float:
+    """Bayes's criterion of a Student distribution with degrees of freedom within these."""
+    return _criterion_of(_log_density_of_student, sizes, log(least), log(largest))
+
+
+def _criterion_of_heavy_tails(sizes: Array) -> float:
+    """Bayes's criterion of the likelier of two kinds of noise with heavy tails."""
+    normal = _criterion_of(_log_density_of_generalised_normal, sizes, LEAST_EXPONENT, log(2.0))
+    return min(normal, _criterion_of_student(sizes, STRUCK, GAUSSIAN))
+
+
+def _criterion_of(law: Callable[[Array, Array], Array], sizes: Array, least: float, largest: float) -> float:
+    """Bayes's criterion of a law with a width, and a shape within these."""
+    density, width = partial(law, sizes), log(float(np.median(sizes)))
+    start = np.array([width, least + 0.3 * (largest - least)])
+    low, high = np.array([width - LARGEST_RATIO, least]), np.array([width + LARGEST_RATIO, largest])
+    return _criterion(float(np.sum(density(_likeliest(density, start, low, high)))), len(start), sizes)
+
+
+def _likeliest(density: Callable[[Array], Array], start: Array, low: Array, high: Array) -> Array:
+    """Vector within bounds at which the sum of logarithms of a density is largest."""
+    from scipy.optimize import Bounds, minimize
+
+    found = minimize(lambda v: -float(np.sum(density(v))), start, method="L-BFGS-B", bounds=Bounds(low, high))
+    return np.asarray(found.x)
 
 
 def _log_density(sizes: Array, vector: Array) -> Array:
@@ -70,13 +133,36 @@ def _log_density(sizes: Array, vector: Array) -> Array:
 
     ``vector`` holds the logit of the share, the logarithms of both components' widths and that of the exponent.
     """
-    from scipy.special import gammaln, log_expit
+    from scipy.special import log_expit
 
     odds, narrow, wide, exponent = vector
-    power = np.exp(exponent)
     near = log_expit(-odds) - 0.5 * (sizes / np.exp(narrow)) ** 2 - narrow + 0.5 * log(2.0 / pi)
-    far = log_expit(odds) - (sizes / np.exp(wide)) ** power - wide + exponent - gammaln(1.0 / power)
+    far = log_expit(odds) + _log_density_of_generalised_normal(sizes, np.array([wide, exponent]))
     return np.asarray(np.logaddexp(near, far))
+
+
+def _log_density_of_generalised_normal(sizes: Array, vector: Array) -> Array:
+    """Logarithm of a generalised normal density of absolute values, shape (n,).
+
+    ``vector`` holds the logarithms of the width and of the exponent.
+    """
+    from scipy.special import gammaln
+
+    wide, exponent = vector
+    power = np.exp(exponent)
+    return np.asarray(exponent - wide - gammaln(1.0 / power) - (sizes / np.exp(wide)) ** power)
+
+
+def _log_density_of_student(sizes: Array, vector: Array) -> Array:
+    """Logarithm of a Student density of absolute values, shape (n,).
+
+    ``vector`` holds the logarithms of the width and of the degrees of freedom.
+    """
+    from scipy.special import gammaln
+
+    wide, freedom = vector[0], np.exp(vector[1])
+    constant = gammaln(0.5 * (freedom + 1.0)) - gammaln(0.5 * freedom) - 0.5 * log(0.25 * pi * freedom) - wide
+    return np.asarray(constant - 0.5 * (freedom + 1.0) * np.log1p((sizes / np.exp(wide)) ** 2 / freedom))
 
 
 def _log_likelihood_of_hollow(sizes: Array, far: NDArray[np.bool_]) -> float:

@@ -41,6 +41,8 @@ class CubicStiffness(AgainstMotion):
         """Small: the effect is proportional to it."""
         for share in (GUESS, 0.3, -0.1):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("position") ** 3)
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
 
 class QuadraticStiffness(AgainstMotion):
@@ -64,6 +66,8 @@ class QuadraticStiffness(AgainstMotion):
         """Small: the effect is proportional to it."""
         for share in (GUESS, 0.2, -0.2):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("position") ** 2)
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
 
 class PendulumGravity(Effect):

@@ -70,7 +70,7 @@ def recognised_noise(
         if possible and identifier not in known:
             recognition = effect.recognise(situation)
             if recognition is not None and recognition.p_value < LARGEST_P_VALUE:
-                found.append(recognition)
+                found += [recognition] if recognition.named else []
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
     for identifier, effect in sorted(known_effects().items()):
@@ -115,7 +115,7 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
     def shows_in_even_noise(recognition: Recognition) -> bool:
         scaled = replace(situation, residual=residual, used=situation.used | recognition.spoiled)
         again = recognition.effect.recognise(scaled)
-        return again is not None and again.p_value < LARGEST_P_VALUE
+        return again is not None and again.named and again.p_value < LARGEST_P_VALUE
 
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
 

@@ -254,12 +254,42 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
             rivals.append(ranked)
             without.append(others)
         if not changed:
+            current = with_likelier_name(current, rivals, first)
             break
     for index in range(first + len(rivals), len(current.model.effects)):  # the last swap was not tested itself
         without.append(fit(problem, current.model.without(index), steps=ALL_STEPS))
         identifier = current.model.effects[index].identifier
         rivals.append([Hypothesis(identifier, current)])
     return Decision(base, current, rivals, without)
+
+
+def with_likelier_name(current: Fitted, rivals: Sequence[Sequence[Hypothesis]], first: int) -> Fitted:
+    """The model with the name in the place of one of its effects that is likelier by less than a swap asks for, if any.
+
+    What a swap asks for keeps a search from going round in circles; the likeliest name is the answer all the same.
+
+    Parameters
+    ----------
+    current : Fitted
+    rivals : sequence of sequence of Hypothesis
+        In the place of each of some effects of the model, the likeliest first.
+    first : int
+        Where the first of these effects stands in the model.
+    """
+
+    def gap(place: int) -> float:
+        """By how much the name that the model holds is less likely."""
+        identifier = current.model.effects[first + place].identifier
+        own = next(h for h in rivals[place] if h.identifier == identifier)
+        return own.beyond(rivals[place][0])
+
+    place = max(range(len(rivals)), key=gap, default=0)
+    if not rivals or gap(place) <= 0.0:
+        return current
+    likeliest = rivals[place][0].fitted
+    effects = list(likeliest.model.effects)
+    effects.insert(first + place, effects.pop())
+    return evaluate(current.problem, replace(likeliest.model, effects=tuple(effects)))
 
 
 def _last(hypothesis: Hypothesis, index: int) -> Hypothesis:

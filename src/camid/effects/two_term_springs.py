@@ -1,0 +1,124 @@
+"""Springs whose force has both a quadratic and a cubic part, and the name of the larger one.
+
+A spring that is bent, loaded beforehand or clamped beside its middle has both: the equation of Helmholtz and Duffing
+(Kovacic & Brennan 2011, The Duffing Equation, section 2.5). A cubic one alone leaves what the other does to be learned,
+and a quadratic one with a cubic part acts much like a stop.
+"""
+
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
+# ruff: noqa: D102, N805
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
+from camid.effects.plant_force import GUESS, motion_sign
+from camid.effects.situation import Situation
+from camid.effects.stiffness import CubicStiffness, QuadraticStiffness
+
+# Smaller part at the largest displacement, as a share of the larger one: first guesses.
+SHARES = (0.3, -0.3)
+# Displacement, as a share of the way that a recording spans, at which the larger part gives its name.
+TYPICAL_DISPLACEMENT = 0.25
+
+
+class QuadraticStiffnessWithCubic(QuadraticStiffness):
+    """A spring that is stiffer to one side, with a smaller part that grows with the cube."""
+
+    title = "Quadratic stiffness with a cubic part"
+    equation = r"f = \gamma\,y^2 + \beta\,y^3,\quad |\beta\,y| < |\gamma|"
+    reference = "Kovacic & Brennan (2011), The Duffing Equation, section 2.5"
+    parameters = (*QuadraticStiffness.parameters, Parameter("cubic", "u/y^3", "stiffness β of the smaller, cubic part"))
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return (values[0] + values[1] * position) * position * position
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Both parts, with the sign of the plant's gain."""
+        return list(motion_sign(plant) * self.vector)
+
+    @property
+    def branch(self) -> tuple[Any, ...]:
+        """It may turn out to be the other law of both parts, so that it is no start for the one without."""
+        return (*super().branch, "two terms")
+
+    def scaled(self, factor: float) -> QuadraticStiffnessWithCubic:
+        """Both parts."""
+        return self.with_vector(factor * self.vector)
+
+    def is_plausible(self, span: float) -> bool:
+        """Whether the cubic part is the smaller one: else the law has the other's name."""
+        return abs(self.values["cubic"]) * TYPICAL_DISPLACEMENT * span <= abs(self.values["coefficient"])
+
+    def simplified(self) -> QuadraticStiffness:
+        """The same without the cubic part."""
+        return QuadraticStiffness(coefficient=self.values["coefficient"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From a spring that hardens farther out, and from one that softens."""
+        for share in SHARES:
+            yield cls(**{"cubic": share * values["coefficient"] / situation.largest("position"), **values})
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to both parts."""
+        return cls.starts(
+            situation, coefficient=GUESS * situation.largest("signal") / situation.largest("position") ** 2
+        )
+
+
+class CubicStiffnessWithQuadratic(CubicStiffness):
+    """A spring that hardens, or softens, with the cube of the displacement, with a smaller part that is one-sided."""
+
+    title = "Cubic stiffness with a quadratic part"
+    equation = r"f = \beta\,y^3 + \gamma\,y^2,\quad |\gamma| < |\beta\,y|"
+    reference = QuadraticStiffnessWithCubic.reference
+    parameters = (
+        *CubicStiffness.parameters,
+        Parameter("quadratic", "u/y^2", "stiffness γ of the smaller, quadratic part"),
+    )
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return (values[1] + values[0] * position) * position * position
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Both parts, with the sign of the plant's gain."""
+        return list(motion_sign(plant) * self.vector)
+
+    @property
+    def branch(self) -> tuple[Any, ...]:
+        """It may turn out to be the other law of both parts, so that it is no start for the one without."""
+        return (*super().branch, "two terms")
+
+    def scaled(self, factor: float) -> CubicStiffnessWithQuadratic:
+        """Both parts."""
+        return self.with_vector(factor * self.vector)
+
+    def is_plausible(self, span: float) -> bool:
+        """Whether the quadratic part is the smaller one: else the law has the other's name."""
+        return abs(self.values["quadratic"]) <= abs(self.values["coefficient"]) * TYPICAL_DISPLACEMENT * span
+
+    def simplified(self) -> CubicStiffness:
+        """The same without the quadratic part."""
+        return CubicStiffness(coefficient=self.values["coefficient"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From a spring that is stiffer to either side."""
+        for share in SHARES:
+            yield cls(**{"quadratic": share * values["coefficient"] * situation.largest("position"), **values})
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to both parts."""
+        return cls.starts(
+            situation, coefficient=GUESS * situation.largest("signal") / situation.largest("position") ** 3
+        )
