@@ -225,7 +225,7 @@ class _OutputError:
         names = self.packing.names
         new = len(self.packing.template.effects) - 1
         fresh = [i for i, name in enumerate(names) if name.startswith(f"{new} ") or name.endswith(f" of {new}")]
-        table = np.empty((len(simulated), len(names)))
+        table = np.zeros((len(simulated), len(names)))
         table[:, [i for i in range(len(names)) if i not in fresh]] = self.base.sensitivities
         table *= self.packing.units
         if fresh:

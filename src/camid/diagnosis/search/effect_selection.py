@@ -25,7 +25,7 @@ from camid.diagnosis.search.hypothesis_search import (
 )
 from camid.diagnosis.search.inexact_laws import laws_are_inexact
 from camid.diagnosis.search.models_of_each_recording import models_of_each_recording
-from camid.diagnosis.search.related_laws import relatives_in_place, special_case
+from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects import known_effects
@@ -243,8 +243,11 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
                 laws = [c for c in laws if c.effect.identifier != identifier]
                 found = hypotheses(problem, others, laws, effort=RIVALS, watch=watch, incumbent=own)
                 searches.keep(others, [*found, _last(own, index)])
-            special = special_case(problem, current, index, {h.identifier for h in found})
-            found = found if special is None else [*found, special]
+            simpler = (
+                special_case(problem, current, index, {h.identifier for h in found}),
+                plainer_law(problem, current, index),
+            )
+            found = [*found, *(h for h in simpler if h is not None)]
             found += relatives_in_place(problem, current, index)
             best = in_order([own, *found])[0]
             if own.beyond(best) > SWAP_MARGIN:

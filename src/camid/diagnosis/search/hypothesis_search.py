@@ -13,7 +13,7 @@ from camid.diagnosis.search.hypotheses_over_time import raced
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.search.models_around import models_around
-from camid.diagnosis.search.related_laws import finer_laws, special_case
+from camid.diagnosis.search.related_laws import finer_laws, plainer_law, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
@@ -115,7 +115,9 @@ def hypotheses(
     watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
         return found
-    return best_of_each([*found, *finer_laws(problem, found[: len(near)])])
+    ranked = best_of_each([*found, *finer_laws(problem, found[: len(near)])])
+    plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects)) if ranked else None
+    return ranked if plainer is None else best_of_each([*ranked, plainer])
 
 
 def _in_batches(

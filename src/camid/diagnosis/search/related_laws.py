@@ -27,6 +27,19 @@ def special_case(problem: Problem, general: Fitted, index: int, known: set[str])
     return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
 
 
+def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | None:
+    """The law of the same name with less detail in the place of one of a model's effects; None if there is none.
+
+    A search may have come to the detail first, and another effect, found later, may account for it.
+    """
+    model = fitted.model
+    effect = model.effects[index].simplified()
+    if effect is None or effect.identifier != model.effects[index].identifier:
+        return None
+    others = (*model.effects[:index], *model.effects[index + 1 :])
+    return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), ALL_STEPS)
+
+
 def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
     """What does nearly the same as one of a model's effects in its place, fitted from there."""
     model = fitted.model
