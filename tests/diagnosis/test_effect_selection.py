@@ -104,7 +104,7 @@ def test_an_exposure_is_found_along_a_valley_of_coefficients():
 
 
 def test_the_model_holds_the_likeliest_name_of_each_effect():
-    """Also where it is likelier by less than a swap asks for, and in the place of the effect that it replaces."""
+    """Also where it is likelier by less than a swap asks for; last, as it was fitted."""
     friction, step = effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0)
     file = load_simulation(simulation(sensor={"column": "y", "kind": "camera", "offset": 0.0}))
     recordings, experiments, _ = experiments_of([record(friction, step)], file, None)
@@ -114,10 +114,11 @@ def test_the_model_holds_the_likeliest_name_of_each_effect():
     pairs = (other, step), (step, friction)
     current, likelier = (fit(problem, base.model.plus(one).plus(two)) for one, two in pairs)
     own = [Hypothesis(law.identifier, current) for law in (other, step)]
-    for rivals, names in (
-        ([[own[0]], [own[1]]], ["quadratic-drag", "step-disturbance"]),
-        ([[Hypothesis("coulomb-friction", likelier), own[0]], [own[1]]], ["coulomb-friction", "step-disturbance"]),
-    ):
-        found = effect_selection.with_likelier_name(current, rivals, 0)
-        assert [e.identifier for e in found.model.effects] == names
-        assert found.cost == pytest.approx(rivals[0][0].fitted.cost, rel=1e-6)
+    without = [current, base]
+    unchanged = [[own[0]], [own[1]]]
+    assert effect_selection.with_likelier_name(current, unchanged, without) == (current, unchanged, without)
+    rivals = [[Hypothesis("coulomb-friction", likelier), own[0]], [own[1]]]
+    found = effect_selection.with_likelier_name(current, rivals, without)
+    assert [e.identifier for e in found[0].model.effects] == ["step-disturbance", "coulomb-friction"]
+    assert [ranked[0].identifier for ranked in found[1]] == ["step-disturbance", "coulomb-friction"]
+    assert found[2] == [base, current]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from camid.effects.noise import LEAST_EVIDENCE
 from camid.effects.outlier_share import outlier_share
+from camid.effects.recognition import LEAST_EVIDENCE
 
 FAR, SAMPLES = 4.0, 60
 

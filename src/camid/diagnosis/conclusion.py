@@ -8,7 +8,7 @@ from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.effect_signals import effect_signals
 from camid.diagnosis.evidence import coefficients_of, errors_without, removed_shares, signals_of, tests_of
-from camid.diagnosis.explanation import explained
+from camid.diagnosis.explanation import explained, within_sentence
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.laws.formula.account import with_words
@@ -102,14 +102,17 @@ def concluded(
 
 
 def _left_out(setting: Setting, found: list[Finding]) -> list[str]:
-    """That rows are left out which no effect on the noise accounts for; a sentence, or none."""
-    if not setting.spoiled or any(known_effects()[f.identifier].spoils_rows for f in found):
-        return []
-    frames = "1 frame is" if setting.spoiled == 1 else f"{setting.spoiled} frames are"
-    return [
-        f"{frames} neither fitted nor judged: read the same as the frame before, or far out in the tails of the noise, "
-        "which does not suffice to name lost frames or outliers"
-    ]
+    """That readings are left out which look like an effect on the noise that has neither been named nor declared."""
+    known = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
+    sentences = []
+    for identifier, count in sorted(setting.spoiled.items()):
+        if count and identifier not in known:
+            looks = within_sentence(known_effects()[identifier].title)
+            sentences.append(
+                f"{count} of the readings may be {looks}, and count neither in the fit nor in what judges it; "
+                f"that does not suffice to name {looks}"
+            )
+    return sentences
 
 
 def _location(

@@ -89,7 +89,9 @@ def _judged(
             identifier,
             "with this input a change of the plant's coefficients imitates it, or it has no meaning here",
         )
-    return _smallest(problem, fitted, view, max(visible, key=lambda c: c.visible), level)
+    # A law with more detail has no smallest size of its own beside that of its name.
+    plain = [c for c in visible if type(c.effect) is effect] or visible
+    return _smallest(problem, fitted, view, max(plain, key=lambda c: c.visible), level)
 
 
 def _visible(problem: Problem, fitted: Fitted, view: Metric, effect: Effect) -> tuple[float, float]:

@@ -47,8 +47,8 @@ class Setting:
         What is found beside each set of effects.
     settled : bool
         Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
-    spoiled : int
-        How many rows say nothing of the motion, and are neither fitted nor judge.
+    spoiled : dict of str to int
+        How many readings are left out because they look like an effect on the noise, by its identifier.
     """
 
     believed: Simulation
@@ -64,7 +64,7 @@ class Setting:
     chosen: bool
     searches: Searches
     settled: bool
-    spoiled: int
+    spoiled: dict[str, int]
 
     @property
     def known(self) -> int:
@@ -107,9 +107,13 @@ def prepared(
     if not np.all(np.isfinite(base.residual)):
         raise ValueError("the simulation diverges, whatever its coefficients")
     # Rows that say nothing of the motion (repeated frames, outliers) are neither fitted nor do they judge.
-    spoiled = spoiled_rows(
+    suspect = spoiled_rows(
         whole.with_used([e.used | v for e, v in zip(whole.experiments, validation, strict=True)]), base
     )
+    spoiled = [
+        np.any([np.zeros(len(time), bool), *rows.values()], axis=0)
+        for time, rows in zip(whole.times, suspect, strict=True)
+    ]
     problem, base = _without_spoiled(whole, base, start, spoiled)
     judging = [rows & ~s if (rows & ~s).any() else rows for rows, s in zip(validation, spoiled, strict=True)]
     watch.say("screening the catalogue")
@@ -132,7 +136,7 @@ def prepared(
         chosen,
         searches,
         settled,
-        sum(int(rows.sum()) for rows in spoiled),
+        {name: int(sum(each[name].sum() for each in suspect if name in each)) for rows in suspect for name in rows},
     )
 
 

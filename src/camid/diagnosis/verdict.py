@@ -16,7 +16,8 @@ from camid.diagnosis.search.effect_selection import Decision, p_value
 from camid.diagnosis.search.hypothesis import members_of
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
-from camid.effects.base import Effect, Recognition
+from camid.effects.base import Effect
+from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
 from camid.fitting.fit import effect_deviations
 from camid.fitting.problem import Problem
@@ -194,7 +195,7 @@ def recognised(recognition: Recognition) -> Finding:
         effect.equation,
         effect.reference,
         parameters_of(effect, recognition.standard_deviations),
-        {"share": 0.0, "validation_gain": None, "false_alarm_probability": recognition.p_value},
+        {"share": 0.0, "validation_gain": None, "false_alarm_probability": recognition.false_alarm_probability},
     )
 
 

@@ -8,7 +8,6 @@ docs/adding_an_effect.md shows how one is added.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -19,6 +18,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.compiled_part import Compiled
 from camid.effects.known import is_of_the_package, make_known
 from camid.effects.parameter import Parameter, checked
+from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -28,30 +28,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PLACES = ("actuator", "plant", "disturbance", "sensor", "noise")
-
-
-@dataclass(frozen=True)
-class Recognition:
-    """An effect that changes the noise, as residual and recorded values show it.
-
-    Attributes
-    ----------
-    effect : Effect
-    standard_deviations : dict of str to float
-        Of its parameters.
-    p_value : float
-        Probability that its absence shows as much.
-    spoiled : ndarray of bool, shape (N,)
-        Rows that say nothing of the motion.
-    named : bool
-        Whether the effect is there, and not only rows that are better left out.
-    """
-
-    effect: Effect
-    standard_deviations: dict[str, float]
-    p_value: float
-    spoiled: NDArray[np.bool_]
-    named: bool = True
 
 
 class LimitedState(NamedTuple):

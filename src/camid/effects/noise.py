@@ -8,9 +8,10 @@ from math import erfc, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.effects.base import Array, Effect, Recognition
+from camid.effects.base import Array, Effect
 from camid.effects.outlier_share import outlier_share
 from camid.effects.parameter import Parameter
+from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -21,9 +22,6 @@ OUTLYING = (4.0, 5.0, 7.0)
 # Share of the readings at either end, and of outlying rows among them whose expected values lie beyond.
 EDGE, AT_AN_EDGE = 0.05, 0.7
 FEWEST_REPEATED = 1
-# Logarithm of the Bayes factor from which outliers are named, and noise with heavy tails is out: twenty to one (Kass &
-# Raftery 1995, J. Am. Stat. Assoc. 90, 773-795: strong).
-LEAST_EVIDENCE = log(20.0)
 # Chance of so few repeated frames in fast motion below which it is the sensor's step that repeats them.
 LEAST_CHANCE_OF_LOSS = 1e-3
 # A marker that moves by less than this many standard deviations of the noise between two frames hardly moves.
@@ -279,10 +277,14 @@ class Outliers(Effect):
         if _at_an_edge(situation, far) >= AT_AN_EDGE * count:
             return None
         share = outlier_share(residual[usable], far[usable], spread)
-        # What lies far off in noise with heavy tails bends a fit as much, and has no other cause than the noise.
-        named = share.evidence > LEAST_EVIDENCE
         found = cls(fraction=share.fraction)
-        return Recognition(found, {"fraction": share.deviation}, min(rarest, 1.0), far, named)
+        # What lies far off in noise with heavy tails bends a fit as much, and has no other cause than the noise.
+        return Recognition(found, {"fraction": share.deviation}, min(rarest, 1.0), far, share.evidence)
+
+    @classmethod
+    def limit_of_recognition(cls, situation: Situation) -> str:
+        """Noise with heavy tails shows as much."""
+        return "it shows in the noise only, and the noise does not show it, or does as much by its heavy tails"
 
 
 class TimestampJitter(Effect):

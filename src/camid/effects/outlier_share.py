@@ -6,8 +6,8 @@ generalised normal one (Subbotin 1923, Mat. Sb. 31, 296-301): from heavier tails
 the readings have it. Where they say that no outlier lies near, as none does of a second marker, the count holds.
 
 Noise may have heavy tails itself, and then nothing struck it: a Student distribution (Lange, Little & Taylor 1989, J.
-Am. Stat. Assoc. 84, 881-896), or a generalised normal one from Laplacian to Gaussian. Which of both it is the evidence
-says, by Bayes's criterion.
+Am. Stat. Assoc. 84, 881-896), or a generalised normal one from Laplacian to Gaussian. The evidence, by Bayes's
+criterion, says which of the two it is: outliers or tails.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def outlier_share(values: Array, far: NDArray[np.bool_], spread: float) -> Outli
         _criterion_of_student(sizes, CAUCHY, STRUCK),
     )
     evidence = 0.5 * (_criterion_of_heavy_tails(sizes) - struck)
-    if singular or hollow - mixture > HOLLOW:
+    if singular or 0 not in free or hollow - mixture > HOLLOW:
         return OutlierShare(share, sqrt(share * (1.0 - share) / len(sizes)), evidence)
     fraction = float(1.0 / (1.0 + np.exp(-found[0])))
     deviation = fraction * (1.0 - fraction) * float(np.sqrt(np.linalg.inv(information)[0, 0]))

@@ -1,7 +1,7 @@
 """Springs whose force has both a quadratic and a cubic part, and the name of the larger one.
 
 A spring that is bent, loaded beforehand or clamped beside its middle has both: the equation of Helmholtz and Duffing
-(Kovacic & Brennan 2011, The Duffing Equation, section 2.5). A cubic one alone leaves what the other does to be learned,
+(Kovacic & Brennan 2011, The Duffing Equation, chapter 8). A cubic one alone leaves what the other does to be learned,
 and a quadratic one with a cubic part acts much like a stop.
 """
 
@@ -31,8 +31,8 @@ class QuadraticStiffnessWithCubic(QuadraticStiffness):
     """A spring that is stiffer to one side, with a smaller part that grows with the cube."""
 
     title = "Quadratic stiffness with a cubic part"
-    equation = r"f = \gamma\,y^2 + \beta\,y^3,\quad |\beta\,y| < |\gamma|"
-    reference = "Kovacic & Brennan (2011), The Duffing Equation, section 2.5"
+    equation = r"f = \gamma\,y^2 + \beta\,y^3"
+    reference = "Kovacic & Brennan (2011), The Duffing Equation, chapter 8"
     parameters = (*QuadraticStiffness.parameters, Parameter("cubic", "u/y^3", "stiffness β of the smaller, cubic part"))
 
     @compiled
@@ -78,7 +78,7 @@ class CubicStiffnessWithQuadratic(CubicStiffness):
     """A spring that hardens, or softens, with the cube of the displacement, with a smaller part that is one-sided."""
 
     title = "Cubic stiffness with a quadratic part"
-    equation = r"f = \beta\,y^3 + \gamma\,y^2,\quad |\gamma| < |\beta\,y|"
+    equation = r"f = \beta\,y^3 + \gamma\,y^2"
     reference = QuadraticStiffnessWithCubic.reference
     parameters = (
         *CubicStiffness.parameters,

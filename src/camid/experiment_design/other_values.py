@@ -27,6 +27,8 @@ SMALLEST_GAIN = 4.0
 # Shapes that are kept of one name, and how much the numbers of two have to differ.
 MOST_SHAPES = 3
 ALIKE = 0.15
+# Another size of an effect.
+LARGER = 2.0
 
 
 def own_sums(hypotheses: Sequence[Hypothesis], earlier: Earlier) -> list[float]:
@@ -66,9 +68,10 @@ def other_values(hypotheses: Sequence[Hypothesis], earlier: Earlier, sums: Seque
 
 
 def shape_of(effect: Effect) -> list[str]:
-    """Numbers of an effect that are no size of it; none where nothing is its size."""
+    """Numbers of an effect that are the same at another size of it; none where nothing is its size."""
     names = [p.name for p in effect.numeric()]
-    return [n for n in names if n != effect.strength] if effect.strength in names else []
+    larger = effect.scaled(LARGER)
+    return [n for n in names if larger.values[n] == effect.values[n]] if effect.strength in names else []
 
 
 def _shapes(hypothesis: Hypothesis, without: Hypothesis, earlier: Earlier) -> list[Effect]:

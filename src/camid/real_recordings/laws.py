@@ -111,10 +111,11 @@ def _silverbox(results: Results) -> Law:
     inner = slice(EDGE, -EDGE)
     points = _binned(1e3 * output[inner], 1e3 * rest[inner])
     grid = np.linspace(points[0][0], points[0][-1], 200)
-    cubic = results.parameter("cubic-stiffness", "coefficient") * 1e-6 * grid**3
+    spring = results.parameter("cubic-stiffness", "coefficient") * 1e-6 * grid**3
+    spring += results.parameter("cubic-stiffness", "quadratic") * 1e-3 * grid**2
     return Law(
         *points,
-        _with_learned(grid, cubic, _learned(results, "position", 1e-3 * grid), 1e3),
+        _with_learned(grid, spring, _learned(results, "position", 1e-3 * grid), 1e3),
         "position V2 (mV)",
         "spring force beyond\nthe linear one (mV)",
         "the law, and what the recording says",

@@ -53,6 +53,7 @@ LINES: dict[str, list[TableLine]] = {
         TableLine("natural frequency (Hz)", "natural_frequency"),
         TableLine("damping ratio", "damping_ratio"),
         TableLine("cubic stiffness (V/V³)", "cubic-stiffness_coefficient"),
+        TableLine("quadratic part of it (V/V²)", "cubic-stiffness_quadratic"),
         TableLine("offset of the input (V)", "input-bias_bias"),
         TableLine("rms error, test multisine (mV)", "multisine", "6.95 linear; 0.301 best there (GP NARX)", BASELINES),
         TableLine("rms error, test arrow (mV)", "arrow", "14.2 linear; 0.60 (GP NARX)", BASELINES),

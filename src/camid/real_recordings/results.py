@@ -91,8 +91,8 @@ class Results:
         return row[model], row.get(f"{model}_deviation")
 
     def parameter(self, effect: str, name: str) -> float:
-        """Value of a parameter of an effect that the improved model holds; zero if it does not."""
-        return float(next((e.parameters[name] for e in self.improved.effects if e.identifier == effect), 0.0))
+        """Value of a parameter of an effect that the improved model holds; zero if it does not, or its law has none."""
+        return float(next((e.parameters.get(name, 0.0) for e in self.improved.effects if e.identifier == effect), 0.0))
 
 
 Row = tuple[str, float, float | None, str]

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
-from camid.effects.base import Effect, Recognition
+from camid.effects.base import Effect
 from camid.effects.noise import tail, variance_regression
+from camid.effects.recognition import Recognition
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
@@ -33,17 +34,17 @@ RATE_STEP = 0.05
 LEAST_EVEN = 0.05
 
 
-def spoiled_rows(problem: Problem, base: Fitted) -> list[NDArray[np.bool_]]:
-    """Rows of each recording to leave out: repeated frames, and isolated residuals far off."""
+def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bool_]]]:
+    """Rows of each recording to leave out, by the effect that they look like: repeated frames, residuals far off."""
     result = []
     for index in range(len(problem.experiments)):
         situation = problem.situation(base.model, index)
-        rows = np.zeros(len(situation.time), bool)
+        rows: dict[str, NDArray[np.bool_]] = {}
         spoiling = [e for _, e in sorted(known_effects().items()) if e.spoils_rows and problem.kind.unseen(e) is None]
         for effect in spoiling if situation.used.any() else ():  # a recording may validate only
             found = effect.recognise(situation)
             if found is not None and found.p_value < SUSPECT_P_VALUE:
-                rows |= found.spoiled
+                rows[effect.identifier] = found.spoiled & situation.used
         result.append(rows)
     return result
 

@@ -257,7 +257,8 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
             rivals.append(ranked)
             without.append(others)
         if not changed:
-            current = with_likelier_name(current, rivals, first)
+            if len(rivals) == len(current.model.effects) - first:
+                current, rivals, without = with_likelier_name(current, rivals, without)
             break
     for index in range(first + len(rivals), len(current.model.effects)):  # the last swap was not tested itself
         without.append(fit(problem, current.model.without(index), steps=ALL_STEPS))
@@ -266,19 +267,28 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
     return Decision(base, current, rivals, without)
 
 
-def with_likelier_name(current: Fitted, rivals: Sequence[Sequence[Hypothesis]], first: int) -> Fitted:
+def with_likelier_name(
+    current: Fitted, rivals: list[list[Hypothesis]], without: list[Fitted]
+) -> tuple[Fitted, list[list[Hypothesis]], list[Fitted]]:
     """The model with the name in the place of one of its effects that is likelier by less than a swap asks for, if any.
 
-    What a swap asks for keeps a search from going round in circles; the likeliest name is the answer all the same.
+    What a swap asks for keeps a search from going round in circles; the likeliest name is the answer all the same. It
+    stands last in the model, as it was fitted: effects act in the order in which they stand.
 
     Parameters
     ----------
     current : Fitted
-    rivals : sequence of sequence of Hypothesis
-        In the place of each of some effects of the model, the likeliest first.
-    first : int
-        Where the first of these effects stands in the model.
+    rivals : list of list of Hypothesis
+        In the place of each of the last effects of the model, the likeliest first.
+    without : list of Fitted
+        The model without each of them.
+
+    Returns
+    -------
+    Fitted, list, list
+        Model, rivals and models without, in the order of the new model's effects.
     """
+    first = len(current.model.effects) - len(rivals)
 
     def gap(place: int) -> float:
         """By how much the name that the model holds is less likely."""
@@ -288,11 +298,9 @@ def with_likelier_name(current: Fitted, rivals: Sequence[Sequence[Hypothesis]], 
 
     place = max(range(len(rivals)), key=gap, default=0)
     if not rivals or gap(place) <= 0.0:
-        return current
-    likeliest = rivals[place][0].fitted
-    effects = list(likeliest.model.effects)
-    effects.insert(first + place, effects.pop())
-    return evaluate(current.problem, replace(likeliest.model, effects=tuple(effects)))
+        return current, rivals, without
+    order = [*(i for i in range(len(rivals)) if i != place), place]
+    return rivals[place][0].fitted, [rivals[i] for i in order], [without[i] for i in order]
 
 
 def _last(hypothesis: Hypothesis, index: int) -> Hypothesis:
