@@ -124,8 +124,10 @@ def _likeliest(density: Callable[[Array], Array], start: Array, low: Array, high
     """Vector within bounds at which the sum of logarithms of a density is largest."""
     from scipy.optimize import Bounds, minimize
 
-    found = minimize(lambda v: -float(np.sum(density(v))), start, method="L-BFGS-B", bounds=Bounds(low, high))
-    return np.asarray(found.x)
+    def deviance(vector: Array) -> float:
+        return -float(np.sum(density(vector)))
+
+    return np.asarray(minimize(deviance, start, method="L-BFGS-B", bounds=Bounds(low, high)).x)
 
 
 def _log_density(sizes: Array, vector: Array) -> Array:

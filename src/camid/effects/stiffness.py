@@ -28,7 +28,9 @@ class CubicStiffness(AgainstMotion):
     title = "Cubic stiffness"
     equation = r"f = \beta\,y^3"
     reference = "Kerschen et al. (2006), Mech. Syst. Signal Process. 20, 505-592"
-    parameters = (Parameter("coefficient", "u/y^3", "stiffness β, negative where it softens"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("coefficient", "u/y^3", "stiffness β, negative where it softens"),
+    )
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
     strength = "coefficient"
 
@@ -53,7 +55,7 @@ class QuadraticStiffness(AgainstMotion):
     title = "Quadratic stiffness"
     equation = r"f = \gamma\,y^2"
     reference = "Kerschen et al. (2006), Mech. Syst. Signal Process. 20, 505-592"
-    parameters = (Parameter("coefficient", "u/y^2", "stiffness γ"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "u/y^2", "stiffness γ"),)
     separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.HELD_POSITIONS)
     strength = "coefficient"
 
