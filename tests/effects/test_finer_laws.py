@@ -1,5 +1,7 @@
 """Laws with more detail that bear the name of a simpler one: what they do, and how a simulation declares them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -113,6 +115,24 @@ def test_a_spring_of_two_terms_has_the_name_of_the_larger_one(quadratic, cubic):
     ):
         named += [law.identifier] if law.is_plausible(span) else []
     assert named == ["cubic-stiffness" if quadratic < cubic * TYPICAL_DISPLACEMENT * span else "quadratic-stiffness"]
+
+
+@pytest.mark.parametrize("rate", [1e-3, 1.0, 1e12])
+def test_a_servo_is_started_from_any_limit(rate):
+    starts = list(RateLimitedLag.starts(SimpleNamespace(signal=command(60)), rate=rate))
+    assert len(starts) == 2
+    assert all(start.values["rate"] == rate for start in starts)
+
+
+def test_a_law_that_leads_to_no_other_ends_no_diagnosis(monkeypatch):
+    """A fit may run away to values from which a finer law cannot be made."""
+
+    def failing(self, situation):
+        raise ValueError("out of bounds")
+
+    monkeypatch.setattr(CubicStiffness, "finer", failing)
+    recording = record(CubicStiffness(coefficient=0.3), noise=0.001, count=1200)
+    assert [f.identifier for f in camid.diagnose(recording, simulation()).findings] == ["cubic-stiffness"]
 
 
 LAWS = [

@@ -84,7 +84,8 @@ class RateLimitedLag(RateLimit):
         """Slowing down within a small and a middling part of the largest change."""
         change = float(np.max(np.abs(np.diff(situation.signal)), initial=0.0)) or 1.0
         for share in DISTANCES:
-            yield cls(**({"time_constant": share * change / max(values["rate"], LEAST_FACTOR)} | values))
+            constant = max(share * change / max(values["rate"], LEAST_FACTOR), LEAST_TIME_CONSTANT)
+            yield cls(**({"time_constant": constant} | values))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

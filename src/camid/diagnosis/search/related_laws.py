@@ -92,6 +92,9 @@ def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
     """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last."""
     model = hypothesis.fitted.model
     effect, others = model.effects[-1], model.effects[:-1]
-    laws = effect.finer(problem.situations(model).of(type(effect)))
+    try:
+        laws = effect.finer(problem.situations(model).of(type(effect)))
+    except (ValueError, ArithmeticError):  # an effect that has run away leads to no other law
+        return []
     present = {e.identifier for e in others}
     return [replace(model, effects=(*others, law)) for law in laws if law.identifier not in present]
