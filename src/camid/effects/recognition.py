@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, inf, log
+from math import inf, log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 # Logarithm of the Bayes factor from which an effect is there, and not noise of another kind: twenty to one (Kass &
 # Raftery 1995, J. Am. Stat. Assoc. 90, 773-795: strong).
 LEAST_EVIDENCE = log(20.0)
-# Logarithm of a number beyond which nothing is added to its inverse.
-LARGEST_LOGARITHM = 700.0
 
 
 @dataclass(frozen=True)
@@ -51,4 +49,6 @@ class Recognition:
     @property
     def false_alarm_probability(self) -> float:
         """Probability that the effect is not there: as `p_value` has it, or the evidence at even odds beforehand."""
-        return max(self.p_value, 1.0 / (1.0 + exp(min(self.evidence, LARGEST_LOGARITHM))))
+        from scipy.special import expit
+
+        return max(self.p_value, float(expit(-self.evidence)))

@@ -11,13 +11,13 @@ and a quadratic one with a cubic part acts much like a stop.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Self
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
-from camid.effects.plant_force import GUESS, motion_sign
+from camid.effects.plant_force import GUESS, AgainstMotion, motion_sign
 from camid.effects.situation import Situation
 from camid.effects.stiffness import CubicStiffness, QuadraticStiffness
 
@@ -27,17 +27,8 @@ SHARES = (0.3, -0.3)
 TYPICAL_DISPLACEMENT = 0.25
 
 
-class QuadraticStiffnessWithCubic(QuadraticStiffness):
-    """A spring that is stiffer to one side, with a smaller part that grows with the cube."""
-
-    title = "Quadratic stiffness with a cubic part"
-    equation = r"f = \gamma\,y^2 + \beta\,y^3"
-    reference = "Kovacic & Brennan (2011), The Duffing Equation, chapter 8"
-    parameters = (*QuadraticStiffness.parameters, Parameter("cubic", "u/y^3", "stiffness β of the smaller, cubic part"))
-
-    @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return (values[0] + values[1] * position) * position * position
+class TwoTermSpring(AgainstMotion):
+    """What both laws share."""
 
     def force_values(self, plant: TransferFunction) -> list[float]:
         """Both parts, with the sign of the plant's gain."""
@@ -48,9 +39,22 @@ class QuadraticStiffnessWithCubic(QuadraticStiffness):
         """It may turn out to be the other law of both parts, so that it is no start for the one without."""
         return (*super().branch, "two terms")
 
-    def scaled(self, factor: float) -> QuadraticStiffnessWithCubic:
+    def scaled(self, factor: float) -> Self:
         """Both parts."""
         return self.with_vector(factor * self.vector)
+
+
+class QuadraticStiffnessWithCubic(TwoTermSpring, QuadraticStiffness):
+    """A spring that is stiffer to one side, with a smaller part that grows with the cube."""
+
+    title = "Quadratic stiffness with a cubic part"
+    equation = r"f = \gamma\,y^2 + \beta\,y^3"
+    reference = "Kovacic & Brennan (2011), The Duffing Equation, chapter 8"
+    parameters = (*QuadraticStiffness.parameters, Parameter("cubic", "u/y^3", "stiffness β of the smaller, cubic part"))
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return (values[0] + values[1] * position) * position * position
 
     def is_plausible(self, span: float) -> bool:
         """Whether the cubic part is the smaller one: else the law has the other's name."""
@@ -74,7 +78,7 @@ class QuadraticStiffnessWithCubic(QuadraticStiffness):
         )
 
 
-class CubicStiffnessWithQuadratic(CubicStiffness):
+class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
     """A spring that hardens, or softens, with the cube of the displacement, with a smaller part that is one-sided."""
 
     title = "Cubic stiffness with a quadratic part"
@@ -88,19 +92,6 @@ class CubicStiffnessWithQuadratic(CubicStiffness):
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return (values[1] + values[0] * position) * position * position
-
-    def force_values(self, plant: TransferFunction) -> list[float]:
-        """Both parts, with the sign of the plant's gain."""
-        return list(motion_sign(plant) * self.vector)
-
-    @property
-    def branch(self) -> tuple[Any, ...]:
-        """It may turn out to be the other law of both parts, so that it is no start for the one without."""
-        return (*super().branch, "two terms")
-
-    def scaled(self, factor: float) -> CubicStiffnessWithQuadratic:
-        """Both parts."""
-        return self.with_vector(factor * self.vector)
 
     def is_plausible(self, span: float) -> bool:
         """Whether the quadratic part is the smaller one: else the law has the other's name."""

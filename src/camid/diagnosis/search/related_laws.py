@@ -11,6 +11,7 @@ from functools import partial
 
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
@@ -23,8 +24,7 @@ def special_case(problem: Problem, general: Fitted, index: int, known: set[str])
     effect = model.effects[index].simplified()
     if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
         return None
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), FIRST_STEPS)
+    return _in_place(problem, model, index, effect, FIRST_STEPS)
 
 
 def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | None:
@@ -36,8 +36,7 @@ def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | No
     effect = model.effects[index].simplified()
     if effect is None or effect.identifier != model.effects[index].identifier:
         return None
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), ALL_STEPS)
+    return _in_place(problem, model, index, effect, ALL_STEPS)
 
 
 def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
@@ -45,11 +44,17 @@ def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hyp
     model = fitted.model
     others = (*model.effects[:index], *model.effects[index + 1 :])
     found = [
-        fitted_hypothesis(problem, relative.identifier, replace(model, effects=(*others, relative)), ALL_STEPS)
+        _in_place(problem, model, index, relative, ALL_STEPS)
         for relative in model.effects[index].relatives()
         if relative.identifier not in {e.identifier for e in others}
     ]
     return [h for h in found if h is not None]
+
+
+def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps: int) -> Hypothesis | None:
+    """A law in the place of one of a model's effects, fitted from there; it stands last."""
+    others = model.without(index).effects
+    return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), steps)
 
 
 def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
