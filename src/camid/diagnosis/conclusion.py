@@ -92,7 +92,7 @@ def concluded(
         further_signals=further,
         hypotheses=remaining(believed, problem, decision, found, conditions),
         conditions=conditions,
-        effect_signals=effect_signals(problem, final, [part.identifier for part in (*found, *learned)]),
+        effect_signals=effect_signals(problem, final, [f.identifier for f in found] + [p.identifier for p in learned]),
         refitted=problem.kind.written_back(believed, problem.structure, base),
         warnings=_left_out(setting, found),
     )
