@@ -23,6 +23,18 @@ LINES = 4
 TIMES = 3
 
 
+def force_at(situation: Situation, angular: float) -> dict[str, float]:
+    """Amplitude and phase at time zero of the sinusoidal force that the residual shows at an angular frequency."""
+    acquisition = situation.acquisition
+    exposure = float(acquisition.exposure or 0.0) if acquisition.sensor == "camera" else 0.0
+    middle = situation.time - acquisition.latency - 0.5 * exposure
+    window = np.hanning(len(situation.residual))
+    phasor = 2j * (situation.residual @ (np.exp(-1j * angular * middle) * window)) / np.sum(window)
+    gain = complex(situation.plant.frequency_response(angular)) * np.sinc(angular * exposure / (2.0 * pi))
+    force = phasor / gain if abs(gain) > 0.0 else phasor
+    return {"amplitude": float(abs(force)), "phase": float(np.angle(force))}
+
+
 class PeriodicDisturbance(Effect):
     """A sinusoidal force."""
 
@@ -49,26 +61,11 @@ class PeriodicDisturbance(Effect):
         """Its own."""
         return float(self.values["frequency"])
 
-    def canonical(self) -> PeriodicDisturbance:
-        """The same with a phase between -π and π."""
-        phase = (self.values["phase"] + pi) % (2.0 * pi) - pi
-        return PeriodicDisturbance(**{**self.values, "phase": phase})
-
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The highest lines of the residual's spectrum, brought back to the plant's input."""
-        window = np.hanning(len(situation.residual))
-        middle = situation.time - situation.acquisition.latency
-        if situation.acquisition.sensor == "camera":
-            middle = middle - 0.5 * float(situation.acquisition.exposure or 0.0)
         for angular in highest_lines(situation, LINES):
-            basis = np.exp(-1j * angular * middle) * window
-            phasor = 2j * (situation.residual @ basis) / np.sum(window)  # a sine's amplitude and phase
-            gain = complex(situation.plant.frequency_response(angular))
-            if situation.acquisition.sensor == "camera":
-                gain *= np.sinc(angular * float(situation.acquisition.exposure or 0.0) / (2.0 * pi))
-            force = phasor / gain if abs(gain) > 0.0 else phasor
-            yield cls(amplitude=float(abs(force)), frequency=angular, phase=float(np.angle(force)))
+            yield cls(frequency=angular, **force_at(situation, angular))
 
 
 def _best_times(situation: Situation, response: Array) -> list[float]:

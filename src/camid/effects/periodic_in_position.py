@@ -44,11 +44,11 @@ STEPS_PER_PERIOD = 5.0
 STEPS_PER_PERIOD_OF_A_FORCE = 2.0
 
 
-def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> list[tuple[float, float, float]]:
-    """Sinusoids of the position whose response explains the residual best: (amplitude, period, phase), the best first.
+class WaveRegression:
+    """Sinusoids of the position whose response explains the residual of a situation, to first order.
 
-    They are compared to first order, by regression of the residual on the responses to sine and cosine, beside what the
-    plant's coefficients can do: no simulation of the whole chain is needed.
+    The residual is regressed on the responses to sine and cosine, beside what the plant's coefficients can do: no
+    simulation of the whole chain is needed.
 
     Parameters
     ----------
@@ -56,39 +56,56 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
     respond : callable
         What becomes of a signal along the motion, shape (N,), in the recorded output, shape (N,).
     """
-    position = situation.position
-    low, high = float(np.min(position)), float(np.max(position))
-    if not high > low:
+
+    def __init__(self, situation: Situation, respond: Callable[[Array], Array]) -> None:
+        situation = situation.until(MOST_SIMULATED)
+        rows = np.flatnonzero(situation.used)
+        self._rows = rows[:: max(len(rows) // MOST_ROWS, 1)]
+        self._position, self._respond = situation.position, respond
+        others = [np.ones(len(self._position)), self._position, situation.signal, situation.velocity]
+        responses = [respond(other)[self._rows] for other in others]
+        table = np.column_stack([*responses, self._position[self._rows], np.ones(len(self._rows))])
+        self.fails = not np.all(np.isfinite(table))
+        if self.fails:
+            return
+        basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
+        self._basis = basis[:, np.abs(np.diag(triangle)) > LEAST_LEFT]
+        residual = situation.residual[self._rows]
+        self._residual = residual - self._basis @ (self._basis.T @ residual)
+
+    def at(self, period: float) -> tuple[float, float, float]:
+        """Gain, and the amplitude and phase at zero of the sinusoid with a period; all zero where nothing is seen."""
+        angle = 2.0 * pi * self._position / period
+        pair = np.column_stack([self._respond(np.sin(angle))[self._rows], self._respond(np.cos(angle))[self._rows]])
+        left = pair - self._basis @ (self._basis.T @ pair)
+        if not np.all(np.linalg.norm(left, axis=0) > LEAST_LEFT * np.linalg.norm(pair, axis=0)):
+            return 0.0, 0.0, 0.0
+        along, across = np.linalg.lstsq(left, self._residual, rcond=None)[0]
+        return float(self._residual @ (left @ [along, across])), hypot(along, across), atan2(across, along)
+
+
+def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> list[tuple[float, float, float]]:
+    """Sinusoids of the position whose response explains the residual best: (amplitude, period, phase), the best first.
+
+    Parameters
+    ----------
+    situation : Situation
+    respond : callable
+        See :class:`WaveRegression`.
+    """
+    span = float(np.ptp(situation.position))
+    regression = WaveRegression(situation, respond) if span > 0.0 else None
+    if regression is None or regression.fails:
         return []
-    situation = situation.until(MOST_SIMULATED)
-    position = situation.position
-    rows = np.flatnonzero(situation.used)
-    rows = rows[:: max(len(rows) // MOST_ROWS, 1)]
-    others = [np.ones(len(position)), position, situation.signal, situation.velocity]
-    table = np.column_stack([*(respond(o)[rows] for o in others), position[rows], np.ones(len(rows))])
-    if not np.all(np.isfinite(table)):
-        return []
-    basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
-    basis = basis[:, np.abs(np.diag(triangle)) > LEAST_LEFT]
-    residual = situation.residual[rows] - basis @ (basis.T @ situation.residual[rows])
     counts = np.arange(FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP)
-    gains, waves = np.zeros(len(counts)), np.zeros((len(counts), 2))
-    for i, count in enumerate(counts):
-        angle = 2.0 * pi * count * position / (high - low)
-        pair = np.column_stack([respond(np.sin(angle))[rows], respond(np.cos(angle))[rows]])
-        left = pair - basis @ (basis.T @ pair)
-        sizes = np.linalg.norm(left, axis=0)
-        if not np.all(sizes > LEAST_LEFT * np.linalg.norm(pair, axis=0)):
-            continue
-        waves[i] = np.linalg.lstsq(left, residual, rcond=None)[0]
-        gains[i] = float(residual @ (left @ waves[i]))
+    waves = [regression.at(span / float(count)) for count in counts]
+    gains = np.array([gain for gain, _, _ in waves])
     found = []
     for _ in range(BEST):
         i = int(np.argmax(gains))
         if gains[i] <= 0.0:
             break
-        along, across = float(waves[i, 0]), float(waves[i, 1])
-        found.append((hypot(along, across), (high - low) / float(counts[i]), atan2(across, along)))
+        found.append((waves[i][1], span / float(counts[i]), waves[i][2]))
         gains[max(i - 2, 0) : i + 3] = 0.0
     return found
 
@@ -100,15 +117,20 @@ def _least_difference(values: Array) -> float:
     return float(np.min(differences, initial=np.inf)) if len(differences) else 0.0
 
 
-class _PeriodicInPosition(Effect):
+class PeriodicInPosition(Effect):
     """An effect of which about two periods have to be seen."""
+
+    @staticmethod
+    def seen(situation: Situation) -> Callable[[Array], Array]:
+        """What becomes of such a signal along the motion, shape (N,), in the recorded output."""
+        raise NotImplementedError
 
     def is_plausible(self, span: float) -> bool:
         """Whether the positions hold enough periods."""
         return bool(self.values["period"] <= LARGEST_PERIOD * span)
 
 
-class Cogging(_PeriodicInPosition):
+class Cogging(PeriodicInPosition):
     """A force that pulls the motor to its nearest pole, whatever the input: it repeats along the way.
 
     Positions count from rest, where the force is in balance.
@@ -132,6 +154,12 @@ class Cogging(_PeriodicInPosition):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] * (sin(2.0 * pi * position / values[1] + values[2]) - sin(values[2]))
 
+    @staticmethod
+    def seen(situation: Situation) -> Callable[[Array], Array]:
+        """The plant's response to a force against the motion."""
+        joined = replace(situation.acquisition, hold="foh")
+        return lambda force: sample(situation.plant, -force, joined)
+
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about a pole."""
         return sqrt(mobility(plant) * self.values["amplitude"] * 2.0 * pi / self.values["period"])
@@ -139,14 +167,13 @@ class Cogging(_PeriodicInPosition):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain the residual best, to first order."""
-        joined = replace(situation.acquisition, hold="foh")
         step = _least_difference(situation.recorded)
-        for amplitude, period, phase in best_periods(situation, lambda force: sample(situation.plant, -force, joined)):
+        for amplitude, period, phase in best_periods(situation, cls.seen(situation)):
             if period > STEPS_PER_PERIOD_OF_A_FORCE * step:
                 yield cls(amplitude=min(amplitude, situation.largest("signal")), period=period, phase=phase)
 
 
-class EncoderEccentricity(_PeriodicInPosition):
+class EncoderEccentricity(PeriodicInPosition):
     """An encoder whose disc is not centred on the shaft, or a screw whose pitch wobbles: it errs once a period.
 
     Its zero is where the plant rests; an offset is another effect.
@@ -166,6 +193,11 @@ class EncoderEccentricity(_PeriodicInPosition):
     strength = "amplitude"
     trials = "frequencies"
 
+    @staticmethod
+    def seen(situation: Situation) -> Callable[[Array], Array]:
+        """The error itself."""
+        return lambda error: error
+
     def is_plausible(self, span: float) -> bool:
         """Whether the positions hold enough periods, and the reading still grows with the position."""
         slope = 2.0 * pi * self.values["amplitude"] / self.values["period"]
@@ -184,7 +216,7 @@ class EncoderEccentricity(_PeriodicInPosition):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain the residual best, to first order."""
         step = _least_difference(situation.recorded)
-        for amplitude, period, phase in best_periods(situation, lambda error: error):
+        for amplitude, period, phase in best_periods(situation, cls.seen(situation)):
             # What quantisation adds repeats along the way, too.
             if period > STEPS_PER_PERIOD * step:
                 yield cls(amplitude=min(amplitude, situation.largest("position")), period=period, phase=phase)

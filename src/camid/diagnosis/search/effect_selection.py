@@ -25,7 +25,7 @@ from camid.diagnosis.search.hypothesis_search import (
 )
 from camid.diagnosis.search.inexact_laws import laws_are_inexact
 from camid.diagnosis.search.models_of_each_recording import models_of_each_recording
-from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case
+from camid.diagnosis.search.related_laws import finer_in_place, plainer_law, relatives_in_place, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, Signatures, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects import known_effects
@@ -170,6 +170,8 @@ def select_effects(
         watch.take_stock(NAMES)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
             break
+        if doubtful is None and not watch.no_time_for("finer laws"):
+            current = finer_in_place(problem, current)
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
         beside = len(current.model.effects) > known

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from camid.diagnosis.search.hypothesis import Hypothesis, in_order
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
@@ -36,7 +36,7 @@ def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | No
     effect = model.effects[index].simplified()
     if effect is None or effect.identifier != model.effects[index].identifier:
         return None
-    return _in_place(problem, model, index, effect, ALL_STEPS)
+    return _in_place(problem, model, index, effect)
 
 
 def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
@@ -44,14 +44,30 @@ def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hyp
     model = fitted.model
     others = (*model.effects[:index], *model.effects[index + 1 :])
     found = [
-        _in_place(problem, model, index, relative, ALL_STEPS)
+        _in_place(problem, model, index, relative)
         for relative in model.effects[index].relatives()
         if relative.identifier not in {e.identifier for e in others}
     ]
     return [h for h in found if h is not None]
 
 
-def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps: int) -> Hypothesis | None:
+def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:
+    """The model with more detail in a law that others were found beside, where that is likelier; else the same.
+
+    What a law lacks may show only when what hid it is found. The law of the effect that was found last has been tried.
+    """
+    for effect in fitted.model.effects[:-1]:
+        if len(fitted.noise.whitening) == 1:
+            break
+        index = fitted.model.effects.index(effect)
+        laws = [law for law in _finer(problem, fitted.model, effect) if law.identifier == effect.identifier]
+        tried = side_by_side(partial(_in_place, problem, fitted.model, index), laws)
+        own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
+        fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
+    return fitted
+
+
+def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps: int = ALL_STEPS) -> Hypothesis | None:
     """A law in the place of one of a model's effects, fitted from there; it stands last."""
     others = model.without(index).effects
     return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), steps)
@@ -96,10 +112,15 @@ def _fitted_from(problem: Problem, model: Model) -> Hypothesis | None:
 def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
     """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last."""
     model = hypothesis.fitted.model
-    effect, others = model.effects[-1], model.effects[:-1]
-    try:
-        laws = effect.finer(problem.situations(model).of(type(effect)))
-    except (ValueError, ArithmeticError):  # an effect that has run away leads to no other law
-        return []
+    others = model.effects[:-1]
     present = {e.identifier for e in others}
+    laws = _finer(problem, model, model.effects[-1])
     return [replace(model, effects=(*others, law)) for law in laws if law.identifier not in present]
+
+
+def _finer(problem: Problem, model: Model, effect: Effect) -> tuple[Effect, ...]:
+    """Laws with more detail than one of a model's effects, as they are started."""
+    try:
+        return effect.finer(problem.situations(model).of(type(effect)))
+    except (ValueError, ArithmeticError):  # an effect that has run away leads to no other law
+        return ()
