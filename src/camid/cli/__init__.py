@@ -5,6 +5,8 @@ Exit code 0: done. 2: the input is wrong, and one line says what, where and how 
 
 from __future__ import annotations
 
+import atexit
+import gc
 import sys
 import warnings
 from io import TextIOWrapper
@@ -30,6 +32,9 @@ from camid.cli import (
     track,
 )
 from camid.errors import InputError
+
+# An interpreter that ends looks through all that it holds, more than half a second after a diagnosis.
+atexit.register(gc.freeze)
 
 INTERRUPTED = 130
 CUT_SHORT = (

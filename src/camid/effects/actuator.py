@@ -25,6 +25,8 @@ SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)
 LARGE_SHARES = (0.97, 0.9, 0.75, 0.55, 0.3)
 DELAYS = (0.05, 0.3, 1.0, 3.0)
 LEAST_FACTOR = 1e-9
+# Lag, as a share of the period, below which it is nothing but a delay: a faster pole costs the integrator only steps.
+LEAST_LAG = 0.02
 
 
 def levels(signal: Array) -> int:
@@ -242,6 +244,10 @@ class ActuatorLag(Effect):
         """1 / (τ s + 1)."""
         constant = self.values["time_constant"]
         return TransferFunction((1.0,), (constant, 1.0)) if constant > 1e-7 else None
+
+    def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
+        """No shorter than what differs from a delay."""
+        return [(LEAST_LAG * acquisition.period, np.inf)]
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

@@ -6,6 +6,7 @@ Loading takes longer than most diagnoses, and one interpreter does one thing at 
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import pickle
@@ -104,6 +105,7 @@ def serve() -> None:
         importlib.import_module(module)
     page = render(pickle.load(sys.stdin.buffer), shared=True)
     sys.stdout.buffer.write(page.encode("utf-8", errors="surrogatepass"))
+    gc.freeze()  # the page has come when this process has ended: it need not look through what it leaves behind
 
 
 if __name__ == "__main__":
