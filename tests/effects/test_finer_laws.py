@@ -8,9 +8,17 @@ import pytest
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
-from camid.effects.actuator import Saturation
+from camid.effects.actuator import DeadZone, Saturation
+from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
+from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_saturation import GradualSaturation
+from camid.effects.harmonics import (
+    CoggingWithHarmonic,
+    EncoderEccentricityWithHarmonic,
+    PeriodicDisturbanceWithHarmonic,
+)
+from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
@@ -18,6 +26,7 @@ from camid.effects.stiffness import CubicStiffness, PendulumDrivenAcross, Pendul
 from camid.effects.two_term_springs import (
     TYPICAL_DISPLACEMENT,
     CubicStiffnessWithQuadratic,
+    CubicStiffnessWithQuintic,
     QuadraticStiffnessWithCubic,
 )
 from camid.engine.mechanics import Chain
@@ -48,6 +57,60 @@ def test_a_controller_s_command_is_bent_alike():
     signal = np.array([-5.0, -0.5, 0.0, 0.3, 1e9])
     bent = [law.actuated.at(PERIOD, 0.0, 0.0, u, 0.0, values=law.vector.tolist()) for u in signal]
     np.testing.assert_allclose(bent, law.transform(signal, signal, PERIOD)[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("sharpness", [1.0, 2.4, 9.0])
+def test_what_a_gradual_dead_zone_takes_is_a_gradual_saturation(sharpness):
+    law, signal = GradualDeadZone(half_width=0.3, sharpness=sharpness), command(300)
+    lost = signal / (1.0 + np.abs(signal / 0.3) ** sharpness) ** (1.0 / sharpness)
+    np.testing.assert_allclose(output(law), sample(PLANT, signal - lost, CAMERA), atol=1e-12)
+    alike = [law.actuated.at(PERIOD, 0.0, 0.0, u, 0.0, values=law.vector.tolist()) for u in signal[:40]]
+    np.testing.assert_allclose(alike, (signal - lost)[:40], atol=1e-12)
+    sharp, corner = (
+        law.transform(signal, signal, PERIOD)[0]
+        for law in (GradualDeadZone(half_width=0.3, sharpness=20.0), DeadZone(half_width=0.3))
+    )
+    assert np.max(np.abs(sharp - corner)) < 0.04 * 0.3
+
+
+@pytest.mark.parametrize(("harmonic", "order"), [("second", 2), ("third", 3)])
+def test_a_harmonic_is_a_wave_of_its_own(harmonic, order):
+    shape = {"phase": 0.4, "harmonic": harmonic, "harmonic_amplitude": 0.1, "harmonic_phase": 1.1}
+    force = PeriodicDisturbanceWithHarmonic(amplitude=0.2, frequency=8.0, **shape)
+    waves = (
+        PeriodicDisturbance(amplitude=0.2, frequency=8.0, phase=0.4),
+        PeriodicDisturbance(amplitude=0.1, frequency=8.0 * order, phase=1.1),
+    )
+    np.testing.assert_allclose(output(force), output(*waves), atol=1e-7)
+
+    detent = CoggingWithHarmonic(amplitude=0.2, period=0.5, **shape)
+    waves = Cogging(amplitude=0.2, period=0.5, phase=0.4), Cogging(amplitude=0.1, period=0.5 / order, phase=1.1)
+    np.testing.assert_allclose(output(detent), output(*waves), atol=1e-5)  # the integrator's
+
+    reading = EncoderEccentricityWithHarmonic(amplitude=0.02, period=0.5, **{**shape, "harmonic_amplitude": 0.01})
+    first = EncoderEccentricity(amplitude=0.02, period=0.5, phase=0.4)
+    second = EncoderEccentricity(amplitude=0.01, period=0.5 / order, phase=1.1)
+    straight = output()
+    np.testing.assert_allclose(
+        output(reading) - straight, (output(first) - straight) + (output(second) - straight), atol=1e-12
+    )
+
+
+def test_a_reading_that_turns_round_is_none():
+    shape = {"period": 1.0, "phase": 0.0, "harmonic": "second", "harmonic_phase": 0.0}
+    # Both waves fall steepest at half a turn, where the first does by 2π · 0.1 and the second by the same, or rises.
+    falling = EncoderEccentricityWithHarmonic(
+        amplitude=0.1, harmonic_amplitude=0.05, **{**shape, "harmonic_phase": np.pi}
+    )
+    assert not falling.is_plausible(5.0)
+    assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(5.0)
+    assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(1.5)
+
+
+def test_a_spring_with_a_quintic_part_is_a_cubic_one_where_that_is_zero():
+    plain = output(CubicStiffness(coefficient=2.0))
+    np.testing.assert_array_equal(output(CubicStiffnessWithQuintic(coefficient=2.0, quintic=0.0)), plain)
+    assert np.max(np.abs(output(CubicStiffnessWithQuintic(coefficient=2.0, quintic=1.0)) - plain)) > 1e-3
 
 
 @pytest.mark.parametrize("rate", [3.0, 20.0, 1e6])
@@ -138,8 +201,31 @@ def test_a_law_that_leads_to_no_other_ends_no_diagnosis(monkeypatch):
 LAWS = [
     ("quadratic-stiffness", QuadraticStiffnessWithCubic(coefficient=0.35, cubic=0.1), "cubic"),
     ("cubic-stiffness", CubicStiffnessWithQuadratic(coefficient=0.5, quadratic=0.12), "quadratic"),
+    ("cubic-stiffness", CubicStiffnessWithQuintic(coefficient=0.5, quintic=0.06), "quintic"),
+    ("dead-zone", GradualDeadZone(half_width=0.6, sharpness=2.5), "sharpness"),
+    (
+        "periodic-disturbance",
+        PeriodicDisturbanceWithHarmonic(
+            amplitude=0.2, frequency=8.0, phase=0.4, harmonic="third", harmonic_amplitude=0.05, harmonic_phase=-1.0
+        ),
+        "harmonic",
+    ),
     ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
     ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
+    (
+        "cogging",
+        CoggingWithHarmonic(
+            amplitude=0.25, period=0.8, phase=0.4, harmonic="second", harmonic_amplitude=0.1, harmonic_phase=-1.0
+        ),
+        "harmonic",
+    ),
+    (
+        "encoder-eccentricity",
+        EncoderEccentricityWithHarmonic(
+            amplitude=0.05, period=0.8, phase=0.4, harmonic="second", harmonic_amplitude=0.02, harmonic_phase=-1.0
+        ),
+        "harmonic",
+    ),
     ("lens-distortion", LensDistortionOfFourthOrder(k1=-0.15, k2=0.05), "k2"),
     ("rate-limit", RateLimitedLag(rate=12.0, time_constant=0.04), "time_constant"),
     ("parameter-drift", SettlingDrift(coefficient="gain", rate=0.05, time_constant=4.0), "time_constant"),
@@ -147,7 +233,7 @@ LAWS = [
 ]
 
 
-@pytest.mark.parametrize(("identifier", "law", "key"), LAWS, ids=[case[0] for case in LAWS])
+@pytest.mark.parametrize(("identifier", "law", "key"), LAWS, ids=[f"{case[0]}, {case[2]}" for case in LAWS])
 def test_the_law_is_found_and_the_improved_simulation_declares_it(identifier, law, key):
     recording = record(law, noise=0.001, count=1200)
     found = camid.diagnose(recording, simulation())

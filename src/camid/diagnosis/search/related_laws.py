@@ -11,6 +11,7 @@ from functools import partial
 
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.diagnosis.search.screening import may_be_more_than_chance
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
@@ -57,11 +58,10 @@ def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:
     What a law lacks may show only when what hid it is found. The law of the effect that was found last has been tried.
     """
     for effect in fitted.model.effects[:-1]:
-        if len(fitted.noise.whitening) == 1:
-            break
         index = fitted.model.effects.index(effect)
         laws = [law for law in _finer(problem, fitted.model, effect) if law.identifier == effect.identifier]
-        tried = side_by_side(partial(_in_place, problem, fitted.model, index), laws)
+        starts = [_with_last(fitted.model, index, law) for law in laws]
+        tried = side_by_side(partial(_fitted_from, problem), _worth_a_fit(problem, fitted, starts))
         own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
         fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
     return fitted
@@ -69,22 +69,36 @@ def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:
 
 def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps: int = ALL_STEPS) -> Hypothesis | None:
     """A law in the place of one of a model's effects, fitted from there; it stands last."""
-    others = model.without(index).effects
-    return fitted_hypothesis(problem, effect.identifier, replace(model, effects=(*others, effect)), steps)
+    return fitted_hypothesis(problem, effect.identifier, _with_last(model, index, effect), steps)
+
+
+def _with_last(model: Model, index: int, effect: Effect) -> Model:
+    """The model with a law in the place of one of its effects; it stands last."""
+    return replace(model, effects=(*model.without(index).effects, effect))
+
+
+def _worth_a_fit(problem: Problem, fitted: Fitted, starts: Sequence[Model]) -> list[Model]:
+    """Models in which a law has more detail that are worth a fit: all where structure is left, else what shows."""
+    if len(fitted.noise.whitening) > 1:
+        return list(starts)
+    shows = side_by_side(partial(may_be_more_than_chance, problem, fitted), starts)
+    return [start for start, seen in zip(starts, shows, strict=True) if seen]
 
 
 def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
     """Laws with more detail of the likeliest effect that has such, fitted, each from the one before it.
 
-    They are called for where the likeliest of all leaves structure or has another name, or may be a finer law of one.
+    They are called for where the likeliest of all leaves structure or what they would explain, or has another name, or
+    may be a finer law of one.
     """
     if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
         return []
     found: list[Hypothesis] = []
     for hypothesis in ranked:
-        lacking = hypothesis is not ranked[0] or len(hypothesis.fitted.noise.whitening) > 1
         starts = _finer_starts(problem, hypothesis)
-        if not starts or not (lacking or any(m.effects[-1].identifier != hypothesis.identifier for m in starts)):
+        if hypothesis is ranked[0] and all(m.effects[-1].identifier == hypothesis.identifier for m in starts):
+            starts = _worth_a_fit(problem, hypothesis.fitted, starts)
+        if not starts:
             continue
         while starts:
             fitted = _until_white(problem, starts)
@@ -98,10 +112,10 @@ def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
     """Fits of the effect that models hold last, up to the first that leaves white noise, the best first."""
     found: list[Hypothesis] = []
     for first in range(0, len(starts), WORKERS):
-        for fitted in side_by_side(partial(_fitted_from, problem), starts[first : first + WORKERS]):
-            found += [] if fitted is None else [fitted]
-            if fitted is not None and len(fitted.fitted.noise.whitening) == 1:
-                return in_order(found)
+        fitted = side_by_side(partial(_fitted_from, problem), starts[first : first + WORKERS])
+        found += [h for h in fitted if h is not None]
+        if any(len(h.fitted.noise.whitening) == 1 for h in found):
+            break
     return in_order(found)
 
 

@@ -20,6 +20,7 @@ from camid.effects.own_effect_trial import tried_guesses
 from camid.effects.own_effects import own_effects_in_use, refuse_raised_by
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
 
@@ -43,6 +44,8 @@ MOST_KEPT = 20_000_000
 OTHER_SIZE = 3.0
 MOST_SIZES = 3
 LEAST_GAIN = 10.0
+# Gain from which a law with more detail is fitted though what the plainer one leaves is white: a chance of 1e-4.
+LEAST_GAIN_OF_DETAIL = 15.0
 
 # An effect and the number of its guess.
 _Key = tuple[str, int]
@@ -123,12 +126,30 @@ def _possible(effect: type[Effect], view: Situation) -> Iterator[Effect]:
 def signature(problem: Problem, base: Fitted, effect: Effect) -> Array | None:
     """Change of the simulated output on the fitted rows, shape (M,); None where the effect has no meaning here."""
     try:
-        model = base.model.plus(effect)
+        return _change(problem, base, base.model.plus(effect))
+    except (ValueError, ArithmeticError):
+        return None
+
+
+def _change(problem: Problem, base: Fitted, model: Model) -> Array | None:
+    """Change of the simulated output, shape (M,), by another model; None where that has no meaning."""
+    try:
         simulated = problem.rough().simulate_fitted(model)
     except (ValueError, ArithmeticError):
         return None
     change = simulated - (problem.output - base.residual)
     return change if np.all(np.isfinite(change)) else None
+
+
+def may_be_more_than_chance(problem: Problem, fitted: Fitted, model: Model) -> bool:
+    """Whether what a model's last effect does otherwise than a fitted model shows in what that one leaves.
+
+    One simulation says so: a law may lack much where what it leaves depends on nothing that the past tells.
+    """
+    change = _change(problem, fitted, model)
+    if change is None:
+        return False
+    return _judged(problem, metrics(problem, fitted), model.effects[-1], change).gain > LEAST_GAIN_OF_DETAIL
 
 
 def projector(table: Array) -> Array:
