@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 # Step of the differences that replace derivatives, as a share of what a parameter is measured by.
 DIFFERENCE_STEP = 1e-5
+# Difference of two simulated outputs, as a share of their size, that is rounding.
+ROUNDING = 1e-14
 # Residual of a simulation that diverged, in standard deviations of the output.
 RUNAWAY_RESIDUAL = 1e3
 # Derivative, in the units of the packed numbers and standard deviations of the output, that only a runaway motion has.
@@ -179,6 +181,9 @@ def sensitivities(
     found = [derivative(i) for i in columns] if short else in_threads(derivative, columns)
     table = np.column_stack(found) if found else np.empty((len(simulated), 0))
     table[~np.isfinite(table)] = 0.0
+    # A fit would scale the rounding of a number that does nothing to the size of the others, and follow it far away.
+    rounding = ROUNDING * float(np.linalg.norm(simulated)) / DIFFERENCE_STEP
+    table[:, np.linalg.norm(table, axis=0) <= rounding] = 0.0
     return table
 
 

@@ -32,6 +32,8 @@ RUN_AWAY = 30.0
 # Shapes of the best effect that are fitted, too, where it is a resonance, which costs next to nothing, and the share of
 # its best one's screened gain that they need.
 MOST_FURTHER_SHAPES, NEARLY = 6, 0.1
+# Evaluations of a first fit that begins with a small effect.
+STEPS_FROM_SMALL = 16
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
 # Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
@@ -144,11 +146,18 @@ def _fitted_thoroughly(problem: Problem, watch: Watch, hypothesis: Hypothesis) -
 
 
 def _fitted_first(problem: Problem, watch: Watch, base: Fitted, candidate: ScreenedEffect) -> Hypothesis | None:
-    """A few steps of a fit from an effect beside a base, where there is time for it."""
+    """A few steps of a fit from an effect beside a base, where there is time for it.
+
+    Where they lead nowhere, the size that the screening suggests is too large for coefficients that were bent without
+    the effect: it is begun small, and with derivatives of its own.
+    """
     if watch.no_time_for(candidate.effect.identifier):
         return None
     effect = _start_of(candidate)
     found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), FIRST_STEPS, base)
+    if (found is None or found.fitted.cost >= base.cost) and effect.numeric():
+        small = base.model.plus(candidate.effect)
+        found = fitted_hypothesis(problem, effect.identifier, small, STEPS_FROM_SMALL)
     return found if found is not None and found.fitted.cost < base.cost else None
 
 
