@@ -50,7 +50,7 @@ class DeadZone(Effect):
     title = "Dead zone of the actuator"
     equation = r"u' = \mathrm{sgn}(u)\,\max(|u| - d,\ 0)"
     reference = "Tao & Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities"
-    parameters = (Parameter("half_width", "u", "command d that has no effect", 0.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_width", "u", "command d that has no effect", 0.0),)
     separated_by = (SeparatingExperiment.MANY_LEVELS,)
     strength = "half_width"
     keeps_hold = True

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi, sin
+from typing import ClassVar
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class PeriodicDisturbance(Effect):
     title = "Periodic disturbance"
     equation = r"d = a\,\sin(\omega t + \varphi)"
     reference = "Bodson & Douglas (1997), Automatica 33, 2213-2221"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "u", "amplitude a", 0.0),
         Parameter("frequency", "rad/s", "angular frequency ω", 0.0, scale="resolution"),
         Parameter("phase", "rad", "phase φ at time zero", scale="one"),

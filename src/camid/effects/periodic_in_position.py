@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import atan2, hypot, pi, sin, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -141,7 +141,7 @@ class Cogging(PeriodicInPosition):
     title = "Cogging (detent force)"
     equation = r"f = a\,\left(\sin(2\pi y/p + \varphi) - \sin\varphi\right)"
     reference = "Hanselman (2006), Brushless Permanent Magnet Motor Design, 2nd ed., chapter 7"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "u", "amplitude a of the force", 0.0),
         Parameter("period", "y", "distance p of two poles", 1e-300),
         Parameter("phase", "rad", "phase φ at y = 0", scale="one"),
@@ -184,7 +184,7 @@ class EncoderEccentricity(PeriodicInPosition):
     title = "Eccentricity of the encoder"
     equation = r"w = y + e\,\left(\sin(2\pi y/p + \varphi) - \sin\varphi\right)"
     reference = "Hanselman (1990), IEEE Trans. Ind. Electron. 37, 556-561 (errors that are periodic in the position)"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("amplitude", "y", "amplitude e of the error", 0.0),
         Parameter("period", "y", "displacement p of a turn", 1e-300),
         Parameter("phase", "rad", "phase φ at y = 0", scale="one"),
