@@ -57,12 +57,13 @@ def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:
 
     What a law lacks may show only when what hid it is found. The law of the effect that was found last has been tried.
     """
-    for effect in fitted.model.effects[:-1]:
-        index = fitted.model.effects.index(effect)
-        laws = [law for law in _finer(problem, fitted.model, effect) if law.identifier == effect.identifier]
+    for identifier in [e.identifier for e in fitted.model.effects[:-1]]:
+        index = [e.identifier for e in fitted.model.effects].index(identifier)
+        effect = fitted.model.effects[index]
+        laws = [law for law in _finer(problem, fitted.model, effect) if law.identifier == identifier]
         starts = [_with_last(fitted.model, index, law) for law in laws]
         tried = side_by_side(partial(_fitted_from, problem), _worth_a_fit(problem, fitted, starts))
-        own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
+        own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
         fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
     return fitted
 
