@@ -277,23 +277,33 @@ class _OutputError:
         return float(residual @ residual)
 
     def least(self, start: Array, steps: int) -> Array:
-        """The vector of least squares near a start, shape (p,)."""
+        """The vector of least squares near a start, shape (p,); numbers that do nothing there stay where they are."""
         from scipy.optimize import least_squares
 
+        # The optimiser would follow the rounding of a direction without derivative far away.
+        moving = np.any(self.jacobian(start) != 0.0, axis=0)
+
+        def whole(vector: Array) -> Array:
+            every = start.copy()
+            every[moving] = vector
+            return every
+
+        if not np.any(moving):
+            return start
         # Where nothing has a derivative the step is nought by nought: the fit stays where it is, and that is right.
         with np.errstate(divide="ignore", invalid="ignore"):
             found = least_squares(
-                self.residual,
-                start,
-                jac=self.jacobian,
-                bounds=(self.packing.lower, self.packing.upper),
+                lambda vector: self.residual(whole(vector)),
+                start[moving],
+                jac=lambda vector: self.jacobian(whole(vector))[:, moving],
+                bounds=(self.packing.lower[moving], self.packing.upper[moving]),
                 x_scale="jac",
                 ftol=self.tolerance,
                 xtol=1e-9,
                 gtol=None,
                 max_nfev=steps,
             )
-        return np.asarray(found.x)
+        return whole(found.x)
 
 
 def fit(

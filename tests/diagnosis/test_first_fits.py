@@ -1,0 +1,90 @@
+"""First fits of hypotheses: where they begin, and what leads them astray."""
+
+import numpy as np
+import pytest
+
+import camid
+from camid.diagnosis.search import hypothesis_search
+from camid.diagnosis.search.related_laws import finer_in_place
+from camid.diagnosis.search.screening import ScreenedEffect, may_be_more_than_chance
+from camid.diagnosis.watch import Watch
+from camid.effects import known_effects
+from camid.effects.actuator import LEAST_LAG
+from camid.fitting.fit import fit
+from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.identification.from_recordings import experiments_of
+from camid.simulation.file import load_simulation
+from tests.support.mass_on_spring import PERIOD, command, effect, record, simulation
+
+
+def refitted(recording, *effects):
+    """Problem and re-estimated model of a recording, with effects that are known."""
+    file = load_simulation(simulation(sensor={"column": "y", "kind": "camera", "offset": 0.0}))
+    recordings, experiments, _ = experiments_of([recording], file, None)
+    problem = problem_of(file, structure_of(file), recordings, experiments)
+    model = problem.with_initial_states(model_of(problem, []))
+    for each in effects:
+        model = model.plus(each)
+    return problem, fit(problem, model)
+
+
+@pytest.mark.parametrize("factor", [30.0, 3000.0])
+def test_a_fit_that_leads_nowhere_begins_again_with_a_small_effect(factor, monkeypatch):
+    problem, base = refitted(record(effect("cubic-stiffness", coefficient=4.0), noise=0.001))
+    guess = effect("cubic-stiffness", coefficient=0.2)
+    too_large = ScreenedEffect(guess, gain=500.0, factor=factor, visible=20.0)
+    found = hypothesis_search._fitted_first(problem, Watch(), base, too_large)
+    assert found.fitted.cost < 0.1 * base.cost
+    monkeypatch.setattr(hypothesis_search, "STEPS_FROM_SMALL", 1)
+    lost = hypothesis_search._fitted_first(problem, Watch(), base, too_large)
+    assert lost is None or lost.fitted.cost > 0.1 * base.cost
+
+
+def test_a_number_that_does_nothing_stays_where_it_is():
+    """The lower limit of a clipping that the motion never reaches."""
+    recording = record(effect("clipping", low=-50.0, high=1.2), effect("actuator-lag", time_constant=0.008))
+    problem, base = refitted(recording, effect("clipping", low=-50.0, high=1.25))
+    column = base.packing.names.index("0 low")
+    assert not base.sensitivities[:, column].any()
+    assert base.model.effects[0].values["low"] == -50.0
+    # A fit that begins with the derivatives of the model without the lag finds it, as with derivatives of its own.
+    start = base.model.plus(effect("actuator-lag", time_constant=0.007))
+    quick = fit(problem, start, steps=8, base=base, refreshes=0, finest=False)
+    assert quick.cost == pytest.approx(fit(problem, start).cost, rel=0.01)
+
+
+def test_what_a_law_lacks_shows_when_what_hid_it_is_found():
+    laws = known_effects()["encoder-eccentricity"].finer_laws
+    (law,) = laws
+    wobble = law(amplitude=0.06, period=0.8, phase=0.4, harmonic="second", harmonic_amplitude=0.02, harmonic_phase=-1.0)
+    recording = record(wobble, effect("coulomb-friction", force=0.25), noise=0.001, count=1200)
+    plain = effect("encoder-eccentricity", amplitude=0.06, period=0.8, phase=0.4)
+    problem, base = refitted(recording, plain, effect("coulomb-friction", force=0.25))
+    found = finer_in_place(problem, base)
+    assert {type(e) for e in found.model.effects} == {law, known_effects()["coulomb-friction"]}
+    assert found.cost < 0.1 * base.cost
+    assert finer_in_place(problem, found).cost == pytest.approx(found.cost, rel=1e-3)
+    both = camid.diagnose(recording, simulation())
+    assert {f.identifier for f in both.findings} == {"encoder-eccentricity", "coulomb-friction"}
+    assert any("harmonic" in declared.parameters for declared in both.improved.effects)
+
+
+def test_detail_shows_in_what_is_white():
+    """Along a fast way no reading tells the next one's error, and still a harmonic explains all of them."""
+    (law,) = known_effects()["encoder-eccentricity"].finer_laws
+    values = {"amplitude": 0.05, "period": 0.8, "phase": 0.4}
+    detail = {"harmonic": "second", "harmonic_amplitude": 0.02, "harmonic_phase": -1.0}
+    plain = effect("encoder-eccentricity", **values)
+    for shape, shows in ((law(**values, **detail), True), (plain, False)):
+        problem, base = refitted(record(shape, noise=0.001, count=1200), plain)
+        start = base.model.without(0).plus(law(**base.model.effects[0].values, **detail))
+        assert may_be_more_than_chance(problem, base, start) == shows
+
+
+def test_a_lag_is_no_shorter_than_what_differs_from_a_delay():
+    problem, base = refitted(record(signal=np.roll(command(), 1)), effect("actuator-lag", time_constant=0.5 * PERIOD))
+    assert base.packing.lower[base.packing.names.index("0 time_constant")] * base.packing.units[
+        base.packing.names.index("0 time_constant")
+    ] == pytest.approx(LEAST_LAG * PERIOD)
+    assert base.model.effects[0].values["time_constant"] >= LEAST_LAG * PERIOD
+    assert problem.acquisition.period == pytest.approx(PERIOD)
