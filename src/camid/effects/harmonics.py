@@ -69,6 +69,16 @@ class WithHarmonic(Effect):
         amplitudes = {name: factor * self.values[name] for name in ("amplitude", "harmonic_amplitude")}
         return type(self)(**{**self.values, **amplitudes})
 
+    def simplified(self) -> Effect:
+        """The sine alone."""
+        bases = (kind for kind in type(self).__mro__ if issubclass(kind, Effect))
+        sine = next(kind for kind in bases if "identifier" in vars(kind))
+        return sine(**{parameter.name: self.values[parameter.name] for parameter in sine.parameters})
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """The sine's numbers, and those of the harmonic."""
+        return [*self.vector[:3].tolist(), *self.harmonic]
+
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """It is started from a sine that was found."""
@@ -87,17 +97,9 @@ class PeriodicDisturbanceWithHarmonic(WithHarmonic, PeriodicDisturbance):
         first = values[0] * sin(values[1] * time + values[2])
         return -(first + values[3] * sin(values[4] * values[1] * time + values[5]))
 
-    def force_values(self, plant: TransferFunction) -> list[float]:
-        """The sine's numbers, and those of the harmonic."""
-        return [*self.vector[:3].tolist(), *self.harmonic]
-
     def frequency(self, plant: object) -> float:
         """That of the harmonic."""
         return self.order * super().frequency(plant)
-
-    def simplified(self) -> PeriodicDisturbance:
-        """The sine alone."""
-        return PeriodicDisturbance(**{p.name: self.values[p.name] for p in PeriodicDisturbance.parameters})
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
@@ -136,18 +138,10 @@ class CoggingWithHarmonic(_AlongTheWay, Cogging):
         first = values[0] * (sin(angle + values[2]) - sin(values[2]))
         return first + values[3] * (sin(values[4] * angle + values[5]) - sin(values[5]))
 
-    def force_values(self, plant: TransferFunction) -> list[float]:
-        """The sine's numbers, and those of the harmonic."""
-        return [*self.vector[:3].tolist(), *self.harmonic]
-
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about the steepest place there may be."""
         steepness = self.values["amplitude"] + self.order * self.values["harmonic_amplitude"]
         return sqrt(mobility(plant) * steepness * 2.0 * pi / self.values["period"])
-
-    def simplified(self) -> Cogging:
-        """The sine alone."""
-        return Cogging(**{p.name: self.values[p.name] for p in Cogging.parameters})
 
 
 class EncoderEccentricityWithHarmonic(_AlongTheWay, EncoderEccentricity):
@@ -174,7 +168,3 @@ class EncoderEccentricityWithHarmonic(_AlongTheWay, EncoderEccentricity):
         amplitude, order, phase = self.harmonic
         angle = order * 2.0 * pi * motion.points(start, end) / self.values["period"] + phase
         return np.asarray(mean + amplitude * ((np.sin(angle) - sin(phase)) @ (0.5 * WEIGHTS)))
-
-    def simplified(self) -> EncoderEccentricity:
-        """The sine alone."""
-        return EncoderEccentricity(**{p.name: self.values[p.name] for p in EncoderEccentricity.parameters})
