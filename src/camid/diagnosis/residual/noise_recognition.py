@@ -64,7 +64,7 @@ def recognised_noise(
         Of the nominal simulation.
     """
     known = {e.identifier for e in declared}
-    situation = _with_rate_of_reading(whole, final.model)
+    situation = _where_motion_is_finite(_with_rate_of_reading(whole, final.model))
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames come before outliers
         possible = effect.noise_like and problem.kind.unseen(effect) is None
@@ -104,6 +104,13 @@ def _with_rate_of_reading(problem: Problem, model: Model) -> Situation:
     before = (reading - earlier) / step
     behind = np.append((later[1:] - reading[:-1]) / step, before[-1])
     return replace(situation, velocity=np.copysign(np.sqrt(0.5 * (before**2 + behind**2)), before + behind))
+
+
+def _where_motion_is_finite(situation: Situation) -> Situation:
+    """Without rows in which the motion has run away: a sensor that clips hides that, and the residual is finite."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        finite = np.isfinite(situation.position**2 + situation.velocity**2)
+    return replace(situation, used=situation.used & finite)
 
 
 def _without_imitations(situation: Situation, found: list[Recognition]) -> list[Recognition]:
