@@ -288,14 +288,20 @@ class _OutputError:
             every[moving] = vector
             return every
 
+        def residual(vector: Array) -> Array:
+            return self.residual(whole(vector))
+
+        def jacobian(vector: Array) -> Array:
+            return self.jacobian(whole(vector))[:, moving]
+
         if not np.any(moving):
             return start
         # Where nothing has a derivative the step is nought by nought: the fit stays where it is, and that is right.
         with np.errstate(divide="ignore", invalid="ignore"):
             found = least_squares(
-                lambda vector: self.residual(whole(vector)),
+                residual,
                 start[moving],
-                jac=lambda vector: self.jacobian(whole(vector))[:, moving],
+                jac=jacobian,
                 bounds=(self.packing.lower[moving], self.packing.upper[moving]),
                 x_scale="jac",
                 ftol=self.tolerance,
