@@ -26,7 +26,7 @@ LARGE_SHARES = (0.97, 0.9, 0.75, 0.55, 0.3)
 DELAYS = (0.05, 0.3, 1.0, 3.0)
 LEAST_FACTOR = 1e-9
 # Lag, as a share of the period, below which it is nothing but a delay: a faster pole costs the integrator only steps.
-LEAST_LAG = 0.02
+LEAST_LAG = 5e-3
 
 
 def levels(signal: Array) -> int:

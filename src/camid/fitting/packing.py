@@ -164,27 +164,29 @@ def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
 
 def _measure(problem: Problem, parameter: Parameter, value: float) -> float:
     """What a small change of a parameter with a value is measured by."""
-    scale = parameter.scale
-    if scale == "slip":
-        return float(problem.acquisition.period) / problem.duration
-    if scale == "period":
-        return float(problem.acquisition.period)
-    if scale == "output":
-        return problem.output_spread
-    if scale == "input":
-        return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
-    if scale == "resolution":
-        return 1.0 / problem.duration
-    if scale == "one":
-        return 1.0
+    acquisition, duration = problem.acquisition, problem.duration
+    measures = {
+        "slip": lambda: float(acquisition.period) / duration,
+        "period": lambda: float(acquisition.period),
+        "output": lambda: problem.output_spread,
+        "input": lambda: _largest_input(problem) or 1.0,
+        "resolution": lambda: 1.0 / duration,
+        "one": lambda: 1.0,
+    }
+    if parameter.scale in measures:
+        return measures[parameter.scale]()
     # Next to zero a share of the value is nothing, and its derivative is rounding.
     return max(abs(value), LEAST_MEASURE * _typical_size(problem, parameter.unit)) or 1.0
+
+
+def _largest_input(problem: Problem) -> float:
+    return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments)
 
 
 def _typical_size(problem: Problem, unit: str) -> float:
     """Size of a number in a unit made of u, y and s, of what the recordings and the plant are like; 0 without input."""
     sizes = {
-        "u": max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments),
+        "u": _largest_input(problem),
         "y": problem.output_spread,
         "s": problem.unit,
     }
