@@ -45,7 +45,7 @@ def test_a_number_that_does_nothing_stays_where_it_is():
     recording = record(effect("clipping", low=-50.0, high=1.2), effect("actuator-lag", time_constant=0.008))
     problem, base = refitted(recording, effect("clipping", low=-50.0, high=1.25))
     column = base.packing.names.index("0 low")
-    assert not base.sensitivities[:, column].any()
+    assert np.linalg.norm(base.sensitivities[:, column]) < 1e-9
     assert base.model.effects[0].values["low"] == -50.0
     # A fit that begins with the derivatives of the model without the lag finds it, as with derivatives of its own.
     start = base.model.plus(effect("actuator-lag", time_constant=0.007))

@@ -26,7 +26,6 @@ from camid.effects.stiffness import CubicStiffness, PendulumDrivenAcross, Pendul
 from camid.effects.two_term_springs import (
     TYPICAL_DISPLACEMENT,
     CubicStiffnessWithQuadratic,
-    CubicStiffnessWithQuintic,
     QuadraticStiffnessWithCubic,
 )
 from camid.engine.mechanics import Chain
@@ -107,12 +106,6 @@ def test_a_reading_that_turns_round_is_none():
     assert not falling.is_plausible(5.0)
     assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(5.0)
     assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(1.5)
-
-
-def test_a_spring_with_a_quintic_part_is_a_cubic_one_where_that_is_zero():
-    plain = output(CubicStiffness(coefficient=2.0))
-    np.testing.assert_array_equal(output(CubicStiffnessWithQuintic(coefficient=2.0, quintic=0.0)), plain)
-    assert np.max(np.abs(output(CubicStiffnessWithQuintic(coefficient=2.0, quintic=1.0)) - plain)) > 1e-3
 
 
 @pytest.mark.parametrize("rate", [3.0, 20.0, 1e6])
@@ -203,7 +196,6 @@ def test_a_law_that_leads_to_no_other_ends_no_diagnosis(monkeypatch):
 LAWS = [
     ("quadratic-stiffness", QuadraticStiffnessWithCubic(coefficient=0.35, cubic=0.1), "cubic"),
     ("cubic-stiffness", CubicStiffnessWithQuadratic(coefficient=0.5, quadratic=0.12), "quadratic"),
-    ("cubic-stiffness", CubicStiffnessWithQuintic(coefficient=0.5, quintic=0.06), "quintic"),
     ("dead-zone", GradualDeadZone(half_width=0.6, sharpness=2.5), "sharpness"),
     (
         "periodic-disturbance",

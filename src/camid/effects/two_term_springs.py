@@ -113,31 +113,3 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
         return cls.starts(
             situation, coefficient=GUESS * situation.largest("signal") / situation.largest("position") ** 3
         )
-
-
-class CubicStiffnessWithQuintic(TwoTermSpring, CubicStiffness):
-    """A spring that hardens, or softens, alike to both sides, and not with the cube alone."""
-
-    title = "Cubic stiffness with a quintic part"
-    equation = r"f = \beta\,y^3 + \delta\,y^5"
-    reference = QuadraticStiffnessWithCubic.reference
-    parameters = (*CubicStiffness.parameters, Parameter("quintic", "u/y^5", "stiffness δ of the quintic part"))
-
-    @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return (values[0] + values[1] * position * position) * position * position * position
-
-    def simplified(self) -> CubicStiffness:
-        """The same without the quintic part."""
-        return CubicStiffness(coefficient=self.values["coefficient"])
-
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """From a spring that hardens more farther out, and from one that does less."""
-        for share in SHARES:
-            yield cls(**{"quintic": share * values["coefficient"] / situation.largest("position") ** 2, **values})
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """It is started from a cubic spring that was found."""
-        yield from ()

@@ -181,9 +181,6 @@ def sensitivities(
     found = [derivative(i) for i in columns] if short else in_threads(derivative, columns)
     table = np.column_stack(found) if found else np.empty((len(simulated), 0))
     table[~np.isfinite(table)] = 0.0
-    # A fit would scale the rounding of a number that does nothing to the size of the others, and follow it far away.
-    rounding = ROUNDING * float(np.linalg.norm(simulated)) / DIFFERENCE_STEP
-    table[:, np.linalg.norm(table, axis=0) <= rounding] = 0.0
     return table
 
 
@@ -280,8 +277,9 @@ class _OutputError:
         """The vector of least squares near a start, shape (p,); numbers that do nothing there stay where they are."""
         from scipy.optimize import least_squares
 
-        # The optimiser would follow the rounding of a direction without derivative far away.
-        moving = np.any(self.jacobian(start) != 0.0, axis=0)
+        # The optimiser would scale the rounding of a number that does nothing to the size of the others, and follow it.
+        rounding = ROUNDING * float(np.linalg.norm(self.simulated(start))) / DIFFERENCE_STEP
+        moving = np.linalg.norm(self.jacobian(start), axis=0) > rounding
 
         def whole(vector: Array) -> Array:
             every = start.copy()

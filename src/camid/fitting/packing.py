@@ -15,9 +15,6 @@ from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
-# What a number is measured by at least, as a share of its typical size.
-LEAST_MEASURE = 1e-4
-
 
 @dataclass(frozen=True)
 class Packing:
@@ -52,13 +49,13 @@ class Packing:
                 continue
             bounds = effect.bounds(problem.acquisition)
             for parameter, value, (least, largest) in zip(effect.numeric(), effect.vector, bounds, strict=True):
-                units.append(_measure(problem, parameter, float(value)))
+                units.append(_measure(problem, parameter.scale, float(value)))
                 lower.append(least)
                 upper.append(largest)
                 names.append(f"{i} {parameter.name}")
         constants = problem.kind.free_constants()
         for constant in constants:
-            units.append(_measure(problem, constant, float(model.constants[constant.name]) or constant.size))
+            units.append(_measure(problem, constant.scale, float(model.constants[constant.name]) or constant.size))
             lower.append(constant.lower)
             upper.append(constant.upper)
             names.append(constant.name)
@@ -162,38 +159,15 @@ def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
     return gain[free]
 
 
-def _measure(problem: Problem, parameter: Parameter, value: float) -> float:
-    """What a small change of a parameter with a value is measured by."""
-    acquisition, duration = problem.acquisition, problem.duration
-    measures = {
-        "slip": lambda: float(acquisition.period) / duration,
-        "period": lambda: float(acquisition.period),
-        "output": lambda: problem.output_spread,
-        "input": lambda: _largest_input(problem) or 1.0,
-        "resolution": lambda: 1.0 / duration,
-        "one": lambda: 1.0,
-    }
-    if parameter.scale in measures:
-        return measures[parameter.scale]()
-    # Next to zero a share of the value is nothing, and its derivative is rounding.
-    return max(abs(value), LEAST_MEASURE * _typical_size(problem, parameter.unit)) or 1.0
-
-
-def _largest_input(problem: Problem) -> float:
-    return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments)
-
-
-def _typical_size(problem: Problem, unit: str) -> float:
-    """Size of a number in a unit made of u, y and s, of what the recordings and the plant are like; 0 without input."""
-    sizes = {
-        "u": _largest_input(problem),
-        "y": problem.output_spread,
-        "s": problem.unit,
-    }
-    found = 1.0
-    for part, sign in zip(unit.split("/", 1), (1.0, -1.0), strict=False):
-        for factor in part.split():
-            name, _, power = factor.partition("^")
-            if name in sizes:  # a pure number or an angle has none
-                found *= sizes[name] ** (sign * float(power or 1.0)) if sizes[name] > 0.0 else 0.0
-    return found
+def _measure(problem: Problem, scale: str, value: float) -> float:
+    if scale == "slip":
+        return float(problem.acquisition.period) / problem.duration
+    if scale == "period":
+        return float(problem.acquisition.period)
+    if scale == "output":
+        return problem.output_spread
+    if scale == "input":
+        return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
+    if scale == "resolution":
+        return 1.0 / problem.duration
+    return 1.0 if scale == "one" or value == 0.0 else abs(value)

@@ -22,7 +22,7 @@ from camid.fitting.problem import Problem
 LEAST_EVIDENCE = 10.0
 # How many times as much it has to be as what the likeliest effect may have: to first order, about a motion that is bent
 # by what is missing, an effect may look weaker than it is when it is fitted.
-MORE_THAN_A_NAME = 2.0
+MORE_THAN_A_NAME = 1.6
 
 
 def laws_are_inexact(problem: Problem, fitted: Fitted, screened: Sequence[ScreenedEffect]) -> bool:
