@@ -11,7 +11,13 @@ from typing import Any
 from camid.effects.actuator import DeadZone
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
-from camid.effects.gradual_saturation import FIRST_SHARPNESS, LEAST_LIMIT, SHARPEST, GradualSaturation
+from camid.effects.gradual_saturation import (
+    FIRST_SHARPNESS,
+    LEAST_LIMIT,
+    SHARPEST,
+    GradualSaturation,
+    gradually_limited,
+)
 from camid.effects.parameter import Parameter
 from camid.effects.situation import Situation
 
@@ -32,9 +38,7 @@ class GradualDeadZone(DeadZone):
 
     @compiled
     def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        ratio = abs(signal / values[0])
-        larger = max(ratio, 1.0)
-        return signal - signal / (larger * (1.0 + (min(ratio, 1.0) / larger) ** values[1]) ** (1.0 / values[1]))
+        return signal - gradually_limited(signal, values[0], values[1])
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Subtract what does not arrive."""

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from camid.compiled import njit
 from camid.effects.actuator import LEAST_FACTOR, Saturation, at_both_ends
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
@@ -25,6 +26,14 @@ SHARPEST = 20.0
 LEAST_LIMIT = 1e-300
 
 
+@njit(error_model="numpy")
+def gradually_limited(signal: float, limit: float, sharpness: float) -> float:
+    """One command, bent before a limit, both in u; see :class:`GradualSaturation`."""
+    ratio = abs(signal / limit)
+    larger = max(ratio, 1.0)  # no power of a large ratio, which may be infinite
+    return float(signal / (larger * (1.0 + (min(ratio, 1.0) / larger) ** sharpness) ** (1.0 / sharpness)))
+
+
 class GradualSaturation(Saturation):
     """A limit that is approached gradually, as amplifiers, magnetic circuits and valves do."""
 
@@ -38,9 +47,7 @@ class GradualSaturation(Saturation):
 
     @compiled
     def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        ratio = abs(signal / values[0])
-        larger = max(ratio, 1.0)
-        return signal / (larger * (1.0 + (min(ratio, 1.0) / larger) ** values[1]) ** (1.0 / values[1]))
+        return gradually_limited(signal, values[0], values[1])
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Bend before the limit."""
