@@ -209,7 +209,7 @@ LAWS = [
     (
         "cogging",
         CoggingWithHarmonic(
-            amplitude=0.25, period=0.8, phase=0.4, harmonic="second", harmonic_amplitude=0.1, harmonic_phase=-1.0
+            amplitude=0.06, period=0.8, phase=0.4, harmonic="second", harmonic_amplitude=0.02, harmonic_phase=-1.0
         ),
         "harmonic",
     ),
