@@ -97,3 +97,14 @@ def test_what_is_ahead_counts_as_done():
     assert watch.no_time_for("a second law")
     watch.take_stock(LAWS)
     assert not watch.no_time_for("what costs nothing")
+
+
+def test_what_is_left_of_the_effort():
+    work, watch = Work(), Watch(effort=1.0)
+    assert watch.remaining == float("inf")
+    watch.count(work, 0)
+    work.add_run(0)
+    assert watch.remaining == pytest.approx(WORK - RUN * 1e-6)
+    unbounded = Watch(effort=None)
+    unbounded.count(work, 0)
+    assert unbounded.remaining == float("inf")

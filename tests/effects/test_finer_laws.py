@@ -18,11 +18,12 @@ from camid.effects.harmonics import (
     EncoderEccentricityWithHarmonic,
     PeriodicDisturbanceWithHarmonic,
 )
+from camid.effects.hertz_contact import HertzEndStop
 from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
-from camid.effects.stiffness import CubicStiffness, PendulumDrivenAcross, PendulumGravity, QuadraticStiffness
+from camid.effects.stiffness import CubicStiffness, EndStop, PendulumDrivenAcross, PendulumGravity, QuadraticStiffness
 from camid.effects.two_term_springs import (
     TYPICAL_DISPLACEMENT,
     CubicStiffnessWithQuadratic,
@@ -155,6 +156,21 @@ def test_a_contour_that_counts_for_a_power_of_its_speed():
     np.testing.assert_allclose(output(GradedSpeedWeightedCentroid(exponent=0.0)), mean, atol=5e-5)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_hertz_contact_pushes_with_the_power_three_halves(side):
+    law = HertzEndStop(position=0.8 * side, hertz=5.0)
+    at = side * np.array([-2.0, 0.5, 0.8, 0.9, 1.5])
+    forces = [law.force.at(0.0, y, 0.0, 0.0, 0.0, values=law.force_values(PLANT)) for y in at]
+    np.testing.assert_allclose(forces, side * 5.0 * np.maximum(side * at - 0.8, 0.0) ** 1.5, atol=1e-14)
+    # As stiff, and as hard, at a depth of a fifth of the position where it begins.
+    straight, depth = law.simplified(), 0.2 * 0.8
+    deep = side * (0.8 + depth)
+    pushes = [e.force.at(0.0, deep, 0.0, 0.0, 0.0, values=e.force_values(PLANT)) for e in (law, straight)]
+    np.testing.assert_allclose(pushes[1], pushes[0])
+    assert straight.values["stiffness"] == pytest.approx(7.5 * np.sqrt(depth))
+    assert HertzEndStop.as_stiff_as(EndStop(position=0.8, stiffness=3.0), 0.2).values["position"] < 0.8
+
+
 def test_a_spring_of_two_terms_is_both_springs():
     both = output(QuadraticStiffness(coefficient=3.0), CubicStiffness(coefficient=2.0))
     for law in (
@@ -196,6 +212,7 @@ def test_a_law_that_leads_to_no_other_ends_no_diagnosis(monkeypatch):
 LAWS = [
     ("quadratic-stiffness", QuadraticStiffnessWithCubic(coefficient=0.35, cubic=0.1), "cubic"),
     ("cubic-stiffness", CubicStiffnessWithQuadratic(coefficient=0.5, quadratic=0.12), "quadratic"),
+    ("end-stop", HertzEndStop(position=1.0, hertz=6.0), "hertz"),
     ("dead-zone", GradualDeadZone(half_width=0.6, sharpness=2.5), "sharpness"),
     (
         "periodic-disturbance",

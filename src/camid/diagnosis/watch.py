@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import TypeVar
 
 from camid.engine.work import Work
@@ -17,7 +18,7 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
-WORK, WORK_OF_ROW = 9.0, 2.5e-3
+WORK, WORK_OF_ROW = 5.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
 # Fits between which it is looked at: two threads share them.
@@ -65,6 +66,11 @@ class Watch(Account):
         """Work that is done, in seconds of a processor."""
         return 0.0 if self._work is None else self._work.seconds
 
+    @property
+    def remaining(self) -> float:
+        """Work that is left of the bound, in seconds of a processor."""
+        return inf if self.effort is None or self._work is None else self._bound - self.done
+
     def take_stock(self, share: float = FORMULAS, ahead: float = 0.0) -> None:
         """Note whether a share of the work is done, or will be with what is ahead; not while other threads simulate."""
         if self.effort is not None and self._work is not None:
@@ -105,9 +111,13 @@ class Watch(Account):
         if not (late or (self._spent and not needed)):
             return False
         self._late = self._late or late
+        self.leave_out(part)
+        return True
+
+    def leave_out(self, part: str) -> None:
+        """Note what is not tried."""
         if part not in self.left_out:
             self.left_out.append(part)
-        return True
 
     def warning(self) -> str | None:
         """One sentence on what was left out; None if nothing was."""

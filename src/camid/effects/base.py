@@ -235,6 +235,14 @@ class Effect:
         return words if self._neutral is None else (*words, *(self.vector == np.asarray(self._neutral)).tolist())
 
     @property
+    def idle(self) -> frozenset[str]:
+        """Numbers that have the value of which this recording shows nothing."""
+        if self._neutral is None:
+            return frozenset()
+        numbers = zip(self.numeric(), self.vector, self._neutral, strict=True)
+        return frozenset(parameter.name for parameter, value, neutral in numbers if value == neutral)
+
+    @property
     def imitates_linear_dynamics(self) -> bool:
         """Whether it is linear dynamics with numbers, which a fit bends until they do what other linear dynamics do."""
         return self.linear_dynamics and bool(self.numeric())

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import sqrt
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -212,7 +212,7 @@ class Overflow(_Storage):
     title = "Overflow (limited level)"
     equation = r"x \leq h:\quad \dot x/a = (u - e)/k - x,\quad e > 0\ \mathrm{only\ at}\ x = h"
     reference = "Schoukens & Noël (2017), IFAC-PapersOnLine 50, 446-451 (cascaded tanks)"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("height", "y", "level h of the edge: the output at rest with the storage just full"),
         Parameter("share", "", "share of the excess that reaches the storage below", 0.0, 1.0),
         Parameter(
@@ -238,7 +238,7 @@ class Overflow(_Storage):
 
     def __init__(self, **values: Any) -> None:
         super().__init__(**values)
-        if self.values["state"]:
+        if self.values.get("state"):
             # The engine limits the state itself: nothing of a force that would stand for it is left.
             for part in ("force", "switch"):
                 setattr(self, part, None)
@@ -246,7 +246,7 @@ class Overflow(_Storage):
 
     def limited_state(self) -> LimitedState | None:
         """The state that runs over."""
-        name = str(self.values["state"])
+        name = str(self.values.get("state", ""))
         return LimitedState(name, self.values["height"], self.values["share"]) if name else None
 
     @compiled

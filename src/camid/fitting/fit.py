@@ -109,9 +109,12 @@ class Fitted:
     def penalised_names(self) -> list[str]:
         """Names of the parameters that the criterion counts: all that are free, but for initial states of the plant.
 
-        Those of a mode count: no model without it has them.
+        Those of a mode count: no model without it has them. Numbers of an effect that do nothing here do not, as the
+        lower limit of a reading that is clipped above.
         """
-        return [name for name in self.packing.names if not name.startswith("initial") or " of " in name]
+        idle = {f"{i} {name}" for i, effect in enumerate(self.model.effects) for name in effect.idle}
+        counted = [name for name in self.packing.names if not name.startswith("initial") or " of " in name]
+        return [name for name in counted if name not in idle]
 
     @cached_property
     def covariance(self) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.learned import LearnedEffect
+from camid.engine.work import Work
 from camid.fitting.fit import Fitted, evaluate, sensitivities
 from camid.fitting.linearised_law import Absorbed, on_points
 from camid.fitting.packing import Packing
@@ -32,6 +33,10 @@ SETTLED = 1e-6
 DIFFERENCE = 1e-5
 # Residual of a simulation that diverged.
 RUNAWAY = 1e12
+
+
+class TooMuchWorkError(ValueError):
+    """A fit would take more simulation than there is left."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +86,7 @@ def fit_formula(
     vector: Array,
     bounds: tuple[Array, Array],
     left: Array,
+    most_work: float = np.inf,
 ) -> FormulaFit:
     """Least squares of a formula and all that is fitted beside it, through the whole chain.
 
@@ -99,11 +105,15 @@ def fit_formula(
         The numbers that the fit starts from, and what they may be.
     left : ndarray, shape (M,)
         What the learned law leaves, beside which an error of a simulation is negligible.
+    most_work : float
+        Work (:mod:`camid.engine.work`) that the fit may take, in seconds.
 
     Raises
     ------
     ValueError
         If the chain diverges with the formula.
+    TooMuchWorkError
+        If the fit would take more work, as it is judged by its first simulation.
     """
     from scipy.optimize import least_squares
 
@@ -111,8 +121,11 @@ def fit_formula(
     packing, split = chain.packing, len(chain.packing.names)
     begin = np.concatenate([packing.pack(chain.first), vector])
     begin = np.clip(begin, *chain.limits)
+    work = chain.first_work(begin)
     if np.max(np.abs(chain.simulated(begin))) >= RUNAWAY:
         raise ValueError("the simulation diverges with this formula")
+    if work * (MOST_STEPS + REFRESHES * len(begin)) > most_work:
+        raise TooMuchWorkError("the fit of this formula would take too long")
     derivative = UpdatedDerivative(chain.derivatives, REFRESHES)
 
     def jacobian(at: Array) -> Array:
@@ -176,6 +189,14 @@ class _ChainWithFormula:
         beside = self.packing.unpack(at[:split])
         formula = _effect(self.law, self.absorbed, self.values, at[split:])
         return replace(beside, effects=(*beside.effects[:-1], formula))
+
+    def first_work(self, begin: Array) -> float:
+        """Work of the first simulation, in seconds; it is counted as any other."""
+        first = replace(self, pinned=replace(self.pinned, work=Work()))
+        first.simulated(begin)
+        work = first.pinned.work
+        self.pinned.work.add(work.state())
+        return work.seconds
 
     def simulated(self, at: Array) -> Array:
         """Shape (M,)."""

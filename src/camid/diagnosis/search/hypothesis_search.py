@@ -13,7 +13,7 @@ from camid.diagnosis.search.hypotheses_over_time import raced
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.search.models_around import models_around
-from camid.diagnosis.search.related_laws import finer_laws, plainer_law, special_case
+from camid.diagnosis.search.related_laws import finer_laws, plainer_law, possible_relatives, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
@@ -105,7 +105,7 @@ def hypotheses(
     if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
         first += _in_batches(from_model, raced(problem, nominal), watch)
     first += _simpler(problem, base, first)
-    first += [h for h in side_by_side(from_model, _relatives(base, first)) if h is not None]
+    first += [h for h in side_by_side(from_model, _relatives(problem, base, first)) if h is not None]
     ranked = best_of_each(first)
     further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
     in_other_minima = partial(_fitted_from, problem, watch, "other shapes of", ALL_STEPS)
@@ -117,7 +117,9 @@ def hypotheses(
     watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
         return found
-    ranked = best_of_each([*found, *finer_laws(problem, found[: len(near)])])
+    finer = finer_laws(problem, found[: len(near)])
+    finer += _in_batches(in_other_minima, _relatives(problem, base, finer), watch)
+    ranked = best_of_each([*found, *finer])
     plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects)) if ranked else None
     return ranked if plainer is None else best_of_each([*ranked, plainer])
 
@@ -257,18 +259,14 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     return list(found.values())
 
 
-def _relatives(base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
+def _relatives(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
     """Models in which effects that do nearly the same take the place of those that explain something."""
     models = []
     for hypothesis in best_of_each(fitted):
         if hypothesis.beyond(Hypothesis("", base)) < 0.0:
             model = hypothesis.fitted.model
-            present = {e.identifier for e in model.effects}
-            models += [
-                replace(model, effects=(*model.effects[:-1], relative))
-                for relative in model.effects[-1].relatives()
-                if relative.identifier not in present
-            ]
+            relatives = possible_relatives(problem, model, len(model.effects) - 1)
+            models += [replace(model, effects=(*model.effects[:-1], relative)) for relative in relatives]
     return models
 
 

@@ -42,14 +42,22 @@ def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | No
 
 def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
     """What does nearly the same as one of a model's effects in its place, fitted from there."""
-    model = fitted.model
-    others = (*model.effects[:index], *model.effects[index + 1 :])
-    found = [
-        _in_place(problem, model, index, relative)
-        for relative in model.effects[index].relatives()
-        if relative.identifier not in {e.identifier for e in others}
-    ]
+    found = [_in_place(problem, fitted.model, index, each) for each in possible_relatives(problem, fitted.model, index)]
     return [h for h in found if h is not None]
+
+
+def possible_relatives(problem: Problem, model: Model, index: int) -> list[Effect]:
+    """What does nearly the same as one of a model's effects, of what the model lacks and the recordings can show."""
+    present = {e.identifier for i, e in enumerate(model.effects) if i != index}
+    relatives = [each for each in model.effects[index].relatives() if each.identifier not in present]
+    if not relatives:
+        return []
+    views = problem.situations(model)
+
+    def is_possible(kind: type[Effect]) -> bool:
+        return problem.kind.unseen(kind) is None and kind.invisible(views.of(kind)) is None
+
+    return [each for each in relatives if is_possible(type(each))]
 
 
 def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:

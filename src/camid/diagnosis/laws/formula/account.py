@@ -100,7 +100,7 @@ def _choices(
         if (found or said) and watch.no_time_for("formulas for further laws"):
             break
         with suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
-            found.append(chosen(problem, decision, group, judging))
+            found.append(chosen(problem, decision, group, judging, watch))
     return found
 
 

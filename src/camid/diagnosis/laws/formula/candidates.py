@@ -13,10 +13,11 @@ from camid.diagnosis.laws.formula.bends import Range
 from camid.diagnosis.laws.formula.groups import Group, values_of
 from camid.diagnosis.laws.formula.search import FittedForm, fitted_forms, length_of
 from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted
-from camid.fitting.formula_fit import FormulaFit, fit_formula
+from camid.fitting.formula_fit import FormulaFit, TooMuchWorkError, fit_formula
 from camid.fitting.linearised_law import Absorbed, LawTable, LinearisedLaw, fine_grid
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 # that of the best one to first order.
 FEWEST_FITTED, MOST_FITTED = 2, 3
 GAP = 60.0
+# What is left out where the fit of a formula would take more than is left of the work.
+LONG_FITS = "formulas that take long to simulate"
 # Share of what a bend may be within which it lies on its bound.
 ON_BOUND = 1e-4
 
@@ -102,21 +105,38 @@ def _scored(fitted: Fitted, linear: LinearisedLaw, named: tuple[int, ...]) -> li
 
 
 def fitted_through_the_chain(
-    problem: Problem, final: Fitted, group: Group, entries: Sequence[Entry], constant: Effect | None = None
+    problem: Problem,
+    final: Fitted,
+    group: Group,
+    entries: Sequence[Entry],
+    watch: Watch,
+    constant: Effect | None = None,
 ) -> list[Candidate]:
     """The likeliest forms, fitted to the recording; by Bayes's criterion, the best first.
 
-    ``constant`` is an effect that stands beside them, too.
+    ``constant`` is an effect that stands beside them, too. What is left of the work is shared out among them.
     """
     likely = [e for i, e in enumerate(entries[:MOST_FITTED]) if i < FEWEST_FITTED or e[0] <= entries[0][0] + GAP]
-
-    fitted = side_by_side(partial(_fitted, problem, final, group, constant), likely)
+    share = watch.remaining / max(len(likely), 1)
+    fitted = side_by_side(partial(_fitted, problem, final, group, constant, watch, share), likely)
     return in_order([candidate for candidate in fitted if candidate is not None])
 
 
-def _fitted(problem: Problem, final: Fitted, group: Group, constant: Effect | None, entry: Entry) -> Candidate | None:
+def _fitted(
+    problem: Problem,
+    final: Fitted,
+    group: Group,
+    constant: Effect | None,
+    watch: Watch,
+    share: float,
+    entry: Entry,
+) -> Candidate | None:
     _, form, named, linear = entry
-    return through_the_chain(problem, final, group, form, named, linear, constant)
+    try:
+        return through_the_chain(problem, final, group, form, named, linear, constant, share)
+    except TooMuchWorkError:
+        watch.leave_out(LONG_FITS)
+        return None
 
 
 def through_the_chain(
@@ -127,8 +147,15 @@ def through_the_chain(
     named: tuple[int, ...],
     linear: LinearisedLaw,
     constant: Effect | None = None,
+    most_work: float = np.inf,
 ) -> Candidate | None:
-    """A formula fitted to the recording with everything else; None where the chain diverges."""
+    """A formula fitted to the recording with everything else; None where the chain diverges.
+
+    Raises
+    ------
+    TooMuchWorkError
+        If the fit would take more work than ``most_work``, in seconds.
+    """
     law = final.model.effects[group.index]
     assert isinstance(law, LearnedEffect)
     gone = {*group.laws, *named}
@@ -147,7 +174,10 @@ def through_the_chain(
             form.vector,
             form.bounds(visited),
             final.residual,
+            most_work,
         )
+    except TooMuchWorkError:
+        raise
     except (ValueError, ArithmeticError):
         return None
     low, high = form.bounds(visited)

@@ -16,6 +16,7 @@ from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.laws.formula.bends import EXPONENT_BOUNDS
 from camid.diagnosis.laws.formula.candidates import (
     GAP,
+    LONG_FITS,
     Candidate,
     about_curve,
     about_formula,
@@ -28,6 +29,7 @@ from camid.diagnosis.laws.formula.dictionary import FIXED_POWERS, POWERS
 from camid.diagnosis.laws.formula.groups import Group, other_laws
 from camid.diagnosis.laws.learned_laws import LEAST_EVIDENCE
 from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.effects.learned import FORCES, LearnedEffect
@@ -82,7 +84,9 @@ class Choice:
     reason: str
 
 
-def chosen(problem: Problem, decision: Decision, group: Group, judging: Sequence[NDArray[np.bool_]]) -> Choice:
+def chosen(
+    problem: Problem, decision: Decision, group: Group, judging: Sequence[NDArray[np.bool_]], watch: Watch
+) -> Choice:
     """The formulas that say as much as the learned laws of a group.
 
     Parameters
@@ -92,6 +96,7 @@ def chosen(problem: Problem, decision: Decision, group: Group, judging: Sequence
     group : Group
     judging : sequence of ndarray of bool
         Rows of each recording that are not fitted.
+    watch : Watch
 
     Raises
     ------
@@ -101,17 +106,17 @@ def chosen(problem: Problem, decision: Decision, group: Group, judging: Sequence
     candidates: list[Candidate] = []
     # Where a formula carries all of a law, no other effect is needed beside another one.
     for replaced in sorted({(), group.named, group.others}, key=len, reverse=True):
-        found = _searched(problem, decision, group, replaced)
+        found = _searched(problem, decision, group, replaced, watch)
         candidates += found
         if found and _holds(problem, decision, group, found[0]):
             break
     else:
-        candidates += _with_constant(problem, decision, group, in_order(candidates))
-    return _judged(problem, decision, group, in_order(candidates), judging)
+        candidates += _with_constant(problem, decision, group, in_order(candidates), watch)
+    return _judged(problem, decision, group, in_order(candidates), judging, watch)
 
 
 def _with_constant(
-    problem: Problem, decision: Decision, group: Group, candidates: Sequence[Candidate]
+    problem: Problem, decision: Decision, group: Group, candidates: Sequence[Candidate], watch: Watch
 ) -> list[Candidate]:
     """The likeliest formulas beside a constant, where none is free: a law need not be zero at zero."""
     if not candidates or FORCES.get(group.variables, (None, None))[1] is not None:
@@ -131,14 +136,16 @@ def _with_constant(
     entries = [
         e for e in about_formula(problem, decision, group, again, others) if e[1].form.name != again.form.form.name
     ]
-    return in_order([again, *fitted_through_the_chain(problem, decision.improved, group, entries, constant)])
+    return in_order([again, *fitted_through_the_chain(problem, decision.improved, group, entries, watch, constant)])
 
 
-def _searched(problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...]) -> list[Candidate]:
+def _searched(
+    problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...], watch: Watch
+) -> list[Candidate]:
     """The likeliest formulas in the place of the learned laws and other effects, the best first."""
     others = other_laws(decision, group, replaced)
     entries = about_curve(problem, decision, group, replaced, others)
-    found = fitted_through_the_chain(problem, decision.improved, group, entries)
+    found = fitted_through_the_chain(problem, decision.improved, group, entries, watch)
     # The curve says little of a law that stands for effects that depend on something else.
     alone = bool(set(replaced) - set(group.named))
     for done in range(MOST_ROUNDS):
@@ -154,7 +161,7 @@ def _searched(problem: Problem, decision: Decision, group: Group, replaced: tupl
         if not new or new[0][0] > again[0][0] + GAP:
             break
         before = found[0]
-        found = in_order([*found, *fitted_through_the_chain(problem, decision.improved, group, new)])
+        found = in_order([*found, *fitted_through_the_chain(problem, decision.improved, group, new, watch)])
         if found[0] is before:
             break
     return found
@@ -166,11 +173,13 @@ def _judged(
     group: Group,
     candidates: list[Candidate],
     judging: Sequence[NDArray[np.bool_]],
+    watch: Watch,
 ) -> Choice:
     """Those that explain as much as the learned laws, and why there is no formula otherwise."""
     law = linear(problem, decision, group, group.named, other_laws(decision, group))
     if not candidates:
-        return Choice(group, law, [], None, 0.0, "no form of the dictionary can be simulated")
+        how = " as fast as the effort allows" if LONG_FITS in watch.left_out else ""
+        return Choice(group, law, [], None, 0.0, f"no form of the dictionary can be simulated{how}")
     best = candidates[0]
     final = decision.improved
     before = decision.fitted.cost

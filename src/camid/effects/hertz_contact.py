@@ -1,0 +1,76 @@
+"""End stop of two curved bodies, which stiffens as they are pressed together."""
+
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
+# ruff: noqa: D102, N805
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import sqrt
+from typing import Any
+
+from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.overflow_over_weir import STEEPEST_AT, OverflowOverWeir
+from camid.effects.parameter import Parameter
+from camid.effects.plant_force import mobility
+from camid.effects.situation import Situation
+from camid.effects.stiffness import EndStop
+
+# Depths at which a contact is as stiff as the stop with a straight law that it is started from, as shares of the
+# position where that begins.
+DEPTHS = (0.03, 0.2)
+
+
+class HertzEndStop(EndStop):
+    """A stop whose force grows with the power 3/2 of the depth, as that of two curved elastic bodies does."""
+
+    title = "End stop with a Hertz contact"
+    equation = r"f = k_h\,\max(y - y_s,\ 0)^{3/2}\ \ (y_s > 0),\quad f = -k_h\,\max(y_s - y,\ 0)^{3/2}\ \ (y_s < 0)"
+    reference = "Johnson (1985), Contact Mechanics, section 4.2 (Hertz 1882)"
+    parameters = (
+        Parameter("position", "y", "start y_s of the contact"),
+        Parameter("hertz", "u/y^1.5", "stiffness k_h of the contact", 0.0),
+    )
+    strength = "hertz"
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        side = 1.0 if values[0] >= 0.0 else -1.0
+        depth = side * (position - values[0])
+        return side * values[1] * depth * sqrt(depth) if depth > 0.0 else 0.0
+
+    def frequency(self, plant: TransferFunction) -> float:
+        """Of the body deep in the stop."""
+        deep = STEEPEST_AT * abs(self.values["position"])
+        return sqrt(mobility(plant) * 1.5 * self.values["hertz"] * sqrt(deep))
+
+    def simplified(self) -> EndStop:
+        """The straight law that is as stiff, and pushes as hard, at a depth."""
+        position, depth = self.values["position"], DEPTHS[-1] * abs(self.values["position"])
+        start = position + (depth / 3.0 if position >= 0.0 else -depth / 3.0)
+        return EndStop(position=start, stiffness=1.5 * self.values["hertz"] * sqrt(depth))
+
+    def relatives(self) -> tuple[Effect, ...]:
+        """A storage that flows off over a weir, which is the same force."""
+        return (OverflowOverWeir(height=self.values["position"], weir=self.values["hertz"]),)
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From contacts that are as stiff at a small depth and at a middling one."""
+        for share in DEPTHS if values["position"] else ():
+            yield cls.as_stiff_as(EndStop(**values), share)
+
+    @classmethod
+    def as_stiff_as(cls, straight: EndStop, share: float) -> HertzEndStop:
+        """The contact that is as stiff as a straight law, and pushes as hard, at a share of its position beyond it."""
+        position = straight.values["position"]
+        depth = share * abs(position)
+        start = position - (depth / 3.0 if position >= 0.0 else -depth / 3.0)
+        return cls(position=start, hertz=straight.values["stiffness"] / (1.5 * sqrt(depth)))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a stop that was found."""
+        yield from ()
