@@ -6,7 +6,7 @@ import pytest
 
 import camid
 from camid.cli import main
-from camid.diagnosis.watch import LAWS, WORK, WORK_OF_ROW, Watch
+from camid.diagnosis.watch import LAWS, LEAST_ALLOWANCE, WORK, WORK_OF_ROW, Watch
 from camid.engine.work import ROW, RUN, Work
 from tests.support.mass_on_spring import effect, record, simulation
 
@@ -99,12 +99,13 @@ def test_what_is_ahead_counts_as_done():
     assert not watch.no_time_for("what costs nothing")
 
 
-def test_what_is_left_of_the_effort():
+def test_what_is_left_of_the_effort_is_shared_out():
     work, watch = Work(), Watch(effort=1.0)
-    assert watch.remaining == float("inf")
+    assert watch.allowance(3) == float("inf")
     watch.count(work, 0)
     work.add_run(0)
-    assert watch.remaining == pytest.approx(WORK - RUN * 1e-6)
+    assert watch.allowance(2) == pytest.approx(0.5 * (WORK - RUN * 1e-6))
+    assert watch.allowance(100) == pytest.approx(LEAST_ALLOWANCE * WORK)
     unbounded = Watch(effort=None)
     unbounded.count(work, 0)
-    assert unbounded.remaining == float("inf")
+    assert unbounded.allowance(3) == float("inf")

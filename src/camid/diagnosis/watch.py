@@ -18,9 +18,11 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
-WORK, WORK_OF_ROW = 5.0, 2.5e-3
+WORK, WORK_OF_ROW = 9.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
+# Share of them that a fit may take though less is left.
+LEAST_ALLOWANCE = 0.08
 # Fits between which it is looked at: two threads share them.
 BATCH = 8
 
@@ -66,10 +68,11 @@ class Watch(Account):
         """Work that is done, in seconds of a processor."""
         return 0.0 if self._work is None else self._work.seconds
 
-    @property
-    def remaining(self) -> float:
-        """Work that is left of the bound, in seconds of a processor."""
-        return inf if self.effort is None or self._work is None else self._bound - self.done
+    def allowance(self, count: int) -> float:
+        """Work that each of so many fits may take, in seconds: an equal part of what is left, or a little more."""
+        if self.effort is None or self._work is None:
+            return inf
+        return max((self._bound - self.done) / max(count, 1), LEAST_ALLOWANCE * self._bound)
 
     def take_stock(self, share: float = FORMULAS, ahead: float = 0.0) -> None:
         """Note whether a share of the work is done, or will be with what is ahead; not while other threads simulate."""

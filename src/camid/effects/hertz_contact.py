@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from math import sqrt
 from typing import Any
 
+import numpy as np
+
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
@@ -19,8 +21,12 @@ from camid.effects.situation import Situation
 from camid.effects.stiffness import EndStop
 
 # Depths at which a contact is as stiff as the stop with a straight law that it is started from, as shares of the
-# position where that begins.
-DEPTHS = (0.03, 0.2)
+# largest one.
+DEPTHS = (0.3, 0.9)
+# Largest depth, as a share of the largest displacement, below which a stop is hard: how its force grows is not seen.
+LEAST_DEPTH = 0.01
+# The same of the position of a stop where the straight law in its place is as stiff.
+TYPICAL_DEPTH = 0.2
 
 
 class HertzEndStop(EndStop):
@@ -48,7 +54,7 @@ class HertzEndStop(EndStop):
 
     def simplified(self) -> EndStop:
         """The straight law that is as stiff, and pushes as hard, at a depth."""
-        position, depth = self.values["position"], DEPTHS[-1] * abs(self.values["position"])
+        position, depth = self.values["position"], TYPICAL_DEPTH * abs(self.values["position"])
         start = position + (depth / 3.0 if position >= 0.0 else -depth / 3.0)
         return EndStop(position=start, stiffness=1.5 * self.values["hertz"] * sqrt(depth))
 
@@ -58,15 +64,17 @@ class HertzEndStop(EndStop):
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """From contacts that are as stiff at a small depth and at a middling one."""
-        for share in DEPTHS if values["position"] else ():
-            yield cls.as_stiff_as(EndStop(**values), share)
+        """From contacts that are as stiff at a small depth and at a large one; from none where the stop is hard."""
+        side = 1.0 if values["position"] >= 0.0 else -1.0
+        deepest = side * float(np.max(side * situation.position)) - values["position"]
+        if side * deepest >= LEAST_DEPTH * situation.largest("position"):
+            for share in DEPTHS:
+                yield cls.as_stiff_as(EndStop(**values), share * abs(deepest))
 
     @classmethod
-    def as_stiff_as(cls, straight: EndStop, share: float) -> HertzEndStop:
-        """The contact that is as stiff as a straight law, and pushes as hard, at a share of its position beyond it."""
+    def as_stiff_as(cls, straight: EndStop, depth: float) -> HertzEndStop:
+        """The contact that is as stiff as a straight law, and pushes as hard, at a depth beyond its own beginning."""
         position = straight.values["position"]
-        depth = share * abs(position)
         start = position - (depth / 3.0 if position >= 0.0 else -depth / 3.0)
         return cls(position=start, hertz=straight.values["stiffness"] / (1.5 * sqrt(depth)))
 

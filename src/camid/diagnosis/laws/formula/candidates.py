@@ -117,7 +117,7 @@ def fitted_through_the_chain(
     ``constant`` is an effect that stands beside them, too. What is left of the work is shared out among them.
     """
     likely = [e for i, e in enumerate(entries[:MOST_FITTED]) if i < FEWEST_FITTED or e[0] <= entries[0][0] + GAP]
-    share = watch.remaining / max(len(likely), 1)
+    share = watch.allowance(len(likely))
     fitted = side_by_side(partial(_fitted, problem, final, group, constant, watch, share), likely)
     return in_order([candidate for candidate in fitted if candidate is not None])
 
