@@ -9,6 +9,7 @@ import pytest
 
 import camid
 from camid.diagnosis.laws.formula.account import with_formulas
+from camid.diagnosis.laws.formula.candidates import LONG_FITS
 from camid.diagnosis.report import learned_pictures, summary
 from camid.diagnosis.report.panel import look_of_the_project
 from camid.diagnosis.search.effect_selection import Decision
@@ -67,6 +68,16 @@ def test_the_formula_is_what_the_improved_simulation_holds(tmp_path):
     again = camid.identify(recording.drop(columns="clean"), path, method="output-error")
     assert np.std(simulated - recording["clean"]) < 0.01 * np.std(recording["clean"])
     assert len(again.simulation.effects) == 1
+
+
+def test_a_formula_that_takes_more_than_is_left_is_left_out_with_a_word(monkeypatch):
+    monkeypatch.setattr(Watch, "allowance", lambda watch, count: 0.0)
+    diagnosis = diagnosed(lambda y, v: 0.9 * y / (1.0 + (y / 0.4) ** 2), 11)
+    assert diagnosis.learned
+    assert all(part.formula is None for part in diagnosis.learned)
+    assert any("no form of the dictionary can be simulated as fast" in part.description for part in diagnosis.learned)
+    (warning,) = [sentence for sentence in diagnosis.warnings if "not tried" in sentence]
+    assert LONG_FITS in warning
 
 
 def test_a_law_outside_of_the_dictionary_has_no_formula():

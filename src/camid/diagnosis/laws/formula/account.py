@@ -159,6 +159,8 @@ def _with_formula(
         nearest = formula_shown(_formula(problem, decision, choice, choice.best), part, units)
         missing = missing_from(nearest, learned_shown(part, units), choice.explained)
         words.append(f"no short formula: {choice.reason}; {missing}")
+    elif formula is None:
+        words.append(f"no short formula: {choice.reason}")
     return replace(part, formula=formula, rivals=formulas if len(formulas) > 1 else [], description="; ".join(words))
 
 
