@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,7 @@ from jsonschema import Draft202012Validator
 import camid
 from camid.cli import main
 from camid.diagnosis.in_declared_units import in_declared_units
+from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.results_folder import write_diagnosis
 from tests.diagnosis.test_contract import SCHEMA
 from tests.support.linear_rig import write_yaml
@@ -85,6 +87,42 @@ def test_json_has_both(diagnoses, tmp_path):
     clipping = next(limit for limit in limits if limit["unit"] == "y")
     assert clipping["declared"] == {"value": pytest.approx(1e3 * clipping["value"]), "unit": "mm"}
     assert all(c["declared"]["unit"] for c in content["coefficients"])
+
+
+def test_each_learned_law_has_numbers_of_its_own(diagnoses):
+    """The one that removes most comes first in the file, in whatever order they were found."""
+    shape = {
+        "identifier": "learned-force",
+        "place": "plant",
+        "title": "Learned force",
+        "standard_deviations": [0.1, 0.1],
+    }
+    formula = Formula("even power", "f(y) = a·y²", {"a": Quantity(2.0, 0.1, "u/y^2")})
+    laws = [
+        LearnedPart(
+            variables=variables,
+            knots=[0.0, last],
+            values=[0.0, last],
+            knot_unit=unit,
+            unit="u",
+            log_evidence=20.0,
+            share=share,
+            formula=known,
+            **shape,
+        )
+        for variables, last, unit, share, known in (
+            ("velocity", 3.0, "y/s", 0.1, None),
+            ("position", 0.5, "y", 0.4, formula),
+        )
+    ]
+    content = replace(diagnoses["mm"], learned=laws).to_mapping()
+    found = [each for each in content["effects"] if each["id"] == "learned-force"]
+    assert [each["variables"] for each in found] == ["position", "velocity"]
+    for each in found:
+        knots = each["parameters"]["knots"]
+        np.testing.assert_allclose(knots["declared"]["value"], 1e3 * np.array(knots["value"]))
+        assert knots["declared"]["unit"] == {"position": "mm", "velocity": "mm/s"}[each["variables"]]
+    assert found[0]["formula_parameters"]["a"]["declared"]["value"] == pytest.approx(2e-6)
 
 
 def test_the_page_and_the_terminal_write_the_unit(diagnoses, tmp_path, capsys):

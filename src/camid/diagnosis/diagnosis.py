@@ -320,15 +320,19 @@ class Diagnosis:
         units = self.improved.units
         return units.input if self.residual_of == "control" else units.output
 
+    @property
+    def learned_by_share(self) -> list[LearnedPart]:
+        """The laws without a name, the one that removes most first."""
+        return sorted(self.learned, key=lambda part: -part.share)
+
     def to_mapping(self) -> dict[str, Any]:
         """diagnosis.json, version 1 of the design's contract: SI units, and in ``declared`` what people read."""
-        laws = sorted(self.learned, key=lambda part: -part.share)
         content = {
             "schema": 1,
             "verdict": self.verdict,
             "explanation": self.explanation,
             "location": self.location.to_mapping(),
-            "effects": [f.to_mapping() for f in self.findings] + [part.to_mapping() for part in laws],
+            "effects": [f.to_mapping() for f in self.findings] + [part.to_mapping() for part in self.learned_by_share],
             "fit": self.fit.to_mapping(),
             "undetectable": [u.to_mapping() for u in self.undetectable],
             "coefficients": [{k: v for k, v in vars(c).items() if k != "declared_by_plant"} for c in self.coefficients],
