@@ -50,7 +50,7 @@ def with_declared(content: dict[str, Any], diagnosis: Diagnosis) -> dict[str, An
     ``units`` says what u and y stand for, and ``declared`` holds value, standard deviation and unit.
     """
     shown = in_declared_units(diagnosis)
-    found = [each.to_mapping() for each in (*shown.findings, *shown.learned_by_share)]
+    found = [each.to_mapping() for each in shown.findings] + [each.to_mapping() for each in shown.learned_by_share]
     for stated, one in zip(content["effects"], found, strict=True):
         for group in ("parameters", "formula_parameters"):
             for name, parameter in stated.get(group, {}).items():
