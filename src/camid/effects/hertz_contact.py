@@ -1,19 +1,15 @@
 """End stop of two curved bodies, which stiffens as they are pressed together."""
 
-# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
-# ruff: noqa: D102, N805
-
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import sqrt
+from math import copysign, sqrt
 from typing import Any
 
 import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
-from camid.effects.compiled_part import compiled
 from camid.effects.overflow_over_weir import STEEPEST_AT, OverflowOverWeir
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
@@ -41,11 +37,8 @@ class HertzEndStop(EndStop):
     )
     strength = "hertz"
 
-    @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        side = 1.0 if values[0] >= 0.0 else -1.0
-        depth = side * (position - values[0])
-        return side * values[1] * depth * sqrt(depth) if depth > 0.0 else 0.0
+    # A weir is the same law, of another thing.
+    force = OverflowOverWeir.force
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body deep in the stop."""
@@ -55,8 +48,9 @@ class HertzEndStop(EndStop):
     def simplified(self) -> EndStop:
         """The straight law that is as stiff, and pushes as hard, at a depth."""
         position, depth = self.values["position"], TYPICAL_DEPTH * abs(self.values["position"])
-        start = position + (depth / 3.0 if position >= 0.0 else -depth / 3.0)
-        return EndStop(position=start, stiffness=1.5 * self.values["hertz"] * sqrt(depth))
+        return EndStop(
+            position=position + copysign(depth / 3.0, position), stiffness=1.5 * self.values["hertz"] * sqrt(depth)
+        )
 
     def relatives(self) -> tuple[Effect, ...]:
         """A storage that flows off over a weir, which is the same force."""
@@ -66,16 +60,16 @@ class HertzEndStop(EndStop):
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """From contacts that are as stiff at a small depth and at a large one; from none where the stop is hard."""
         side = 1.0 if values["position"] >= 0.0 else -1.0
-        deepest = side * float(np.max(side * situation.position)) - values["position"]
-        if side * deepest >= LEAST_DEPTH * situation.largest("position"):
+        deepest = float(np.max(side * situation.position)) - abs(values["position"])
+        if deepest >= LEAST_DEPTH * situation.largest("position"):
             for share in DEPTHS:
-                yield cls.as_stiff_as(EndStop(**values), share * abs(deepest))
+                yield cls.as_stiff_as(EndStop(**values), share * deepest)
 
     @classmethod
     def as_stiff_as(cls, straight: EndStop, depth: float) -> HertzEndStop:
         """The contact that is as stiff as a straight law, and pushes as hard, at a depth beyond its own beginning."""
         position = straight.values["position"]
-        start = position - (depth / 3.0 if position >= 0.0 else -depth / 3.0)
+        start = position - copysign(depth / 3.0, position)
         return cls(position=start, hertz=straight.values["stiffness"] / (1.5 * sqrt(depth)))
 
     @classmethod

@@ -44,17 +44,17 @@ class OverflowOverWeir(Overflow):
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        above = values[0] * (position - values[1])
-        return values[0] * values[2] * above * sqrt(above) if above > 0.0 else 0.0
+        side = 1.0 if values[0] >= 0.0 else -1.0
+        above = side * (position - values[0])
+        return side * values[1] * above * sqrt(above) if above > 0.0 else 0.0
 
     @compiled
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return position - values[1]
+        return position - values[0]
 
     def force_values(self, plant: TransferFunction) -> list[float]:
-        """Side, height and flow at a level of one above it, along the motion."""
-        height = self.values["height"]
-        return [1.0 if height >= 0.0 else -1.0, height, motion_sign(plant) * self.values["weir"]]
+        """Height and flow at a level of one above it, which has the sign of the plant's gain."""
+        return [self.values["height"], motion_sign(plant) * self.values["weir"]]
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of a storage that flows off over its edge."""

@@ -109,12 +109,10 @@ class Fitted:
     def penalised_names(self) -> list[str]:
         """Names of the parameters that the criterion counts: all that are free, but for initial states of the plant.
 
-        Those of a mode count: no model without it has them. Numbers of an effect that do nothing here do not, as the
-        lower limit of a reading that is clipped above.
+        Those of a mode count: no model without it has them. Numbers of an effect that do nothing here do not.
         """
         idle = {f"{i} {name}" for i, effect in enumerate(self.model.effects) for name in effect.idle}
-        counted = [name for name in self.packing.names if not name.startswith("initial") or " of " in name]
-        return [name for name in counted if name not in idle]
+        return [n for n in self.packing.names if n not in idle and (" of " in n or not n.startswith("initial"))]
 
     @cached_property
     def covariance(self) -> Array:

@@ -35,7 +35,7 @@ DIFFERENCE = 1e-5
 RUNAWAY = 1e12
 
 
-class TooMuchWorkError(ValueError):
+class TooMuchWorkError(Exception):
     """A fit would take more simulation than there is left."""
 
 

@@ -176,8 +176,6 @@ def through_the_chain(
             final.residual,
             most_work,
         )
-    except TooMuchWorkError:
-        raise
     except (ValueError, ArithmeticError):
         return None
     low, high = form.bounds(visited)
