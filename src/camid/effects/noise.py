@@ -324,9 +324,13 @@ class TimestampJitter(Effect):
 def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
     """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
     mean = float(np.mean(square))
-    centred = regressor - np.mean(regressor)
-    if mean <= 0.0 or not np.any(centred):
+    unit = float(np.mean(regressor))
+    if mean <= 0.0 or not np.any(regressor != unit):
         return 0.0, 0.0, 1.0, 0.0
+    # In units in which both columns below are near one: beside squares of large speeds the constant would be lost in
+    # rounding.
+    regressor = regressor / unit
+    centred = regressor - np.mean(regressor)
     # Fourth moments as they are, so that heavy tails are not taken for a dependence.
     excess = square / mean - 1.0
     score = float(centred @ excess / sqrt(float(np.mean(excess**2)) * float(centred @ centred)))
@@ -338,12 +342,12 @@ def variance_regression(square: Array, regressor: Array) -> tuple[float, float, 
         information = 0.5 * basis.T @ basis
         step = np.linalg.lstsq(information, 0.5 * basis.T @ (square / variance - 1.0), rcond=None)[0]
         base, slope = max(base + step[0], 1e-3 * mean), max(slope + step[1], 0.0)
-        if abs(step[0]) < 1e-6 * mean:
+        if np.max(np.abs(step)) < 1e-6 * mean:
             break
     variance = np.maximum(base + slope * regressor, 1e-3 * mean)
     gain = 0.5 * float(len(square) * (log(mean) + 1.0) - np.sum(np.log(variance) + square / variance))
     deviation = float(np.sqrt(max(np.linalg.pinv(information)[1, 1], 0.0)))
-    return gain, float(slope), deviation, score
+    return gain, float(slope) / unit, deviation / unit, score
 
 
 class ColouredNoise(Effect):

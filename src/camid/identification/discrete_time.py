@@ -54,8 +54,12 @@ def least_squares(signal: Array, output: Array, poles: int, zeros: int, delay: i
     columns = [-delayed(output, i) for i in range(1, poles + 1)]
     columns += [delayed(signal, delay + i) for i in range(zeros + 1)]
     table = np.column_stack(columns)
-    solution = np.asarray(np.linalg.lstsq(table, output, rcond=None)[0], dtype=np.float64)
+    # Columns of one length: in units in which the output is tiny beside the input its square would be lost in rounding.
+    lengths = np.linalg.norm(table, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    scaled = table / lengths
+    solution = np.asarray(np.linalg.lstsq(scaled, output, rcond=None)[0], dtype=np.float64) / lengths
     residual = output - table @ solution
     variance = float(residual @ residual) / (count - table.shape[1])
-    deviations: Array = np.sqrt(variance * np.diag(np.linalg.pinv(table.T @ table)))
+    deviations: Array = np.sqrt(variance * np.diag(np.linalg.pinv(scaled.T @ scaled))) / lengths
     return DiscreteTimeModel(solution[poles:], np.concatenate([[1.0], solution[:poles]]), delay, deviations)

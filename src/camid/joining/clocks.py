@@ -318,7 +318,11 @@ def sandwich(table: Array, residual: Array) -> Array:
     for lag in range(1, lags + 1):
         cross = scores[lag:].T @ scores[:-lag]
         meat += (1.0 - lag / (lags + 1.0)) * (cross + cross.T)
-    inverse = np.linalg.pinv(table.T @ table)
+    # Columns of one length: those of a small signal's rate would be lost in rounding beside the others.
+    lengths = np.linalg.norm(table, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    scaled = table / lengths
+    inverse = np.linalg.pinv(scaled.T @ scaled) / np.outer(lengths, lengths)
     white = inverse * float(residual @ residual) / max(count - table.shape[1], 1)
     # Few products of weights may come out too small by chance; coloured noise never says more than white.
     return np.asarray(np.maximum(1.0, _largest_ratio(inverse @ meat @ inverse, white)) * white)

@@ -167,9 +167,7 @@ def _with(clocks: Clocks, fitted: Fitted, later: float, declared: float) -> Cloc
     by_latency, by_skew = (fitted.sensitivities[:, names.index(c.name)] for c in (LATENCY, SKEW))
     others = np.delete(fitted.sensitivities, [names.index(c.name) for c in (LATENCY, SKEW)], axis=1)
     table = np.column_stack([-by_latency, by_skew + since * by_latency, others])
-    sizes = np.sqrt(np.sum(table**2, axis=0))
-    sizes[sizes == 0.0] = 1.0
-    covariance = sandwich(table / sizes, fitted.residual)[:2, :2] / np.outer(sizes[:2], sizes[:2])
+    covariance = sandwich(table, fitted.residual)[:2, :2]
     # Of the offset at the clip's zero, and of the skew.
     begin = clocks.offset + later - (float(time[0]) + since)
     carried = np.array([[1.0, begin], [0.0, 1.0 + clocks.skew]])

@@ -1,0 +1,35 @@
+"""The regression of the noise's variance on the square of a speed or a position."""
+
+import numpy as np
+import pytest
+
+from camid.effects.noise import variance_regression
+
+BASE, SLOPE = 4.0, 0.25
+
+
+def uneven_noise(count: int = 4000) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(3)
+    regressor = random.standard_normal(count) ** 2
+    return (BASE + SLOPE * regressor) * random.standard_normal(count) ** 2, regressor
+
+
+def test_the_slope_is_found_within_its_deviation():
+    square, regressor = uneven_noise()
+    _, slope, deviation, score = variance_regression(square, 100.0 * regressor)
+    assert abs(slope - SLOPE / 100.0) < 2.5 * deviation
+    assert score > 2.0
+
+
+@pytest.mark.parametrize("unit", [1e-18, 1e-9, 1e8, 1e15])
+def test_units_change_nothing(unit):
+    """Speeds of thousands of pixels per second have squares beside which a constant of one is lost."""
+    square, regressor = uneven_noise()
+    gain, slope, deviation, score = variance_regression(square, regressor)
+    other = variance_regression(1e-6 * square, unit * regressor)
+    assert other == pytest.approx((gain, 1e-6 * slope / unit, 1e-6 * deviation / unit, score), rel=1e-6)
+
+
+def test_a_regressor_that_never_changes_says_nothing():
+    square, _ = uneven_noise()
+    assert variance_regression(square, np.full(len(square), 0.3))[:2] == (0.0, 0.0)
