@@ -91,12 +91,17 @@ def output_errors_of(structure: Structure, records: Records, denominators: Seque
 # -- state-variable filters -------------------------------------------------------------------------------------------
 
 
-def from_state_variable_filters(structure: Structure, experiments: list[Experiment], records: Records) -> list[Array]:
-    """LSSVF denominators for cut-offs from the slowest to the fastest that the record can show."""
+def cut_offs(experiments: list[Experiment]) -> Array:
+    """Cut-offs in rad/s from the slowest to the fastest that records can show."""
     period = experiments[0].acquisition.period
     count = max(len(e.output) for e in experiments)
+    return np.geomspace(4.0 * np.pi / (count * period), 2.0 * np.pi / period, CUT_OFFS)
+
+
+def from_state_variable_filters(structure: Structure, experiments: list[Experiment], records: Records) -> list[Array]:
+    """LSSVF denominators for cut-offs from the slowest to the fastest that the record can show."""
     found = []
-    for cut_off in np.geomspace(4.0 * np.pi / (count * period), 2.0 * np.pi / period, CUT_OFFS):
+    for cut_off in cut_offs(experiments):
         predictor = Predictor(structure, experiments, 1.0 / cut_off, records)
         parameters = predictor.to_physical(least_squares_state_variable_filter(predictor, cut_off))
         denominator = np.concatenate([[1.0], parameters[structure.degree + 1 :]])
