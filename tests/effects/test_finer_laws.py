@@ -107,6 +107,11 @@ def test_a_reading_that_turns_round_is_none():
     assert not falling.is_plausible(5.0)
     assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(5.0)
     assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(1.5)
+    # A force of two numbers more is a spring of any shape until it has repeated twice and a half.
+    cogging = CoggingWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape)
+    assert cogging.is_plausible(2.6)
+    assert not cogging.is_plausible(2.4)
+    assert Cogging(amplitude=0.1, period=1.0, phase=0.0).is_plausible(2.4)
 
 
 @pytest.mark.parametrize("rate", [3.0, 20.0, 1e6])

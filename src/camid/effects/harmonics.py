@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 # Multiples of the frequency that a harmonic may have, by name.
 ORDERS = {"second": 2.0, "third": 3.0}
 
+# Largest period of a force with a harmonic as a share of the range of the motion: a force over the position that is no
+# spring's may be anything, and over fewer than two and a half periods five numbers make nearly any of it.
+LARGEST_PERIOD = 0.4
 # Angles of a turn at which the slope of a reading is looked at.
 ANGLES = 181
 # What one adds along the way.
@@ -137,6 +140,10 @@ class CoggingWithHarmonic(_AlongTheWay, Cogging):
         angle = 2.0 * pi * position / values[1]
         first = values[0] * (sin(angle + values[2]) - sin(values[2]))
         return first + values[3] * (sin(values[4] * angle + values[5]) - sin(values[5]))
+
+    def is_plausible(self, span: float) -> bool:
+        """Whether the positions hold enough periods to tell it from a spring of any shape."""
+        return bool(self.values["period"] <= LARGEST_PERIOD * span)
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about the steepest place there may be."""
