@@ -5,7 +5,8 @@ import pytest
 
 from camid.chain.acquisition import Acquisition
 from camid.effects import known_effects
-from camid.fitting.fit import effect_deviations, fit
+from camid.fitting.covariance import effect_deviations
+from camid.fitting.fit import fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import experiments_of
 from camid.simulation.file import load_simulation

@@ -22,7 +22,8 @@ from camid.diagnosis.setting import Setting
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
-from camid.fitting.fit import Fitted, effect_deviations
+from camid.fitting.covariance import effect_deviations
+from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
 

@@ -19,7 +19,7 @@ from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
-from camid.fitting.fit import effect_deviations
+from camid.fitting.covariance import effect_deviations
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
@@ -29,9 +29,10 @@ SAME_INPUT = 0.05
 
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
-    """Values with standard deviations and units."""
+    """Values with standard deviations and units; none of a number of which the recording shows nothing."""
     units = {p.name: p.unit for p in effect.parameters}
-    return {n: ParameterEstimate(v, deviations.get(n), units[n]) for n, v in effect.stated().items()}
+    shown = {n: None if n in effect.idle else d for n, d in deviations.items()}
+    return {n: ParameterEstimate(v, shown.get(n), units[n]) for n, v in effect.stated().items()}
 
 
 def findings(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.engine.mechanics import NotApplicable
+from camid.fitting.covariance import covariance_of
 from camid.fitting.onset_profile import onset_deviations
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
@@ -116,37 +117,8 @@ class Fitted:
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the packed parameters in their own units, shape (p, p); infinite where undetermined.
-
-        Of least squares in coloured noise it is the sandwich (Ljung 1999, section 9.4 and appendix II).
-        """
-        innovations = self.problem.whitened(self.residual, self.noise.whitening)
-        table, residual = self.sensitivities, self.residual
-        if self.weighted:
-            table, residual = self.problem.whitened(table, self.noise.whitening), innovations
-        lengths = np.linalg.norm(table, axis=0)
-        moving = lengths > 0.0
-        result = np.full((len(lengths), len(lengths)), np.inf)
-        if not moving.any():
-            return result
-        scaled = table[:, moving] / lengths[moving]
-        alone = scaled
-        if self.nuisance is not None and not self.weighted:
-            # What the other numbers could do of a column says nothing of its parameter.
-            inner = self.nuisance.T @ self.nuisance + np.eye(self.nuisance.shape[1])
-            alone = scaled - self.nuisance @ np.linalg.solve(inner, self.nuisance.T @ scaled)
-        variance = float(residual @ residual) / max(len(residual) - len(lengths), 1)
-        products = alone.T @ scaled
-        inverse = np.linalg.pinv(0.5 * (products + products.T), rcond=1e-12)
-        if self.weighted or len(self.noise.whitening) == 1:
-            inverse = inverse * variance
-        else:
-            # Noise e = H ε has the covariance σ² H Hᵀ; Hᵀ runs backwards through the rows.
-            carried = coloured(alone[::-1], self.noise.whitening)
-            spread = float(innovations @ innovations) / max(len(residual) - len(lengths), 1)
-            inverse = inverse @ (carried.T @ carried) @ inverse * spread
-        result[np.ix_(moving, moving)] = inverse / np.outer(lengths[moving], lengths[moving])
-        return result
+        """See :func:`camid.fitting.covariance.covariance_of`."""
+        return covariance_of(self)
 
     @cached_property
     def onset_deviations(self) -> dict[int, float]:
@@ -383,18 +355,3 @@ def _with_fine_steps(problem: Problem, output_error: _OutputError, begin: Array,
             return output_error.least(begin, steps)
         output_error.with_steps_of(fine)
     return output_error.least(vector, max(int(FINE_SHARE * steps), FEWEST_FINE))
-
-
-def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:
-    """Standard deviations of every effect's parameters; None where the data leave one undetermined."""
-    variances = np.diag(fitted.covariance).copy()
-    for place, deviation in fitted.onset_deviations.items():
-        variances[place] = max(deviation**2, variances[place])
-    found: list[dict[str, float | None]] = []
-    for i, effect in enumerate(fitted.model.effects):
-        row: dict[str, float | None] = {}
-        for parameter in effect.numeric():
-            variance = float(variances[fitted.packing.names.index(f"{i} {parameter.name}")])
-            row[parameter.name] = float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0.0 else None
-        found.append(row)
-    return found

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.declared import declared
-from camid.fitting.fit import Fitted, effect_deviations
+from camid.fitting.covariance import effect_deviations
+from camid.fitting.fit import Fitted
 from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
