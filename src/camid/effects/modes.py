@@ -25,6 +25,17 @@ LINES, LIGHT = 2, 0.01
 GUESS = 0.02
 
 
+def _of_lines(situation: Situation, limit: float) -> Iterator[float]:
+    """Natural frequencies in rad/s of modes that make the highest lines of the residual.
+
+    A camera shows one beyond the Shannon limit folded about that (section 4 of the paper).
+    """
+    for frequency in highest_lines(situation, LINES):
+        yield frequency
+        yield 2.0 * limit - frequency
+        yield 2.0 * limit + frequency
+
+
 class ExtraMode(Effect):
     """A flexible mode in series with the plant, the paper's neglected mode."""
 
@@ -58,7 +69,7 @@ class ExtraMode(Effect):
         for frequency in np.geomspace(slowest, 3.0 * limit, 14):
             yield cls(natural_frequency=float(frequency), damping=0.05)
             yield cls(natural_frequency=float(frequency), damping=0.4)
-        for frequency in highest_lines(situation, LINES):
+        for frequency in _of_lines(situation, limit):
             yield cls(natural_frequency=frequency, damping=LIGHT)
 
 
@@ -101,7 +112,7 @@ class ParallelMode(Effect):
         for frequency in np.geomspace(slowest, HIGHEST * limit, FREQUENCIES):
             for damping in DAMPING_RATIOS:
                 yield cls(gain=gain, natural_frequency=float(frequency), damping=damping)
-        for frequency in highest_lines(situation, LINES):
+        for frequency in _of_lines(situation, limit):
             yield cls(gain=gain, natural_frequency=frequency, damping=LIGHT)
 
     @classmethod
