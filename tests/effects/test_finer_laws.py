@@ -21,6 +21,7 @@ from camid.effects.harmonics import (
 from camid.effects.hertz_contact import HertzEndStop
 from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
+from camid.effects.sensor_drift import SettlingSensorDrift
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
 from camid.effects.stiffness import CubicStiffness, EndStop, PendulumDrivenAcross, PendulumGravity, QuadraticStiffness
@@ -104,14 +105,14 @@ def test_a_reading_that_turns_round_is_none():
     falling = EncoderEccentricityWithHarmonic(
         amplitude=0.1, harmonic_amplitude=0.05, **{**shape, "harmonic_phase": np.pi}
     )
-    assert not falling.is_plausible(5.0)
-    assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(5.0)
-    assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(1.5)
+    assert not falling.is_plausible(5.0, 1.0)
+    assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(5.0, 1.0)
+    assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(1.5, 1.0)
     # A force of two numbers more is a spring of any shape until it has repeated twice and a half.
     cogging = CoggingWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape)
-    assert cogging.is_plausible(2.6)
-    assert not cogging.is_plausible(2.4)
-    assert Cogging(amplitude=0.1, period=1.0, phase=0.0).is_plausible(2.4)
+    assert cogging.is_plausible(2.6, 1.0)
+    assert not cogging.is_plausible(2.4, 1.0)
+    assert Cogging(amplitude=0.1, period=1.0, phase=0.0).is_plausible(2.4, 1.0)
 
 
 @pytest.mark.parametrize("rate", [3.0, 20.0, 1e6])
@@ -192,7 +193,7 @@ def test_a_spring_of_two_terms_has_the_name_of_the_larger_one(quadratic, cubic):
         QuadraticStiffnessWithCubic(coefficient=quadratic, cubic=cubic),
         CubicStiffnessWithQuadratic(coefficient=cubic, quadratic=quadratic),
     ):
-        named += [law.identifier] if law.is_plausible(span) else []
+        named += [law.identifier] if law.is_plausible(span, 1.0) else []
     assert named == ["cubic-stiffness" if quadratic < cubic * TYPICAL_DISPLACEMENT * span else "quadratic-stiffness"]
 
 
@@ -258,3 +259,25 @@ def test_the_law_is_found_and_the_improved_simulation_declares_it(identifier, la
     assert key in declared.parameters
     again = camid.diagnose(record(law, noise=0.001, count=1200, seed=2), found.improved.to_mapping())
     assert again.verdict == "adequate"
+
+
+def test_a_zero_that_settles_is_one_that_drifts_at_first():
+    settling = SettlingSensorDrift(rate=0.01, time_constant=2.0)
+    seen = settling.observe(np.zeros(3), np.array([0.0, 0.02, 1e4]))
+    np.testing.assert_allclose(seen, [0.0, 0.01 * 0.02, 0.01 * 2.0], rtol=6e-3)
+    assert settling.simplified().values == {"rate": 0.01}
+
+
+def test_a_zero_that_settles_is_found():
+    table = record(SettlingSensorDrift(rate=0.05, time_constant=4.0), count=1200)
+    (found,) = camid.diagnose(table, simulation()).findings
+    assert found.identifier == "sensor-drift"
+    for name, truth in (("rate", 0.05), ("time_constant", 4.0)):
+        estimate = found.parameters[name]
+        assert abs(estimate.value - truth) < 3.0 * estimate.standard_deviation < 0.2 * truth
+
+
+def test_less_than_a_period_and_a_half_is_no_periodic_disturbance():
+    disturbance = PeriodicDisturbance(amplitude=1.0, frequency=1.0, phase=0.0)
+    assert disturbance.is_plausible(1.0, 9.5)
+    assert not disturbance.is_plausible(1.0, 9.4)

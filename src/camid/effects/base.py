@@ -215,11 +215,11 @@ class Effect:
         lower, upper = np.array(self.bounds(acquisition)).reshape(-1, 2).T
         return self.with_vector(np.clip(self.vector, lower, upper))
 
-    def is_plausible(self, span: float) -> bool:
-        """Whether the values are possible on the positions that a recording spans.
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether the values are possible on the positions, and in the seconds, that a recording spans.
 
-        What repeats along the way has to do so there, for instance: less than a period of a sinusoid is a polynomial,
-        which other effects name.
+        What repeats has to do so there, for instance: less than a period of a sinusoid is a polynomial, which other
+        effects name.
         """
         return True
 

@@ -79,7 +79,7 @@ class _Bristles(Effect):
         """Those of the parameters, and the least displacement that the motion can show."""
         return [(self._least if p == PRESLIDING else p.lower, p.upper) for p in self.numeric()]
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the body slides on a way of such a length."""
         return bool(self.values["presliding"] <= LARGEST_SHARE * span)
 

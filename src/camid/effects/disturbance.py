@@ -22,6 +22,8 @@ from camid.effects.situation import Situation
 # Spectral lines of the residual, and times, that are looked into.
 LINES = 4
 TIMES = 3
+# Periods of a force that a recording holds at least: what has not returned may be a drift as well.
+FEWEST_PERIODS = 1.5
 
 
 def force_at(situation: Situation, angular: float) -> dict[str, float]:
@@ -57,6 +59,10 @@ class PeriodicDisturbance(Effect):
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return -values[0] * sin(values[1] * time + values[2])
+
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether the recording holds enough periods: a part of one is a drift."""
+        return bool(self.values["frequency"] * duration >= 2.0 * pi * FEWEST_PERIODS)
 
     def frequency(self, plant: object) -> float:
         """Its own."""

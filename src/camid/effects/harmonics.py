@@ -141,7 +141,7 @@ class CoggingWithHarmonic(_AlongTheWay, Cogging):
         first = values[0] * (sin(angle + values[2]) - sin(values[2]))
         return first + values[3] * (sin(values[4] * angle + values[5]) - sin(values[5]))
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the positions hold enough periods to tell it from a spring of any shape."""
         return bool(self.values["period"] <= LARGEST_PERIOD * span)
 
@@ -158,14 +158,14 @@ class EncoderEccentricityWithHarmonic(_AlongTheWay, EncoderEccentricity):
     equation = EncoderEccentricity.equation + HARMONIC
     parameters = (*EncoderEccentricity.parameters, *_harmonic_of("y"))
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the positions hold enough periods, and the reading still grows with the position."""
         amplitude, order, phase = self.harmonic
         turn = np.linspace(0.0, 2.0 * pi, ANGLES)
         slopes = self.values["amplitude"] * np.cos(turn + self.values["phase"])
         slopes += order * amplitude * np.cos(order * turn + phase)
         steepest = -2.0 * pi * float(np.min(slopes)) / self.values["period"]
-        return PeriodicInPosition.is_plausible(self, span) and steepest < LARGEST_SLOPE
+        return PeriodicInPosition.is_plausible(self, span, duration) and steepest < LARGEST_SLOPE
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean of the reading over the exposure."""

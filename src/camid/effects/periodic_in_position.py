@@ -125,7 +125,7 @@ class PeriodicInPosition(Effect):
         """What becomes of such a signal along the motion, shape (N,), in the recorded output."""
         raise NotImplementedError
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the positions hold enough periods."""
         return bool(self.values["period"] <= LARGEST_PERIOD * span)
 
@@ -198,10 +198,10 @@ class EncoderEccentricity(PeriodicInPosition):
         """The error itself."""
         return lambda error: error
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the positions hold enough periods, and the reading still grows with the position."""
         slope = 2.0 * pi * self.values["amplitude"] / self.values["period"]
-        return super().is_plausible(span) and slope < LARGEST_SLOPE
+        return super().is_plausible(span, duration) and slope < LARGEST_SLOPE
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean of the reading over the exposure."""

@@ -85,35 +85,6 @@ class SensorOffset(Effect):
         yield cls(offset=0.02 * situation.largest("position"))
 
 
-class SensorDrift(Effect):
-    """The zero of the image wanders."""
-
-    identifier = "sensor-drift"
-    place = "sensor"
-    title = "Drift of the measurement"
-    drawn_against = "time"
-    equation = r"w = y + r\,t"
-    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
-    parameters = (Parameter("rate", "y/s", "rate r"),)
-    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
-    of_one_recording = True
-    strength = "rate"
-
-    def observe(self, output: Array, time: Array) -> Array:
-        """Add what has drifted."""
-        return output + self.values["rate"] * time
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small: the effect is proportional to it."""
-        yield cls(rate=0.05 * situation.largest("position") / situation.duration)
-
-    @classmethod
-    def invisible(cls, situation: Situation) -> str | None:
-        """Of a clock that began long before, the drift is an offset."""
-        return situation.far_from_zero
-
-
 class AbsoluteValue(Effect):
     """The sensor knows the distance from its zero, not the direction."""
 

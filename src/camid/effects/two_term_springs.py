@@ -56,7 +56,7 @@ class QuadraticStiffnessWithCubic(TwoTermSpring, QuadraticStiffness):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return (values[0] + values[1] * position) * position * position
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the cubic part is the smaller one: else the law has the other's name."""
         return abs(self.values["cubic"]) * TYPICAL_DISPLACEMENT * span <= abs(self.values["coefficient"])
 
@@ -93,7 +93,7 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return (values[1] + values[0] * position) * position * position
 
-    def is_plausible(self, span: float) -> bool:
+    def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the quadratic part is the smaller one: else the law has the other's name."""
         return abs(self.values["quadratic"]) <= abs(self.values["coefficient"]) * TYPICAL_DISPLACEMENT * span
 

@@ -11,7 +11,7 @@ from camid.physical.equations import Equations, plant_function
 from camid.physical.expressions import refuse_name
 from camid.physical.linear_form import LinearForm, RationalForm, StateSpaceForm
 from camid.physical.plant import PhysicalPlant
-from camid.simulation.refused_plant import refuse_table, refuse_unstable
+from camid.simulation.refused_plant import refuse_table
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
@@ -34,8 +34,8 @@ def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str,
     Raises
     ------
     InputError
-        If an expression is none, a name is not known or both fixed and free, or the constants make no stable
-        proper plant.
+        If an expression is none, a name is not known or both fixed and free, or the constants make no proper
+        plant.
     """
     constants = written.physical
     names = _names(constants, where)
@@ -67,8 +67,6 @@ def declared_physical(written: PhysicalPart, where: Where, columns: Mapping[str,
         if physical.equations is not None and not any(physical.equations.start):
             hint = "they are linearised at the state before the first sample: give it under start, or correct them"
         raise InputError(str(error), where=place, hint=hint) from None
-    if physical.equations is None:
-        refuse_unstable(plant, place)
     for name in names:
         if not _depends_on(physical, name):
             raise InputError(

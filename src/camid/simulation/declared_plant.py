@@ -12,7 +12,7 @@ from camid.chain.plant import TransferFunction
 from camid.errors import InputError
 from camid.simulation.declared_physical import declared_physical
 from camid.simulation.model import default_freedom
-from camid.simulation.refused_plant import refuse_table, refuse_unstable
+from camid.simulation.refused_plant import refuse_table
 from camid.simulation.yaml_file import Where
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def declared_plant(
     Raises
     ------
     InputError
-        If the plant is improper or unstable, or accuracies have another shape than it.
+        If the plant is improper, or accuracies have another shape than it.
     """
     from camid.simulation.plant_schema import PendulumPart, PhysicalPart
 
@@ -78,7 +78,7 @@ def _pendulum(written: PendulumPart, where: Where) -> dict[str, Any]:
 
 
 def _transfer_function(written: TransferFunctionPart, where: Where) -> dict[str, Any]:
-    plant = _stable_plant(written, where)
+    plant = _proper_plant(written, where)
     raw = written.transfer_function
     leading_zeros = len(raw.numerator) - len(plant.numerator)
     free_numerator, free_denominator = default_freedom(plant)
@@ -106,7 +106,7 @@ def _transfer_function(written: TransferFunctionPart, where: Where) -> dict[str,
     }
 
 
-def _stable_plant(written: TransferFunctionPart, where: Where) -> TransferFunction:
+def _proper_plant(written: TransferFunctionPart, where: Where) -> TransferFunction:
     coefficients = written.transfer_function
     if coefficients.denominator[0] == 0.0:
         raise InputError(
@@ -119,7 +119,6 @@ def _stable_plant(written: TransferFunctionPart, where: Where) -> TransferFuncti
         raise InputError(
             str(error), where=where("plant", "transfer_function"), hint="coefficients are in descending powers of s"
         ) from None
-    refuse_unstable(plant, where("plant", "transfer_function", "denominator"))
     return plant
 
 

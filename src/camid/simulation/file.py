@@ -15,6 +15,7 @@ from camid.simulation.control_systems import continuous_plant, is_control_system
 from camid.simulation.declared_plant import declared_plant
 from camid.simulation.declared_reading import declared_reading
 from camid.simulation.model import DeclaredEffect, Simulation
+from camid.simulation.refused_plant import refuse_unstable
 from camid.simulation.yaml_file import Where, place, read_yaml, yaml_text
 from camid.writing import write_whole
 
@@ -99,6 +100,8 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
     reading = declared_reading(file, where)
     output = _output_column(file, where)
     plant = declared_plant(file.plant, where, file.sensor.columns)
+    if file.controller is None:
+        _refuse_unstable(plant, where)
     validation, driven, sensor = file.validation, file.input, file.sensor
     if validation is not None and not validation.start < validation.end:
         raise InputError("start is not before end", where=where("validation"), hint="swap them")
@@ -139,6 +142,15 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         reading=reading,
         **plant,
     )
+
+
+def _refuse_unstable(plant: Mapping[str, Any], where: Where) -> None:
+    """Of a linear plant that no controller holds; a pendulum and equations are linearised only where they start."""
+    physical = plant.get("physical")
+    if "pendulum" in plant or (physical is not None and physical.equations is not None):
+        return
+    poles = ("plant", "transfer_function", "denominator") if physical is None else ("plant", "physical")
+    refuse_unstable(plant["plant"], where(*poles))
 
 
 def _output_column(file: SimulationFile, where: Where) -> str:

@@ -8,7 +8,7 @@ from camid.simulation.yaml_file import Where
 
 
 def refuse_unstable(plant: TransferFunction, where: str) -> None:
-    """Refuse poles in the right half plane; integrators and undamped modes are none.
+    """Refuse poles in the right half plane of a plant without a controller; integrators and undamped modes are none.
 
     Raises
     ------
@@ -21,7 +21,7 @@ def refuse_unstable(plant: TransferFunction, where: str) -> None:
         raise InputError(
             f"the transfer function is unstable: poles at {shown} rad/s",
             where=where,
-            hint="all poles need a real part of at most zero; check the signs",
+            hint="without a controller all poles need a real part of at most zero; check the signs",
         )
 
 

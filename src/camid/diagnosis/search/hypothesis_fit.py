@@ -64,6 +64,7 @@ def is_linear(problem: Problem, model: Model) -> bool:
 
 
 def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
-    """Whether the values of the effect that was fitted last are possible on the way that the recordings show."""
+    """Whether the values of the effect that was fitted last are possible on the way and in the time recorded."""
     span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
-    return fitted.model.effects[-1].is_plausible(span)
+    duration = max(float(time[-1] - time[0]) for time in problem.times)
+    return fitted.model.effects[-1].is_plausible(span, duration)

@@ -18,6 +18,9 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.side_by_side import WORKERS, side_by_side
 
+# Effects whose laws with more detail are fitted, and the sum of squares of the second one of them over the least one.
+MOST_REFINED, NEARLY_AS_GOOD = 2, 1.3
+
 
 def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
     """The special case of one of a model's effects in its place, fitted from there; None if there is none, or known."""
@@ -95,15 +98,18 @@ def _worth_a_fit(problem: Problem, fitted: Fitted, starts: Sequence[Model]) -> l
 
 
 def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Laws with more detail of the likeliest effect that has such, fitted, each from the one before it.
+    """Laws with more detail of the likeliest effects that have such, fitted, each from the one before it.
 
     They are called for where the likeliest of all leaves structure or what they would explain, or has another name, or
-    may be a finer law of one.
+    may be a finer law of one; and those of a second effect where it leaves hardly more than the likeliest.
     """
     if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
         return []
     found: list[Hypothesis] = []
+    refined = 0
     for hypothesis in ranked:
+        if refined and hypothesis.fitted.cost > NEARLY_AS_GOOD * min(h.fitted.cost for h in (ranked[0], *found)):
+            continue
         starts = _finer_starts(problem, hypothesis)
         if hypothesis is ranked[0] and all(m.effects[-1].identifier == hypothesis.identifier for m in starts):
             starts = _worth_a_fit(problem, hypothesis.fitted, starts)
@@ -113,7 +119,9 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
             fitted = _until_white(problem, starts)
             found += fitted
             starts = _finer_starts(problem, fitted[0]) if fitted else []
-        break
+        refined += 1
+        if refined == MOST_REFINED:
+            break
     return found
 
 

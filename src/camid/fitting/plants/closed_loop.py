@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.controller import Loop
+from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.situation import Situation
@@ -25,7 +26,7 @@ from camid.fitting.problem import Problem, Views
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
 from camid.identification.records import Records
-from camid.identification.srivc import least_squares_state_variable_filter
+from camid.identification.srivc import least_squares_state_variable_filter, reflect
 from camid.identification.starts import cut_offs
 from camid.identification.structure import Structure
 from camid.simulation.model import Simulation
@@ -169,7 +170,7 @@ class ClosedLoop(PlantKind):
             motion.position[nodes],
             motion.velocity[nodes],
             np.where(experiment.used, experiment.output - simulated, 0.0),
-            problem.structure.plant(model.coefficients),
+            _mirrored(problem.structure.plant(model.coefficients)),
             experiment.acquisition,
             experiment.used,
         )
@@ -233,3 +234,8 @@ class ClosedLoop(PlantKind):
     def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:
         """As that of what is controlled."""
         return self.plant.written_back(believed, structure, fitted)
+
+
+def _mirrored(plant: TransferFunction) -> TransferFunction:
+    """A stable plant of the same gain at each frequency: first guesses simulate one without its controller."""
+    return TransferFunction(plant.numerator, tuple(reflect(np.asarray(plant.denominator))))

@@ -1,0 +1,82 @@
+"""A sensor whose zero wanders, at a constant rate or until what holds it is warm."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import exp
+from typing import Any, ClassVar
+
+import numpy as np
+
+from camid.effects.base import Array, Effect
+from camid.effects.drift import LEAST_TIME_CONSTANT, SETTLED_WITHIN
+from camid.effects.parameter import Parameter
+from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
+
+# Drift over the recording of a first guess, as a share of the largest displacement.
+SIZE = 0.05
+
+
+class SensorDrift(Effect):
+    """The zero of the image wanders."""
+
+    identifier = "sensor-drift"
+    place = "sensor"
+    title = "Drift of the measurement"
+    drawn_against = "time"
+    equation = r"w = y + r\,t"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("rate", "y/s", "rate r"),)
+    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
+    of_one_recording = True
+    strength = "rate"
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Add what has drifted."""
+        return output + self.values["rate"] * time
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small, as the effect is proportional to it, at a constant rate or early on.
+
+        What settles within a fifth of the recording is no drift at a constant rate, and is not found by way of one.
+        """
+        drift = cls(rate=SIZE * situation.largest("position") / situation.duration)
+        yield drift
+        yield next(SettlingSensorDrift.starts(situation, **drift.values))
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Of a clock that began long before, the drift is an offset."""
+        return situation.far_from_zero
+
+
+class SettlingSensorDrift(SensorDrift):
+    """The zero of an image that wanders until the camera, or what holds it, is warm."""
+
+    title = "Drift of the measurement that settles"
+    equation = r"w = y + r\,\tau\,(1 - e^{-t/\tau})"
+    reference = "Incropera et al. (2007), Fundamentals of Heat and Mass Transfer, 6th ed., section 5.1"
+    parameters = (*SensorDrift.parameters, Parameter("time_constant", "s", "time constant τ", LEAST_TIME_CONSTANT))
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Add what has drifted."""
+        constant = self.values["time_constant"]
+        return np.asarray(output + self.values["rate"] * constant * (1.0 - np.exp(-time / constant)))
+
+    def simplified(self) -> SensorDrift:
+        """The same rate for ever."""
+        return SensorDrift(rate=self.values["rate"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """Of time constants within the recording, the drift by its end being what it is."""
+        for share in SETTLED_WITHIN:
+            settled = share * (1.0 - exp(-1.0 / share))
+            yield cls(rate=values["rate"] / settled, time_constant=share * situation.duration)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a drift that was found."""
+        yield from ()
