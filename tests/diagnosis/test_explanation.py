@@ -80,6 +80,19 @@ def test_wrong_coefficients_are_the_first_sentence_with_old_and_new_values():
     )
 
 
+def test_a_zero_of_the_sensor_is_no_wrong_coefficient():
+    fit = NormalisedErrors(1.83, 0.0101, 0.0101, 0.01, (24.0, 34.0), nominal_in_place=0.0102)
+    assert explanation("adequate", [], fit, Location(), WRONG).startswith("Nothing is left out that this recording")
+    fit = NormalisedErrors(1.83, 0.0101, 0.0101, 0.01, (24.0, 34.0), nominal_in_place=0.152)
+    text = explanation("adequate", [], fit, Location(), WRONG)
+    assert "As given but for the sensor's zero, the simulation leaves 15.2 %" in text
+
+
+def test_an_error_that_rises_does_not_fall():
+    fit = NormalisedErrors(0.684, 0.0017, 0.00228, 0.0015, (24.0, 34.0))
+    assert "the error rises from 0.170 %" in explanation("explained", [weighed(0.9)], fit, Location("plant"))
+
+
 def test_coefficients_that_were_right_are_not_called_wrong():
     fit = NormalisedErrors(0.0102, 0.0101, 0.0101, 0.01, (24.0, 34.0))
     assert explanation("adequate", [], fit, Location(), WRONG).startswith("Nothing is left out that this recording")

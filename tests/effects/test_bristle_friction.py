@@ -109,7 +109,7 @@ def test_a_search_goes_from_a_law_to_finer_ones():
         ("CoulombBristleFriction", {"force": 0.2, "presliding": 0.1})
     ]
     for plain in (friction.CoulombFriction(**COULOMB), friction.StribeckFriction(**STRIBECK)):
-        finer = plain.finer(given)
+        finer = [law for law in plain.finer(given) if "presliding" in law.values]
         assert len(finer) == len(bristle_friction.BENDS)
         assert {e.identifier for e in finer} == {plain.identifier}
         assert all(plain.values.items() <= e.values.items() for e in finer)

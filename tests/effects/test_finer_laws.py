@@ -9,9 +9,12 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.effects.actuator import DeadZone, Saturation
+from camid.effects.bristle_friction import StribeckBristleFriction
 from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
+from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
+from camid.effects.gradual_friction import GradualCoulombFriction
 from camid.effects.gradual_saturation import GradualSaturation
 from camid.effects.harmonics import (
     CoggingWithHarmonic,
@@ -281,3 +284,28 @@ def test_less_than_a_period_and_a_half_is_no_periodic_disturbance():
     disturbance = PeriodicDisturbance(amplitude=1.0, frequency=1.0, phase=0.0)
     assert disturbance.is_plausible(1.0, 9.5)
     assert not disturbance.is_plausible(1.0, 9.4)
+
+
+def test_friction_that_turns_round_gradually_is_viscous_at_rest_and_dry_beyond():
+    law = GradualCoulombFriction(force=0.4, transition=0.1)
+    values = np.array([0.4, 0.1])
+    force = [law.force.function(0.0, 0.0, speed, 0.0, 0.0, values) for speed in (-9.0, 0.0, 1e-3, 9.0)]
+    np.testing.assert_allclose(force, [-0.4, 0.0, 0.4 * np.tanh(0.01), 0.4], rtol=1e-9)
+    assert law.simplified().values == {"force": 0.4}
+
+
+def test_friction_that_turns_round_gradually_is_no_stribeck_friction():
+    """Whose level would have to rise with the speed."""
+    table = record(GradualCoulombFriction(force=0.3, transition=0.6), count=2500)
+    (found,) = camid.diagnose(table, simulation()).findings
+    assert found.identifier == "coulomb-friction"
+    for name, truth in (("force", 0.3), ("transition", 0.6)):
+        estimate = found.parameters[name]
+        assert abs(estimate.value - truth) < 3.0 * estimate.standard_deviation < 0.5 * truth
+
+
+def test_stribeck_friction_falls_as_the_speed_grows():
+    levels = {"breakaway": 0.3, "velocity": 1.0}
+    assert StribeckFriction(coulomb=0.2, **levels).is_plausible(1.0, 1.0)
+    assert not StribeckFriction(coulomb=0.4, **levels).is_plausible(1.0, 1.0)
+    assert not StribeckBristleFriction(coulomb=0.4, presliding=0.1, **levels).is_plausible(1.0, 1.0)

@@ -83,6 +83,9 @@ class NormalisedErrors:
     position : tuple of float or None
         In a closed loop, where the other errors are those of the control: the same of the position, with coefficients
         re-estimated and with the effects found.
+    nominal_in_place : float or None
+        As ``nominal``, with the sensor's zero and the input's bias estimated where the simulation leaves them open;
+        None where it leaves neither open.
     """
 
     nominal: float
@@ -92,15 +95,22 @@ class NormalisedErrors:
     validation: tuple[float, float]
     chosen: bool = True
     position: tuple[float, float] | None = None
+    nominal_in_place: float | None = None
+
+    @property
+    def as_given(self) -> float:
+        """What the simulation as given leaves, but for a zero of the sensor of which it says nothing."""
+        return self.nominal if self.nominal_in_place is None else self.nominal_in_place
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
-        position = {}
+        position: dict[str, Any] = {}
         if self.position is not None:
             position["position"] = {"nrmse_refitted": self.position[0], "nrmse_improved": self.position[1]}
         return {
             **position,
             "nrmse_nominal": self.nominal,
+            **({} if self.nominal_in_place is None else {"nrmse_nominal_in_place": self.nominal_in_place}),
             "nrmse_refitted": self.refitted,
             "nrmse_improved": self.improved,
             "noise_floor": self.noise_floor,

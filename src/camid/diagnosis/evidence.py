@@ -33,7 +33,7 @@ def simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bo
 
 def errors(
     problem: Problem,
-    nominal: Model,
+    nominal: tuple[Model, Model],
     decision: Decision,
     validation: Sequence[NDArray[np.bool_]],
     chosen: bool,
@@ -41,10 +41,13 @@ def errors(
 ) -> NormalisedErrors:
     """Errors on validation rows, and what the noise alone would leave there.
 
+    ``nominal`` is the simulation as ``simulate`` runs it, and the same with the constants that it leaves open.
+
     Where ``left``, the tests of what is left, find structure, that is no noise: the floor is then what the residual's
     own past does not predict, without what the tests explain.
     """
     final = decision.improved
+    given, in_place = nominal
     energy = final.cost
     if left:
         innovations = problem.whitened(final.residual, final.noise.whitening)
@@ -53,13 +56,14 @@ def errors(
     index = next(i for i, r in enumerate(validation) if r.any())
     times = problem.times[index][validation[index]]
     return NormalisedErrors(
-        simulated_error(problem, nominal, validation),
+        simulated_error(problem, given, validation),
         simulated_error(problem, decision.base.model, validation),
         simulated_error(problem, final.model, validation),
         float(np.sqrt(variance)) / problem.spread(validation),
         (float(times[0]), float(times[-1])),
         chosen,
         problem.kind.position_errors(problem, (decision.base.model, final.model), validation),
+        None if in_place is given else simulated_error(problem, in_place, validation),
     )
 
 

@@ -24,7 +24,7 @@ MOST_COEFFICIENTS = 3
 
 def wrong_coefficients(coefficients: Sequence[Coefficient], fit: NormalisedErrors) -> list[Coefficient]:
     """Coefficients whose nominal values were wrong, the farthest off first; none where they cost little."""
-    if fit.nominal < WRONG_ERROR_RATIO * fit.refitted:
+    if fit.as_given < WRONG_ERROR_RATIO * fit.refitted:
         return []
 
     def off(coefficient: Coefficient) -> float:
@@ -150,9 +150,10 @@ def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> lis
     more = len(wrong) - len(values)
     if more:
         values.append(f"{more} more {'is' if more == 1 else 'are'} off")
+    in_place = "" if fit.nominal_in_place is None else " but for the sensor's zero"
     return [
         f"The structure is right and the coefficients were wrong: {', '.join(values)}.".replace(SPACE, " "),
-        f"As given, the simulation leaves {_share(fit.nominal)}; re-estimated, it leaves {leaves}.",
+        f"As given{in_place}, the simulation leaves {_share(fit.as_given)}; re-estimated, it leaves {leaves}.",
         "Nothing else is left out that this recording could show.",
         listed,
     ]
@@ -182,8 +183,9 @@ def _held(found: Sequence[Finding], learned: Sequence[LearnedPart]) -> str:
 
 
 def _falls(fit: NormalisedErrors) -> str:
+    falls = "falls" if fit.improved < fit.refitted else "rises"
     return (
-        f"falls from {_share(fit.refitted)} (coefficients re-estimated) to {_share(fit.improved)} of the output's "
+        f"{falls} from {_share(fit.refitted)} (coefficients re-estimated) to {_share(fit.improved)} of the output's "
         f"standard deviation; noise alone is {_share(fit.noise_floor)}"
     )
 

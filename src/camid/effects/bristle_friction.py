@@ -81,7 +81,7 @@ class _Bristles(Effect):
 
     def is_plausible(self, span: float, duration: float) -> bool:
         """Whether the body slides on a way of such a length."""
-        return bool(self.values["presliding"] <= LARGEST_SHARE * span)
+        return bool(self.values["presliding"] <= LARGEST_SHARE * span) and super().is_plausible(span, duration)
 
 
 class CoulombBristleFriction(_Bristles, CoulombFriction):  # type: ignore[misc] # no level holds the body

@@ -68,6 +68,10 @@ class StribeckFriction(Effect):
         share = velocity / values[2]
         return values[0] + (values[1] - values[0]) * exp(-share * share)
 
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether it falls as the speed grows: one that rises has another cause."""
+        return bool(self.values["breakaway"] >= self.values["coulomb"])
+
     def simplified(self) -> CoulombFriction:
         """Coulomb friction of the larger of both levels."""
         return CoulombFriction(force=max(self.values["coulomb"], self.values["breakaway"]))

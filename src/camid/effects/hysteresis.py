@@ -60,7 +60,7 @@ class Hysteresis(AgainstMotion):
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """Coulomb friction with pre-sliding displacement, whose loop is nearly the same."""
         values = {"force": self.values["strength"], "presliding": 1.0 / self.values["shape"]}
-        return tuple(start for law in CoulombFriction.finer_laws for start in law.starts(situation, **values))
+        return tuple(CoulombFriction.with_keys(values).starts(situation, **values))
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the unsaturated hysteretic spring."""

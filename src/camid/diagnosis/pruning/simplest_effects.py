@@ -28,7 +28,8 @@ from camid.side_by_side import side_by_side
 
 # Share of what the other effects leave, noise subtracted, that one beside them has to explain.
 LEAST_EXPLAINED = 0.5
-# Share of what a general law explains from which its special case takes its place.
+# Share of what a general law explains from which its special case takes its place, unless the general one explains this
+# share of what that leaves, too: a correction explains some of it.
 SPECIAL_CASE_SHARE = 0.9
 
 
@@ -131,6 +132,8 @@ def _special(
         return decision
     mismatch = max(without.cost - noise, 1e-300)
     if without.cost - fitted.cost < SPECIAL_CASE_SHARE * min(without.cost - decision.fitted.cost, mismatch):
+        return decision
+    if _explained(fitted, decision.fitted, noise) >= SPECIAL_CASE_SHARE:
         return decision
     others = [h for h in decision.rivals[index] if h.identifier not in {special.identifier}]
     ranked = [Hypothesis(special.identifier, fitted), *others]

@@ -85,7 +85,7 @@ def _errors(fit: NormalisedErrors, named: bool) -> Axes:
     from camid import plotting as style
 
     axes = new_panel(top=26.0)
-    rows = [(AS_GIVEN, fit.nominal, style.GREY, "s"), (REFITTED, fit.refitted, style.ORANGE, "D")]
+    rows = [(AS_GIVEN, fit.as_given, style.GREY, "s"), (REFITTED, fit.refitted, style.ORANGE, "D")]
     rows += [(IMPROVED, fit.improved, style.BLUE, "o")] if named else []
     values = np.array([*(100.0 * value for _, value, _, _ in rows), 100.0 * fit.noise_floor])
     values = np.maximum(np.nan_to_num(values, posinf=1e6), 1e-6)

@@ -272,10 +272,11 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
         for line in learned_lines(part):
             console.print(printable(line), soft_wrap=True)
     fit = diagnosis.fit
+    in_place = "" if fit.nominal_in_place is None else " (sensor's zero estimated)"
     console.print(
         f"error on held-out rows ({span(fit.validation, 's')}"
         f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation: "
-        f"as given {percentage(fit.nominal)}, coefficients re-estimated {percentage(fit.refitted)}, "
+        f"as given {percentage(fit.as_given)}{in_place}, coefficients re-estimated {percentage(fit.refitted)}, "
         f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
         soft_wrap=True,
     )
@@ -289,8 +290,6 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     if unseen:
         invisible = len(sorted_undetectable(diagnosis.undetectable)[1])
         console.print(f"not found: {unseen} other effects, {invisible} of which would not have shown", soft_wrap=True)
-    for warning in diagnosis.warnings:
-        console.print(f"warning: {printable(warning)}", style="yellow", soft_wrap=True)
     for path in written:
         console.print(f"written to {printable(str(path))}", soft_wrap=True)
         if path.name == LEARNED_EFFECT:
