@@ -8,6 +8,7 @@ from camid.chain.plant import TransferFunction
 from camid.diagnosis import setting
 from camid.diagnosis.search import effect_selection, hypothesis_search
 from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.effects import modes
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import experiments_of
@@ -67,8 +68,7 @@ def test_a_special_case_that_was_not_screened_may_lead(monkeypatch):
     assert {f.identifier for f in diagnosis.findings} == {"coulomb-friction", "step-disturbance"}
 
 
-@pytest.mark.parametrize("seed", [6, 10])
-def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(seed, monkeypatch):
+def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(monkeypatch):
     plant, frequency = TransferFunction((3604.2,), (1.0, 6.5, 3622.7)), 252.0
     count, camera = 436, {"exposure": 0.4 * PERIOD}
     recording = record(
@@ -76,7 +76,7 @@ def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(seed
         plant=plant,
         noise=0.01,
         count=count,
-        signal=np.random.default_rng(seed).choice([-1.0, 1.0], count),
+        signal=np.random.default_rng(10).choice([-1.0, 1.0], count),
         **camera,
     )
     given = believed(plant, sensor={"column": "y", "kind": "camera", **camera})
@@ -87,7 +87,9 @@ def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(seed
         return first.parameters["natural_frequency"].value
 
     assert found() == pytest.approx(frequency, rel=0.01)
+    # Of one shape on a coarse grid, and without the lines of the residual, it is not.
     monkeypatch.setattr(hypothesis_search, "MOST_FURTHER_SHAPES", 0)
+    monkeypatch.setattr(modes, "highest_lines", lambda situation, count: iter(()))
     assert found() > 1.1 * frequency
 
 

@@ -105,9 +105,10 @@ def test_what_never_saturates_is_not_friction():
 def test_a_search_goes_from_a_law_to_finer_ones():
     given = situation()
     from_hysteresis = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
-    assert [(type(e).__name__, e.values) for e in from_hysteresis] == [
+    assert [(type(e).__name__, e.values) for e in from_hysteresis[:1]] == [
         ("CoulombBristleFriction", {"force": 0.2, "presliding": 0.1})
     ]
+    assert {type(e).__name__ for e in from_hysteresis[1:]} == {"GradualCoulombFriction"}
     for plain in (friction.CoulombFriction(**COULOMB), friction.StribeckFriction(**STRIBECK)):
         finer = [law for law in plain.finer(given) if "presliding" in law.values]
         assert len(finer) == len(bristle_friction.BENDS)
@@ -120,7 +121,7 @@ def test_a_search_goes_from_a_law_to_finer_ones():
 
 def test_a_fit_keeps_to_displacements_that_the_motion_can_show():
     given = situation()
-    (law,) = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
+    law, *_ = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
     least = bristle_friction.LEAST_SHARE * float(np.std(given.position))
     acquisition = Acquisition(PERIOD)
     assert law.bounds(acquisition)[1] == (least, np.inf)

@@ -58,9 +58,13 @@ class Hysteresis(AgainstMotion):
         return CoulombFriction(force=self.values["strength"])
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """Coulomb friction with pre-sliding displacement, whose loop is nearly the same."""
+        """Coulomb friction of nearly the same loop: with pre-sliding displacement, or that turns round gradually."""
         values = {"force": self.values["strength"], "presliding": 1.0 / self.values["shape"]}
-        return tuple(CoulombFriction.with_keys(values).starts(situation, **values))
+        starts: list[Effect] = []
+        for law in CoulombFriction.finer_laws:
+            names = {p.name for p in law.parameters}
+            starts += law.starts(situation, **{name: value for name, value in values.items() if name in names})
+        return tuple(starts)
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the unsaturated hysteretic spring."""

@@ -30,7 +30,7 @@ PROBE = 1e-4
 NO_EVENT, RELEASE, REVERSAL, KINK = range(4)
 
 
-@kernel
+@kernel(forceinline=True)
 def _slope(
     m: Mechanics, time: float, state: Array, signal: float, memory: Array, direction: float, stuck: bool, result: Array
 ) -> None:
@@ -76,7 +76,7 @@ def _holding_force(m: Mechanics, time: float, state: Array, signal: float, memor
     return dot(m.velocity, work) / dot(m.velocity, m.force_vector)
 
 
-@kernel
+@kernel(forceinline=True)
 def runge_kutta(
     m: Mechanics,
     time: float,

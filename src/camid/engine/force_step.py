@@ -42,7 +42,7 @@ def can_be_smooth(kinds: Kinds, shocked: bool, stuck: bool, direction: float) ->
     return not (shocked or stuck or (kinds.dry and direction == 0.0))
 
 
-@kernel
+@kernel(forceinline=True)
 def _equations_step(
     m: Mechanics, room: Workspace, time: float, step: float, first: float, last: float, direction: float
 ) -> tuple[float, float]:

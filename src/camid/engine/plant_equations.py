@@ -95,7 +95,7 @@ def _call_by_address(typing_context: Any, address: Any, found: Any, given: Any, 
 _call: Any = intrinsic(_call_by_address)
 
 
-@kernel
+@kernel(forceinline=True)
 def _evaluate(e: PlantEquations, state: Array, signal: float) -> None:
     """Fill ``found`` for a state of the chain and a signal at the plant's input."""
     for i in range(e.order):
@@ -104,7 +104,7 @@ def _evaluate(e: PlantEquations, state: Array, signal: float) -> None:
     _call(e.function, e.addresses[0], e.addresses[1], e.data)
 
 
-@kernel
+@kernel(forceinline=True)
 def project(e: PlantEquations, state: Array) -> None:
     """Set output and rate in a state of the chain to those of the plant's states."""
     _evaluate(e, state, 0.0)
@@ -115,7 +115,7 @@ def project(e: PlantEquations, state: Array) -> None:
         state[e.first + e.order + 3] = e.found[e.order + 3]
 
 
-@kernel
+@kernel(forceinline=True)
 def entering(e: PlantEquations, state: Array, signal: float, force: float) -> float:
     """What enters the plant: what a block before it makes of the input, and the force."""
     total = e.driving_input * signal + force
@@ -124,7 +124,7 @@ def entering(e: PlantEquations, state: Array, signal: float, force: float) -> fl
     return total
 
 
-@kernel
+@kernel(forceinline=True)
 def plant_rates(e: PlantEquations, state: Array, signal: float, result: Array) -> None:
     """Fill the plant's part of the chain's rates, with the acceleration where friction asks for it.
 
@@ -159,7 +159,7 @@ def plant_rates(e: PlantEquations, state: Array, signal: float, result: Array) -
     result[first + count + 1] = (ahead - e.found[count + 1]) / (2.0 * e.probe)
 
 
-@kernel
+@kernel(forceinline=True)
 def free_rates(e: PlantEquations, state: Array, signal: float, result: Array) -> None:
     """Fill the plant's part of the chain's rates where no force acts, and the output in the state."""
     plant_rates(e, state, signal, result)
@@ -187,7 +187,7 @@ def held_rates(e: PlantEquations, state: Array, signal: float, result: Array) ->
     return hold
 
 
-@kernel
+@kernel(forceinline=True)
 def remember_extremes(e: PlantEquations, state: Array, second: Array, third: Array, step: float) -> None:
     """Take a state and two estimates of its rate in the middle of a step into account."""
     for i in range(e.order):
