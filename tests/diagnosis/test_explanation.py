@@ -68,6 +68,11 @@ def test_noise_beside_a_doubtful_name_is_not_called_structure():
     assert "What is left is still structured" in text
 
 
+def test_what_weighs_next_to_nothing_describes_nothing():
+    text = explanation("partly-explained", [weighed(0.05, ("unlisted", 0.95))], FIT, Location("plant"))
+    assert "leaves out: physics outside the catalogue at the plant. On rows" in text
+
+
 WRONG = [Coefficient("a0", 360.0, 400.1, 0.3, 400.1, 0.3), Coefficient("a1", 12.0, 12.1, 0.2, 12.1, 0.2)]
 
 

@@ -18,6 +18,8 @@ EXPLAINS_NOTHING = 0.9
 # many standard deviations, had wrong coefficients.
 WRONG_ERROR_RATIO = 1.5
 WRONG_DEVIATIONS = 3.0
+# Weight below which a name is no description either.
+RESEMBLANCE = 0.1
 # Coefficients that a sentence lists.
 MOST_COEFFICIENTS = 3
 
@@ -44,6 +46,8 @@ def headline(finding: Finding) -> str:
         ordered = sorted(listed, key=lambda pair: -pair[1])
         names = [f"{within_sentence(title)} ({_share(weight, 2)})" for title, weight in ordered]
         return f"one of {', '.join(names[:-1])} or {names[-1]}"
+    if finding.weight < RESEMBLANCE:
+        return f"physics outside the catalogue at the {finding.place}"
     return f"physics outside the catalogue, which acts like {within_sentence(finding.title)}{_details(finding)}"
 
 
