@@ -39,13 +39,17 @@ def switching_loop(seed=2):
     )
 
 
-def believed(gain, damping):
+def linear(gain, damping):
+    return {"transfer_function": {"numerator": [gain * GAIN], "denominator": [1.0, damping * DAMPING, 0.0]}}
+
+
+def believed(plant):
     return load_simulation(
         {
             "schema": 1,
             "time": {"column": "t"},
             "input": {"column": "u", "hold": "zoh"},
-            "plant": {"transfer_function": {"numerator": [gain * GAIN], "denominator": [1.0, damping * DAMPING, 0.0]}},
+            "plant": plant,
             "controller": CONTROLLER,
             "sensor": {"column": "y", "kind": "instant"},
             "initial_state": "zero",
@@ -56,7 +60,7 @@ def believed(gain, damping):
 @pytest.mark.parametrize(("gain", "damping"), [(1.15, 0.85), (0.85, 1.15), (1.3, 1.3), (0.7, 0.7)])
 def test_its_coefficients_are_found_from_far(gain, damping):
     """Its control switches at wrong times in any other minimum, and leaves most of itself."""
-    simulation = believed(gain, damping)
+    simulation = believed(linear(gain, damping))
     recordings, experiments, _ = experiments_of([switching_loop()], simulation, None)
     problem = problem_of(simulation, structure_of(simulation), recordings, experiments)
     start = problem.with_initial_states(model_of(problem, []))
@@ -67,3 +71,21 @@ def test_its_coefficients_are_found_from_far(gain, damping):
     if (gain, damping) == (0.85, 1.15):
         assert np.sqrt(fit(problem, start).cost / COUNT) > 1.0
     assert evaluate(problem, start).cost > 100.0 * found.cost
+
+
+EQUATIONS = {
+    "physical": {
+        "parameters": {"mass": 80.0, "damping": 1.0},
+        "equations": {"states": {"position": "speed", "speed": "(u - damping*speed)/mass"}, "output": "position"},
+    }
+}
+
+
+def test_constants_of_equations_are_found_from_far_too(monkeypatch):
+    """The same drive without friction to speak of, written as equations; its mass is 100."""
+    monkeypatch.setitem(globals(), "DAMPING", 1e-3)
+    simulation = believed(EQUATIONS)
+    recordings, experiments, _ = experiments_of([switching_loop(5)], simulation, None)
+    problem = problem_of(simulation, structure_of(simulation), recordings, experiments)
+    found = problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+    assert found.model.constants["constant mass"] == pytest.approx(100.0, rel=0.01)

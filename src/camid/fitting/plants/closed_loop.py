@@ -224,11 +224,16 @@ class ClosedLoop(PlantKind):
         found = fit(problem, start, steps=STEPS)
         if start.effects:
             return found
-        models = [recorded_start(problem, m) for m in self.starts_from_regression(problem, start)]
-        others = [evaluate(problem, model) for model in models]
-        if not others:
+        best: Fitted | None = None
+        for model in (*self.plant.models_about(problem, start), *self.starts_from_regression(problem, start)):
+            try:
+                tried = evaluate(problem, recorded_start(problem, model))
+            except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # constants that make no such plant
+                continue
+            if best is None or tried.cost < best.cost:
+                best = tried
+        if best is None or (best.model.constants, *best.model.coefficients) == (start.constants, *start.coefficients):
             return found
-        best = min(others, key=lambda each: each.cost)
         return min((found, fit(problem, best.model, steps=STEPS)), key=lambda each: each.cost)
 
     def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:

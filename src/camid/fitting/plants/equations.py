@@ -110,14 +110,14 @@ class EquationsKind(NamedConstants):
     def _searched(self, problem: Problem, start: Model) -> Fitted:
         """Fits from the model and from those about it that follow the recordings best; the best of them."""
         start = self.with_best_latency(problem, start)
-        starts = [start]
-        # Constants that a fit has found need no search.
-        if self.estimated and not start.effects and np.array_equal(self.values_of(start), self.physical.values):
-            starts += self._about(problem, start)
+        starts = [start, *self.models_about(problem, start)]
         return min((fit_growing(problem, one) for one in starts), key=lambda fitted: fitted.cost)
 
-    def _about(self, problem: Problem, start: Model) -> list[Model]:
+    def models_about(self, problem: Problem, start: Model) -> list[Model]:
         """Models with constants over a range of a factor of three to both sides, the best first; few of them."""
+        # Constants that a fit has found need no search.
+        if not self.estimated or start.effects or not np.array_equal(self.values_of(start), self.physical.values):
+            return []
         from scipy.stats import qmc
 
         rough, judged = problem.start_of(ROWS).rough(), []

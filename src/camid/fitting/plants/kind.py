@@ -346,6 +346,10 @@ class PlantKind:
         """Models that the recorded motion itself suggests, without any simulation."""
         return []
 
+    def models_about(self, problem: Problem, start: Model) -> list[Model]:
+        """Models about a given one that follow the recordings best, of a plant that is not made from coefficients."""
+        return []
+
     def identified(self, problem: Problem, task: IdentificationTask) -> Identification:
         """The plant identified."""
         return identify_by_simulation(problem, task)
@@ -363,17 +367,12 @@ class PlantKind:
         covariance = np.square(lead) * self.coefficient_covariance(structure, fitted)
         finite = bool(np.all(np.isfinite(covariance)))
         deviations, split = np.sqrt(np.abs(np.diag(covariance))), structure.degree + 1
+        scaled = TransferFunction(*(tuple(lead * c for c in row) for row in (plant.numerator, plant.denominator)))
+        stated = {"numerator": deviations[:split].tolist(), "denominator": [0.0, *deviations[split:].tolist()]}
         return replace(
             self._with_constants(believed, fitted),
-            plant=TransferFunction(
-                tuple(lead * b for b in plant.numerator), tuple(lead * a for a in plant.denominator)
-            ),
-            standard_deviations={
-                "numerator": deviations[:split].tolist(),
-                "denominator": [0.0, *deviations[split:].tolist()],
-            }
-            if finite
-            else None,
+            plant=scaled,
+            standard_deviations=stated if finite else None,
             covariance=covariance.tolist() if finite else None,
         )
 
