@@ -28,7 +28,7 @@ GUESS = 0.02
 def _of_lines(situation: Situation, limit: float) -> Iterator[float]:
     """Natural frequencies in rad/s of modes that make the highest lines of the residual.
 
-    A camera shows one beyond the Shannon limit folded about that (section 4 of the paper).
+    A camera shows one beyond the Shannon limit folded about that.
     """
     for frequency in highest_lines(situation, LINES):
         yield frequency

@@ -325,7 +325,7 @@ def variance_regression(square: Array, regressor: Array) -> tuple[float, float, 
     """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
     mean = float(np.mean(square))
     unit = float(np.mean(regressor))
-    if mean <= 0.0 or not np.any(regressor != unit):
+    if mean <= 0.0 or float(np.ptp(regressor)) == 0.0:
         return 0.0, 0.0, 1.0, 0.0
     # In units in which both columns below are near one: beside squares of large speeds the constant would be lost in
     # rounding.
