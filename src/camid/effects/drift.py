@@ -76,7 +76,23 @@ class ParameterDrift(Effect):
         return situation.far_from_zero
 
 
-class SettlingDrift(ParameterDrift):
+class Settling(Effect):
+    """What drifts that settle have in common: where they are started from."""
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """Of time constants within the recording, the drift by its end being what it is."""
+        for share in SETTLED_WITHIN:
+            settled = share * (1.0 - exp(-1.0 / share))
+            yield cls(**(values | {"rate": values["rate"] / settled, "time_constant": share * situation.duration}))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a drift that was found."""
+        yield from ()
+
+
+class SettlingDrift(Settling, ParameterDrift):
     """A coefficient of the plant that changes and settles, as one does of a machine that warms up."""
 
     title = "Drift of a coefficient that settles"
@@ -96,15 +112,3 @@ class SettlingDrift(ParameterDrift):
     def simplified(self) -> ParameterDrift:
         """The same rate for ever."""
         return ParameterDrift(coefficient=self.values["coefficient"], rate=self.values["rate"])
-
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """Of time constants within the recording, the drift by its end being what it is."""
-        for share in SETTLED_WITHIN:
-            settled = share * (1.0 - exp(-1.0 / share))
-            yield cls(**(values | {"rate": values["rate"] / settled, "time_constant": share * situation.duration}))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """It is started from a drift that was found."""
-        yield from ()

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import exp
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from camid.effects.base import Array, Effect
-from camid.effects.drift import LEAST_TIME_CONSTANT, SETTLED_WITHIN
+from camid.effects.drift import LEAST_TIME_CONSTANT, Settling
 from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -52,7 +51,7 @@ class SensorDrift(Effect):
         return situation.far_from_zero
 
 
-class SettlingSensorDrift(SensorDrift):
+class SettlingSensorDrift(Settling, SensorDrift):
     """The zero of an image that wanders until the camera, or what holds it, is warm."""
 
     title = "Drift of the measurement that settles"
@@ -68,15 +67,3 @@ class SettlingSensorDrift(SensorDrift):
     def simplified(self) -> SensorDrift:
         """The same rate for ever."""
         return SensorDrift(rate=self.values["rate"])
-
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """Of time constants within the recording, the drift by its end being what it is."""
-        for share in SETTLED_WITHIN:
-            settled = share * (1.0 - exp(-1.0 / share))
-            yield cls(rate=values["rate"] / settled, time_constant=share * situation.duration)
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """It is started from a drift that was found."""
-        yield from ()
