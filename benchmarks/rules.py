@@ -43,6 +43,10 @@ def _never(*_: object) -> bool:
     return False
 
 
+def _nothing(*_: object) -> None:
+    return None
+
+
 def _without_laws(problem: object, base: Any, *_: object) -> object:
     return Decision(base, base)
 
@@ -62,6 +66,7 @@ RULES: dict[str, dict[str, Any]] = {
     },
     "starts from other coefficients": {"search.hypothesis_search._starts_elsewhere": _none},
     "a race where all are far off": {"search.hypothesis_search._is_lost": _never},
+    "rows weighed by their noise": {"run.relative_noise": _nothing},
     "laws with more detail": {"search.hypothesis_search.finer_laws": _none},
     "learned laws": {"run.with_learned_laws": _kept},
     "learned laws in the place of all names": {"laws.laws_alone.with_laws_alone": _without_laws},
@@ -71,6 +76,7 @@ DID: dict[Any, Callable[[Any, tuple[Any, ...]], bool]] = {
     _kept: lambda found, arguments: found is not arguments[1],
     _none: lambda found, arguments: bool(found),
     _never: lambda found, arguments: bool(found),
+    _nothing: lambda found, arguments: found is not None,
     _without_laws: lambda found, arguments: bool(found.laws),
 }
 

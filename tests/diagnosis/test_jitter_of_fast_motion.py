@@ -6,7 +6,7 @@ import camid
 from camid.chain.plant import TransferFunction
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.mismatch_location import places
-from camid.diagnosis.residual.noise_recognition import uneven_spread
+from camid.diagnosis.residual.uneven_noise import uneven_spread
 from camid.effects import known_effects
 from camid.fitting.fit import evaluate
 from camid.fitting.from_simulation import model_of, problem_of, structure_of

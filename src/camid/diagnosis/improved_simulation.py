@@ -73,4 +73,4 @@ def remainder_of(
     held_out = np.concatenate(
         [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
     )
-    return float(np.sqrt(max(np.mean(final.residual**2), np.mean(held_out**2))))
+    return float(np.sqrt(max(np.mean(problem.in_units(final.residual) ** 2), np.mean(held_out**2))))

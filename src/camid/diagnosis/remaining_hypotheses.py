@@ -130,7 +130,7 @@ def conditions_of(problem: Problem, final: Fitted) -> Conditions:
         different_inputs(problem),
         max(steps),
         (float(min(s.min() for s in signals)), float(max(s.max() for s in signals))),
-        (float(np.min(problem.output)), float(np.max(problem.output))),
+        (float(np.min(problem.recorded)), float(np.max(problem.recorded))),
         float(np.sqrt(innovations @ innovations / max(len(innovations) - len(final.packing.names), 1))),
         [float(a) for a in final.noise.whitening],
     )

@@ -17,11 +17,12 @@ from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metr
 from camid.diagnosis.pruning.simplest_effects import simplest
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
+from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.effect_selection import Decision, select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.setting import Setting, prepared
-from camid.diagnosis.watch import LAWS, Watch
+from camid.diagnosis.setting import Setting, over_noise, prepared
+from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
@@ -31,6 +32,8 @@ from camid.simulation.model import Simulation
 # Fits of the final model at most, and the fall of its sum of squares, as a share, that is none.
 MOST_FINAL_FITS = 4
 SETTLED = 1e-3
+# Share of the work up to which a search leaves enough for another one.
+SEARCH_AGAIN = 0.4
 # Chance of a place's test below which the re-estimated plant may be bent by what is missing.
 SUSPECT_P_VALUE = 1e-2
 
@@ -64,13 +67,16 @@ def investigate(
         If the simulation diverges whatever its coefficients.
     """
     setting = prepared(believed, problem, nominal, validation, chosen, watch)
+    before, selected = _searched(setting, watch)
+    noise = None if setting.settled else relative_noise(setting.problem, selected.fitted)
+    if noise is not None:
+        watch.take_stock(SEARCH_AGAIN)
+        if not watch.no_time_for("weighing the rows by their noise"):
+            watch.say("searching again with rows weighed by their noise")
+            setting = over_noise(setting, noise)
+            before, selected = _searched(setting, watch)
+        watch.take_stock(NAMES)
     problem, base = setting.problem, setting.base
-    before = mismatch_location.places(problem, base)
-    selected = Decision(base, base)
-    if not setting.settled:
-        # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
-        start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-        selected = select_effects(problem, base, setting.screened, watch, start, setting.searches)
     decision, residue = _simplified(setting, selected, before, watch)
     if selected.interrupted and not decision.laws and residue.reasons:
         # What looked like an inexact law is none that can be learned, and names are all that is left to look for.
@@ -78,6 +84,17 @@ def investigate(
         if _names(further) != _names(selected):
             decision, residue = _simplified(setting, further, before, watch)
     return concluded(setting, decision, before, residue, watch)
+
+
+def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.PlaceTest], Decision]:
+    """Tests of what the re-estimated plant leaves, and the effects that are called for."""
+    problem, base = setting.problem, setting.base
+    before = mismatch_location.places(problem, base)
+    if setting.settled:
+        return before, Decision(base, base)
+    # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
+    start = setting.start if not setting.known and _leaves_structure(setting, before) else None
+    return before, select_effects(problem, base, setting.screened, watch, start, setting.searches)
 
 
 def _names(decision: Decision) -> list[str]:

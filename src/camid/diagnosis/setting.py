@@ -12,7 +12,7 @@ from camid.diagnosis.residual.noise_recognition import spoiled_rows
 from camid.diagnosis.search.effect_selection import Searches
 from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.watch import Watch
-from camid.fitting.fit import Fitted
+from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
@@ -138,6 +138,21 @@ def prepared(
         settled,
         {name: int(sum(each[name].sum() for each in suspect if name in each)) for rows in suspect for name in rows},
     )
+
+
+def over_noise(setting: Setting, noise: tuple[NDArray[np.float64], ...]) -> Setting:
+    """The same with rows that are compared over their noise.
+
+    Parameters
+    ----------
+    setting : Setting
+    noise : tuple of ndarray, shapes (N,)
+        Relative standard deviation of the noise in each row of each recording.
+    """
+    problem = replace(setting.problem, relative_noise=noise)
+    base, searches = fit(problem, setting.base.model), Searches()
+    screened = screen(problem, base, signatures=searches.signatures)
+    return replace(setting, problem=problem, base=base, screened=screened, searches=searches)
 
 
 def _as_simulated(whole: Problem, nominal: Model, start: Model) -> Model:

@@ -365,6 +365,10 @@ class Effect:
         """
         return None
 
+    def bend_of_mean(self, situation: Situation) -> Array | None:
+        """For noise-like effects: what it adds to the mean of each reading, shape (N,); None where it adds nothing."""
+        return None
+
     @classmethod
     def of_autoregression(cls, coefficients: Array) -> Effect:
         """For an effect that colours the noise: with the autoregression α_1 … α_p of the residual, shape (p,)."""

@@ -317,8 +317,14 @@ class TimestampJitter(Effect):
         return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
 
     def added_variance(self, situation: Situation) -> Array:
-        """What passes in the time by which a frame is early or late, squared."""
-        return np.asarray((self.values["std"] * situation.velocity) ** 2)
+        """What passes in the time by which a frame is early or late, squared; in second order, where motion turns."""
+        bend = self.bend_of_mean(situation)
+        return np.asarray((self.values["std"] * situation.velocity) ** 2 + 2.0 * bend**2)
+
+    def bend_of_mean(self, situation: Situation) -> Array:
+        """What the times do to the mean of what is read: σ²/2 times its second derivative."""
+        second = np.gradient(np.gradient(situation.position)) / situation.acquisition.period**2
+        return np.asarray(0.5 * self.values["std"] ** 2 * second)
 
 
 def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:

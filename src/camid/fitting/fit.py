@@ -175,8 +175,9 @@ class _OutputError:
         self.few = problem
         self.derivative = UpdatedDerivative(self._differences, refreshes, self._first)
         # About the middle of what was recorded: an offset may be far larger than the motion.
-        worst = RUNAWAY_RESIDUAL * problem.output_spread
-        self.lowest, self.highest = (float(np.mean(problem.output)) + side * worst for side in (-1.0, 1.0))
+        middle, worst = float(np.mean(problem.recorded)), RUNAWAY_RESIDUAL * problem.output_spread
+        rows = np.ones(len(problem.output))
+        self.lowest, self.highest = (problem.over_noise((middle + side * worst) * rows) for side in (-1.0, 1.0))
         self.latest: list[tuple[Array, Array]] = []
 
     def with_steps_of(self, problem: Problem) -> None:
@@ -214,8 +215,8 @@ class _OutputError:
         except NotApplicable:
             raise
         except (ValueError, ArithmeticError):
-            return np.full(len(problem.output), high)
-        return np.clip(np.nan_to_num(rows, nan=high, posinf=high, neginf=low), low, high)
+            return high.copy()
+        return np.clip(np.where(np.isnan(rows), high, rows), low, high)
 
     def simulated(self, vector: Array) -> Array:
         """The simulated output, shape (M,), the last two of which are kept."""

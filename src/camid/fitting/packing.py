@@ -124,7 +124,7 @@ def _mode_sizes(problem: Problem, model: Model) -> list[float]:
     """What the initial states of modes are measured by: those of an oscillation as large as the output."""
     plant = problem.structure.plant(model.coefficients)
     unit = time_scale(plant.monic.denominator)
-    spread = float(np.std(problem.output)) or 1.0
+    spread = float(np.std(problem.recorded)) or 1.0
     parts = [e.beside_plant() for e in model.effects] + [e.after_plant() for e in model.effects]
     sizes: list[float] = []
     for part in parts:
@@ -155,7 +155,7 @@ def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
     """Output over input, for the numerator; one for the denominator."""
     signal = max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
     gain = np.ones(len(free))
-    gain[: problem.structure.degree + 1] = (float(np.ptp(problem.output)) or 1.0) / signal
+    gain[: problem.structure.degree + 1] = (float(np.ptp(problem.recorded)) or 1.0) / signal
     return gain[free]
 
 

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.motion import Motion
-from camid.effects.base import Effect
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import ROUGH, few_steps_of, move, run, steps_of
 from camid.engine.work import Work
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.remembered_motions import RememberedMotions
+from camid.fitting.views import Views
 from camid.identification.experiment import Experiment
 from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
 from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
@@ -61,31 +61,6 @@ class Noise:
 
 
 @dataclass(frozen=True)
-class Views:
-    """What first guesses need of one recording, with positions counted in three ways.
-
-    Attributes
-    ----------
-    reading : Situation
-        As they were recorded.
-    sensor : Situation
-        From the sensor's zero, without its offset.
-    plant : Situation
-        As the plant's forces count them.
-    """
-
-    reading: Situation
-    sensor: Situation
-    plant: Situation
-
-    def of(self, effect: type[Effect]) -> Situation:
-        """As an effect sees them."""
-        if effect.place != "sensor":
-            return self.plant
-        return self.reading if effect.acts_on_reading else self.sensor
-
-
-@dataclass(frozen=True)
 class Problem:
     """Recordings and structure.
 
@@ -103,6 +78,9 @@ class Problem:
         Steps of the integrator in a period of each recording; see :meth:`pinned`.
     remainder : float, optional
         Root mean square of what an earlier diagnosis left unexplained.
+    relative_noise : tuple of ndarray, optional
+        Standard deviation of the noise in each row of each recording, shapes (N,), over its root mean square, where it
+        is uneven: what is compared is divided by it.
     work : Work
         Counts all simulations for this problem and those that were made from it.
     motions : RememberedMotions
@@ -116,6 +94,7 @@ class Problem:
     unit: float = 1.0
     steps: tuple[int, ...] | None = None
     remainder: float | None = None
+    relative_noise: tuple[Array, ...] | None = None
     work: Work = field(default_factory=Work, compare=False)
     motions: RememberedMotions = field(default_factory=RememberedMotions, compare=False)
 
@@ -134,9 +113,14 @@ class Problem:
         return [r for r in sorted(set(self.runs)) if np.mean(self.experiments[r].used) > LEAST_FITTED]
 
     @cached_property
-    def output(self) -> Array:
+    def recorded(self) -> Array:
         """Recorded outputs on the fitted rows, shape (M,)."""
         return self.fitted([e.output for e in self.experiments])
+
+    @cached_property
+    def output(self) -> Array:
+        """The same as they are compared: over the relative noise where that is uneven."""
+        return self.over_noise(self.recorded)
 
     @cached_property
     def output_spread(self) -> float:
@@ -172,6 +156,20 @@ class Problem:
         """The fitted rows of all recordings, concatenated."""
         return np.concatenate([r[e.used] for r, e in zip(rows, self.experiments, strict=True)])
 
+    def over_noise(self, rows: Array) -> Array:
+        """Values on the fitted rows, shape (M,) or (M, c), over the relative noise where that is uneven."""
+        noise = self._noise_of_fitted
+        return rows if noise is None else np.asarray(rows / (noise if rows.ndim == 1 else noise[:, None]))
+
+    def in_units(self, rows: Array) -> Array:
+        """What :meth:`over_noise` was given, shape (M,)."""
+        noise = self._noise_of_fitted
+        return rows if noise is None else rows * noise
+
+    @cached_property
+    def _noise_of_fitted(self) -> Array | None:
+        return None if self.relative_noise is None else self.fitted(self.relative_noise)
+
     def with_used(self, used: Sequence[NDArray[np.bool_]]) -> Problem:
         """The same with other rows fitted."""
         experiments = [replace(e, used=u) for e, u in zip(self.experiments, used, strict=True)]
@@ -183,7 +181,9 @@ class Problem:
             replace(e, signal=e.signal[:rows], output=e.output[:rows], used=e.used[:rows]) for e in self.experiments
         ]
         times = [t[:rows] for t in self.times]
-        return replace(self, experiments=experiments, times=times, kind=self.kind.start_of(rows))
+        noise = None if self.relative_noise is None else tuple(n[:rows] for n in self.relative_noise)
+        kind = self.kind.start_of(rows)
+        return replace(self, experiments=experiments, times=times, kind=kind, relative_noise=noise)
 
     def delivered_later(self, time: float) -> Problem:
         """The same with a latency that is longer by a time in seconds."""
@@ -303,7 +303,12 @@ class Problem:
     def simulate_fitted(self, model: Model) -> Array:
         """What is compared with the outputs, the fitted rows of all recordings, concatenated; shape (M,)."""
         parts = [run(chain, signal, time)[used] for chain, signal, time, used in self.fitted_chains(model)]
-        return np.concatenate(parts) if parts else np.zeros(0)
+        return self.over_noise(np.concatenate(parts)) if parts else np.zeros(0)
+
+    def errors(self, model: Model, rows: Sequence[NDArray[np.bool_]]) -> Array:
+        """Recorded minus simulated output on some rows of each recording, concatenated, as it is compared."""
+        judging, simulated = self.with_used(rows), self.simulate(model)
+        return judging.output - judging.over_noise(judging.fitted(simulated))
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
         """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) per recording."""

@@ -19,8 +19,6 @@ from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
-Array = NDArray[np.float64]
-
 # Logarithm of the ratio of predictive densities against an effect from which it is not named: 150 to one.
 REFUTED = 5.0
 
@@ -56,7 +54,7 @@ def borne_out(
 
 def _fails(problem: Problem, decision: Decision, index: int, judging: Sequence[NDArray[np.bool_]]) -> bool:
     """Whether squared errors on rows that were not fitted are some times larger with an effect than without it."""
-    errors, others = (_errors(problem, each, judging) for each in (decision.fitted, decision.without[index]))
+    errors, others = (problem.errors(each.model, judging) for each in (decision.fitted, decision.without[index]))
     return not float(errors @ errors) <= FAILED_ERROR_RATIO * float(others @ others)
 
 
@@ -66,7 +64,7 @@ def held_out_evidence(problem: Problem, fitted: Fitted, without: Fitted, judging
     The noise is what the model with the effect leaves on the fitted rows; where that has a colour, a direction of the
     output in which it varies more says less, as in :meth:`camid.fitting.fit.Fitted.criterion_beyond`.
     """
-    errors, others = (_errors(problem, each, judging) for each in (fitted, without))
+    errors, others = (problem.errors(each.model, judging) for each in (fitted, without))
     if not np.all(np.isfinite(errors)):
         return -np.inf
     if not np.all(np.isfinite(others)):
@@ -74,9 +72,3 @@ def held_out_evidence(problem: Problem, fitted: Fitted, without: Fitted, judging
     variance = fitted.cost / max(len(fitted.residual) - len(fitted.packing.names), 1)
     ratio = float(others @ others - errors @ errors) / (2.0 * max(variance, 1e-300))
     return ratio / fitted.inflation(others - errors)
-
-
-def _errors(problem: Problem, fitted: Fitted, rows: Sequence[NDArray[np.bool_]]) -> Array:
-    """Recorded minus simulated output on some rows of each recording, concatenated."""
-    simulated = problem.simulate(fitted.model)
-    return np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])

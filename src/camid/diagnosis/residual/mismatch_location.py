@@ -142,7 +142,7 @@ def regressors(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, 
             hold = problem.chain(fitted.model, index).declared().hold if place == "actuator" else "foh"
             columns = problem.kind.force_responses(problem, fitted.model, index, forces, hold)
         parts.append(np.column_stack([column[experiment.used] for column in columns]))
-    return np.concatenate(parts)
+    return problem.over_noise(np.concatenate(parts))
 
 
 def places(problem: Problem, fitted: Fitted, spread: Array | None = None) -> list[PlaceTest]:
@@ -160,7 +160,8 @@ def places(problem: Problem, fitted: Fitted, spread: Array | None = None) -> lis
     if spread is None:
         view = metrics(problem, fitted)[-1]
     else:
-        view = Metric.of(problem, fitted, np.ones(1), spread, _bend_of_the_reading(problem, fitted, motions))
+        whitening = problem.noise(fitted.residual / spread, len(fitted.packing.names)).whitening
+        view = Metric.of(problem, fitted, whitening, spread, _bend_of_the_reading(problem, fitted, motions))
     # One table at a time: each is as long as the recordings, and tens of columns wide.
     return [_place_test(problem, view, place, regressors(problem, fitted, motions, place)) for place in QUESTIONS]
 
@@ -171,7 +172,7 @@ def _bend_of_the_reading(problem: Problem, fitted: Fitted, motions: Sequence[tup
     for index, (position, _) in enumerate(motions):
         seen = problem.kind.position_seen(problem, fitted.model, index, position)
         bends.append(np.gradient(np.gradient(seen)))
-    return problem.fitted(bends)[:, None]
+    return problem.over_noise(problem.fitted(bends))[:, None]
 
 
 def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> PlaceTest:
@@ -181,9 +182,7 @@ def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> Pla
     """
     from scipy.special import fdtrc
 
-    whitened = problem.whitened(table, view.whitening)
-    if view.spread is not None:
-        whitened = whitened / view.spread[:, None]
+    whitened = problem.whitened(table if view.spread is None else table / view.spread[:, None], view.whitening)
     lengths = np.linalg.norm(whitened, axis=0)
     if not np.any(lengths > 0.0):
         return PlaceTest(place, QUESTIONS[place], 1.0, 0.0, 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.finding import Finding
+from camid.diagnosis.residual.uneven_noise import LARGEST_P_VALUE, standard_deviation, with_rate_of_reading
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
 from camid.effects.base import Effect
@@ -16,22 +17,15 @@ from camid.effects.noise import tail, variance_regression
 from camid.effects.recognition import Recognition
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
-from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
-# A noise-like effect is named where its absence would show as much in fewer recordings than this.
-LARGEST_P_VALUE = 1e-4
 # Rows are left out already where they are suspect: few rows more or less cost nothing.
 SUSPECT_P_VALUE = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE_RATIO = 4.0
 SAME_RESONANCE = 0.2
-# Time between the readings whose difference is their rate, as a share of the period.
-RATE_STEP = 0.05
-# Share of the variance of uneven noise that does not depend on the motion, at least.
-LEAST_EVEN = 0.05
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bool_]]]:
@@ -64,7 +58,7 @@ def recognised_noise(
         Of the nominal simulation.
     """
     known = {e.identifier for e in declared}
-    situation = _where_motion_is_finite(_with_rate_of_reading(whole, final.model))
+    situation = _where_motion_is_finite(with_rate_of_reading(whole, final.model))
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames come before outliers
         possible = effect.noise_like and problem.kind.unseen(effect) is None
@@ -84,28 +78,6 @@ def recognised_noise(
     return findings, [*((e, {}) for e in declared if e.noise_like), *effects]
 
 
-def _with_rate_of_reading(problem: Problem, model: Model) -> Situation:
-    """What recognition needs, with the rate of the reading as it is between two frames.
-
-    Differences from frame to frame fall short of the rate of a motion that turns round within a few frames, and what is
-    divided by them is too large. A reading that is delivered later is that of an earlier time, and the next one
-    delivered nearly a period later is that of a time just behind. A force that jumps with a frame may bend the reading
-    there, so that the rate before and that behind are taken as their root mean square: noise has its mean variance.
-    """
-    situation = problem.situation(model)
-    index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
-    reading = problem.simulate_one(model, index)
-    # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
-    if problem.kind.loop(index) is not None or not np.array_equal(reading, situation.position):
-        return situation
-    period = problem.acquisition.period
-    step = RATE_STEP * period
-    earlier, later = (problem.delivered_later(t).simulate_one(model, index) for t in (step, period - step))
-    before = (reading - earlier) / step
-    behind = np.append((later[1:] - reading[:-1]) / step, before[-1])
-    return replace(situation, velocity=np.copysign(np.sqrt(0.5 * (before**2 + behind**2)), before + behind))
-
-
 def _where_motion_is_finite(situation: Situation) -> Situation:
     """Without rows in which the motion has run away: a sensor that clips hides that, and the residual is finite."""
     with np.errstate(over="ignore", invalid="ignore"):
@@ -115,7 +87,7 @@ def _where_motion_is_finite(situation: Situation) -> Situation:
 
 def _without_imitations(situation: Situation, found: list[Recognition]) -> list[Recognition]:
     """Without what is only the tails of noise whose variance another effect makes uneven: outliers of a jitter."""
-    spread = _standard_deviation([r.effect for r in found], situation)
+    spread = standard_deviation([r.effect for r in found], situation)
     if spread is None:
         return found
     residual = situation.residual / spread
@@ -126,31 +98,6 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
         return again is not None and again.named and again.p_value < LARGEST_P_VALUE
 
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
-
-
-def _standard_deviation(effects: Sequence[Effect], situation: Situation) -> Array | None:
-    """Standard deviation of the noise in each row, shape (N,), where effects make it uneven; else None."""
-    added = [v for effect in effects if (v := effect.added_variance(situation)) is not None]
-    if not added:
-        return None
-    moving = np.sum(added, axis=0)
-    variance = float(np.mean(situation.residual[situation.used] ** 2))
-    rest = max(variance - float(np.mean(moving[situation.used])), LEAST_EVEN * variance)
-    return np.asarray(np.sqrt(rest + moving))
-
-
-def uneven_spread(problem: Problem, final: Fitted, effects: Sequence[Effect]) -> Array | None:
-    """Relative standard deviation of the noise in each fitted row, shape (M,), where effects make it uneven.
-
-    None where none does, or what they add is not known of every recording.
-    """
-    if len(problem.experiments) > 1:
-        return None
-    spread = _standard_deviation(effects, _with_rate_of_reading(problem, final.model))
-    if spread is None:
-        return None
-    rows = spread[problem.experiments[0].used]
-    return np.asarray(rows / np.sqrt(np.mean(rows**2)))
 
 
 def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: float) -> Recognition:

@@ -46,7 +46,7 @@ def reasons_for_structure(
         reasons.append("resonance")
     if _larger_on_validation_rows(problem, final, validation):
         reasons.append("validation")
-    if coloured and final.cost > LARGEST_NOISE_SHARE * float(np.var(problem.output)) * len(final.residual):
+    if coloured and final.cost > LARGEST_NOISE_SHARE * float(np.var(problem.recorded)) * len(final.residual):
         reasons.append("misfit")  # coloured noise that is most of the output is a model that does not fit
     if not any(kind.makes_variance_uneven for kind in kinds) and depends_on_position(problem, final) < UNEVEN_P_VALUE:
         reasons.append("variance")
@@ -59,10 +59,7 @@ def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequ
     Isolated values do not count, because a sensor makes them; nor does what only the running median shows, whose
     square scatters more than that of noise.
     """
-    simulated = problem.simulate(final.model)
-    raw = np.concatenate(
-        [(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, validation, strict=True)]
-    )
+    raw = problem.errors(final.model, validation)
     errors, residual = without_outliers(raw), without_outliers(final.residual)
     noise = max(float(np.mean(residual**2)), 1e-300)
     if float(np.mean(errors**2)) < LARGER_ERROR_RATIO * noise:

@@ -165,7 +165,7 @@ def _fitted_first(problem: Problem, watch: Watch, base: Fitted, candidate: Scree
 
 def is_far_off(problem: Problem, fitted: Fitted) -> bool:
     """Whether a model is so far from the recordings that its coefficients may be bent beyond repair."""
-    return fitted.cost >= NOMINAL_START_ERROR**2 * float(np.var(problem.output)) * len(fitted.residual)
+    return fitted.cost >= NOMINAL_START_ERROR**2 * float(np.var(problem.recorded)) * len(fitted.residual)
 
 
 def has_run_away(fitted: Fitted, nominal: Model) -> bool:

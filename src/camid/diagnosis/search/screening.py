@@ -164,7 +164,7 @@ def projector(table: Array) -> Array:
 class Metric:
     """Residual and the basis of what is fitted, white or after the whitening filter of the noise.
 
-    Where the noise is uneven, rows are divided by its relative standard deviation ``spread``, shape (M,).
+    Where the noise is uneven, rows are divided by its relative standard deviation ``spread``, shape (M,), before.
     """
 
     whitening: Array
@@ -178,12 +178,12 @@ class Metric:
         cls, problem: Problem, base: Fitted, whitening: Array, spread: Array | None = None, beside: Array | None = None
     ) -> Metric:
         """Metric of a fitted model; columns ``beside`` it, shape (M, c), are no sign of anything either."""
-        rows = 1.0 if spread is None else spread[:, None]
+        rows = 1.0 if spread is None else spread
         # What a learned law could do is no sign of anything else, either.
         table = base.sensitivities if base.nuisance is None else np.hstack([base.sensitivities, base.nuisance])
         table = table if beside is None else np.hstack([table, beside])
-        basis = projector(problem.whitened(table, whitening) / rows)
-        residual = problem.whitened(base.residual, whitening) / (1.0 if spread is None else spread)
+        basis = projector(problem.whitened(table if spread is None else table / spread[:, None], whitening))
+        residual = problem.whitened(base.residual / rows, whitening)
         residual = residual - basis @ (basis.T @ residual)
         freedom = max(len(residual) - basis.shape[1], 1)
         return cls(whitening, basis, residual, float(residual @ residual) / freedom, spread)

@@ -22,7 +22,8 @@ from camid.fitting.growing_horizon import STEPS
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.kind import PlantKind
-from camid.fitting.problem import Problem, Views
+from camid.fitting.problem import Problem
+from camid.fitting.views import Views
 from camid.identification.experiment import Experiment
 from camid.identification.predictor import Predictor
 from camid.identification.records import Records

@@ -28,7 +28,8 @@ from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import AT_ZERO, BIAS, LATENCIES, LATENCY, OFFSET, SKEW
-from camid.fitting.problem import Problem, Views
+from camid.fitting.problem import Problem
+from camid.fitting.views import Views
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording

@@ -19,7 +19,8 @@ from camid.effects.sensor_geometry import LensDistortion, Perspective
 from camid.effects.situation import Situation
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.equations import EquationsKind
-from camid.fitting.problem import Problem, Views
+from camid.fitting.problem import Problem
+from camid.fitting.views import Views
 from camid.physical.equations import transfer_function_of
 
 Array = NDArray[np.float64]

@@ -1,0 +1,138 @@
+"""How large the noise of each row is where the motion makes it uneven, as times that scatter do.
+
+Least squares weighs all rows alike, and where most of the noise is that of a fast motion it hears little of what the
+slow one says. Rows over the standard deviation of their noise weigh as much as they say (Aitken 1936, Proc. R. Soc.
+Edinburgh 55, 42–48).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.effects.situation import Situation
+from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+
+Array = NDArray[np.float64]
+
+# A noise-like effect is named where its absence would show as much in fewer recordings than this.
+LARGEST_P_VALUE = 1e-4
+# Time between the readings whose difference is their rate, as a share of the period.
+RATE_STEP = 0.05
+# Share of the variance of uneven noise that does not depend on the motion, at least.
+LEAST_EVEN = 0.05
+# Share of the variance of what is left that has to change from frame to frame: the rest is structure, or a colour.
+LEAST_FROM_FRAME_TO_FRAME = 0.5
+# Ratio of what rows say over their noise to what they say when all weigh alike from which they are compared over it.
+WORTH_WEIGHING = 1.5
+# Sum of squares, in variances of the noise, of what times that scatter do to the mean of the readings, up to which that
+# is left out of account.
+LARGEST_BEND = 16.0
+
+
+def with_rate_of_reading(problem: Problem, model: Model) -> Situation:
+    """What recognition needs, with the rate of the reading as it is between two frames.
+
+    Differences from frame to frame fall short of the rate of a motion that turns round within a few frames, and what is
+    divided by them is too large. A reading that is delivered later is that of an earlier time, and the next one
+    delivered nearly a period later is that of a time just behind. A force that jumps with a frame may bend the reading
+    there, so that the rate before and that behind are taken as their root mean square: noise has its mean variance.
+    """
+    situation = problem.situation(model)
+    index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
+    reading = problem.simulate_one(model, index)
+    # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
+    if problem.kind.loop(index) is not None or not np.array_equal(reading, situation.position):
+        return situation
+    period = problem.acquisition.period
+    step = RATE_STEP * period
+    earlier, later = (problem.delivered_later(t).simulate_one(model, index) for t in (step, period - step))
+    before = (reading - earlier) / step
+    behind = np.append((later[1:] - reading[:-1]) / step, before[-1])
+    return replace(situation, velocity=np.copysign(np.sqrt(0.5 * (before**2 + behind**2)), before + behind))
+
+
+def standard_deviation(effects: Sequence[Effect], situation: Situation) -> Array | None:
+    """Standard deviation of the noise in each row, shape (N,), where effects make it uneven; else None."""
+    added = [v for effect in effects if (v := effect.added_variance(situation)) is not None]
+    if not added:
+        return None
+    moving = np.sum(added, axis=0)
+    variance = float(np.mean(situation.residual[situation.used] ** 2))
+    rest = max(variance - float(np.mean(moving[situation.used])), LEAST_EVEN * variance)
+    return np.asarray(np.sqrt(rest + moving))
+
+
+def uneven_spread(problem: Problem, final: Fitted, effects: Sequence[Effect]) -> Array | None:
+    """Relative standard deviation of the noise in each fitted row, shape (M,), where effects make it uneven.
+
+    None where none does, or what they add is not known of every recording. One where rows are compared over it already.
+    """
+    if problem.relative_noise is not None:
+        return np.ones(len(problem.output))
+    if len(problem.experiments) > 1:
+        return None
+    spread = standard_deviation(effects, with_rate_of_reading(problem, final.model))
+    if spread is None:
+        return None
+    rows = spread[problem.experiments[0].used]
+    return np.asarray(rows / np.sqrt(np.mean(rows**2)))
+
+
+def relative_noise(problem: Problem, fitted: Fitted) -> tuple[Array, ...] | None:
+    """Relative standard deviation of the noise in each row of a recording, where it is worth to weigh rows by it.
+
+    Structure in what a model leaves may look like uneven noise. It goes on from frame to frame, and what times that
+    scatter add does not, so that the second differences of what is left tell them apart.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+
+    Returns
+    -------
+    tuple of ndarray, shapes (N,), or None
+        None where the noise is even, or there are several recordings.
+    """
+    if len(problem.experiments) > 1 or problem.relative_noise is not None:
+        return None
+    situation = with_rate_of_reading(problem, fitted.model)
+    differences = _from_frame_to_frame(situation)
+    changing, whole = (float(np.mean(each.residual[each.used] ** 2)) for each in (differences, situation))
+    if changing < LEAST_FROM_FRAME_TO_FRAME * whole:
+        return None
+    found = []
+    for _, effect in sorted(known_effects().items()):
+        if effect.makes_variance_uneven and problem.kind.unseen(effect) is None:
+            recognition = effect.recognise(differences)
+            if recognition is not None and recognition.named and recognition.p_value < LARGEST_P_VALUE:
+                found.append(recognition.effect)
+    spread = standard_deviation(found, situation)
+    if spread is None:
+        return None
+    square = spread**2
+    used = square[situation.used]
+    if not np.all(np.isfinite(square)) or np.mean(used) * np.mean(1.0 / used) < WORTH_WEIGHING:
+        return None
+    bends = [bend for effect in found if (bend := effect.bend_of_mean(situation)) is not None]
+    if any(float(np.sum(bend[situation.used] ** 2 / used)) > LARGEST_BEND for bend in bends):
+        return None
+    return (np.asarray(np.sqrt(square / np.mean(used))),)
+
+
+def _from_frame_to_frame(situation: Situation) -> Situation:
+    """The same with second differences of the residual, of which white noise has its own variance."""
+    residual, used = np.zeros(len(situation.time)), np.zeros(len(situation.time), bool)
+    residual[1:-1] = np.diff(situation.residual, 2) / np.sqrt(6.0)
+    used[1:-1] = situation.used[:-2] & situation.used[1:-1] & situation.used[2:]
+    square = situation.velocity**2
+    speed = np.sqrt(np.convolve(np.pad(square, 1, "edge"), [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0], "valid"))
+    return replace(situation, residual=residual, velocity=speed, used=used)
