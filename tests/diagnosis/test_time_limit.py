@@ -6,7 +6,7 @@ import pytest
 
 import camid
 from camid.cli import main
-from camid.diagnosis.watch import LAWS, LEAST_ALLOWANCE, WORK, WORK_OF_ROW, Watch
+from camid.diagnosis.watch import LAWS, OVERTIME, WORK, WORK_OF_ROW, Watch
 from camid.engine.work import ROW, RUN, Work
 from tests.support.mass_on_spring import effect, record, simulation
 
@@ -104,8 +104,10 @@ def test_what_is_left_of_the_effort_is_shared_out():
     assert watch.allowance(3) == float("inf")
     watch.count(work, 0)
     work.add_run(0)
-    assert watch.allowance(2) == pytest.approx(0.5 * (WORK - RUN * 1e-6))
-    assert watch.allowance(100) == pytest.approx(LEAST_ALLOWANCE * WORK)
+    assert watch.allowance(2) == pytest.approx(0.5 * (OVERTIME * WORK - RUN * 1e-6))
+    while work.seconds < 2.0 * OVERTIME * WORK:
+        work.add(work.state())
+    assert watch.allowance(2) == 0.0
     unbounded = Watch(effort=None)
     unbounded.count(work, 0)
     assert unbounded.allowance(3) == float("inf")

@@ -21,8 +21,8 @@ EFFORT = 1.0
 WORK, WORK_OF_ROW = 9.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
-# Share of them that a fit may take though less is left.
-LEAST_ALLOWANCE = 0.08
+# The same that formulas may take in all: what is learned says little without one.
+OVERTIME = 1.3
 # Fits between which it is looked at: two threads share them.
 BATCH = 8
 
@@ -69,10 +69,10 @@ class Watch(Account):
         return 0.0 if self._work is None else self._work.seconds
 
     def allowance(self, count: int) -> float:
-        """Work that each of so many fits may take, in seconds: an equal part of what is left, or a little more."""
+        """Work that each of so many fits of formulas may take, in seconds: an equal part of what is left for them."""
         if self.effort is None or self._work is None:
             return inf
-        return max((self._bound - self.done) / max(count, 1), LEAST_ALLOWANCE * self._bound)
+        return max(OVERTIME * self._bound - self.done, 0.0) / max(count, 1)
 
     def take_stock(self, share: float = FORMULAS, ahead: float = 0.0) -> None:
         """Note whether a share of the work is done, or will be with what is ahead; not while other threads simulate."""

@@ -64,25 +64,44 @@ class Candidate:
 Entry = tuple[float, FittedForm, tuple[int, ...], LinearisedLaw]
 
 
+def table_of(problem: Problem, decision: Decision, group: Group) -> LawTable:
+    """Derivatives by the learned law of a group about its curve, for all that is asked to first order about it.
+
+    Raises
+    ------
+    ValueError
+        If the simulation diverges.
+    """
+    law = decision.improved.model.effects[group.index]
+    assert isinstance(law, LearnedEffect)
+    return LawTable.of(problem, decision.improved, group.index, fine_grid(law.knots))
+
+
 def linear(
-    problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...], others: Array | None
+    problem: Problem,
+    decision: Decision,
+    group: Group,
+    table: LawTable,
+    replaced: tuple[int, ...],
+    others: Array | None,
 ) -> LinearisedLaw:
     """What the recording says of the learned laws and other effects together, to first order about the curve."""
-    final = decision.improved
-    law = final.model.effects[group.index]
-    assert isinstance(law, LearnedEffect)
-    table = LawTable.of(problem, final, group.index, fine_grid(law.knots))
     values = np.zeros(len(table.grid))
     for i in (*group.laws, *replaced):
-        values += values_of(problem, final, i, group.variables, table.grid)
+        values += values_of(problem, decision.improved, i, group.variables, table.grid)
     return table.about(values, replaced, others)
 
 
 def about_curve(
-    problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...], others: Array | None
+    problem: Problem,
+    decision: Decision,
+    group: Group,
+    table: LawTable,
+    replaced: tuple[int, ...],
+    others: Array | None,
 ) -> list[Entry]:
     """All forms in the place of the learned laws and other effects, to first order about the curve."""
-    return _scored(decision.improved, linear(problem, decision, group, replaced, others), replaced)
+    return _scored(decision.improved, linear(problem, decision, group, table, replaced, others), replaced)
 
 
 def about_formula(

@@ -23,6 +23,7 @@ from camid.diagnosis.laws.formula.candidates import (
     fitted_through_the_chain,
     in_order,
     linear,
+    table_of,
     through_the_chain,
 )
 from camid.diagnosis.laws.formula.dictionary import FIXED_POWERS, POWERS
@@ -103,20 +104,21 @@ def chosen(
     ValueError
         If the chain diverges.
     """
+    table = table_of(problem, decision, group)
     candidates: list[Candidate] = []
     # Where a formula carries all of a law, no other effect is needed beside another one.
     for replaced in sorted({(), group.named, group.others}, key=len, reverse=True):
-        found = _searched(problem, decision, group, replaced, watch)
+        found = _searched(problem, decision, group, table, replaced, watch)
         candidates += found
         if found and _holds(problem, decision, group, found[0]):
             break
     else:
-        candidates += _with_constant(problem, decision, group, in_order(candidates), watch)
-    return _judged(problem, decision, group, in_order(candidates), judging, watch)
+        candidates += _with_constant(problem, decision, group, table, in_order(candidates), watch)
+    return _judged(problem, decision, group, table, in_order(candidates), judging, watch)
 
 
 def _with_constant(
-    problem: Problem, decision: Decision, group: Group, candidates: Sequence[Candidate], watch: Watch
+    problem: Problem, decision: Decision, group: Group, table: LawTable, candidates: Sequence[Candidate], watch: Watch
 ) -> list[Candidate]:
     """The likeliest formulas beside a constant, where none is free: a law need not be zero at zero."""
     if not candidates or FORCES.get(group.variables, (None, None))[1] is not None:
@@ -128,7 +130,7 @@ def _with_constant(
     kind = next(effect for effect in known_effects().values() if effect.is_constant and effect.place == place)
     constant = kind(**{parameter.name: 0.0 for parameter in kind.numeric()})
     best = candidates[0]
-    law = linear(problem, decision, group, best.replaced, None)
+    law = linear(problem, decision, group, table, best.replaced, None)
     again = through_the_chain(problem, decision.improved, group, best.form, best.replaced, law, constant)
     if again is None:
         return []
@@ -140,11 +142,11 @@ def _with_constant(
 
 
 def _searched(
-    problem: Problem, decision: Decision, group: Group, replaced: tuple[int, ...], watch: Watch
+    problem: Problem, decision: Decision, group: Group, table: LawTable, replaced: tuple[int, ...], watch: Watch
 ) -> list[Candidate]:
     """The likeliest formulas in the place of the learned laws and other effects, the best first."""
     others = other_laws(decision, group, replaced)
-    entries = about_curve(problem, decision, group, replaced, others)
+    entries = about_curve(problem, decision, group, table, replaced, others)
     found = fitted_through_the_chain(problem, decision.improved, group, entries, watch)
     # The curve says little of a law that stands for effects that depend on something else.
     alone = bool(set(replaced) - set(group.named))
@@ -171,12 +173,13 @@ def _judged(
     problem: Problem,
     decision: Decision,
     group: Group,
+    table: LawTable,
     candidates: list[Candidate],
     judging: Sequence[NDArray[np.bool_]],
     watch: Watch,
 ) -> Choice:
     """Those that explain as much as the learned laws, and why there is no formula otherwise."""
-    law = linear(problem, decision, group, group.named, other_laws(decision, group))
+    law = linear(problem, decision, group, table, group.named, other_laws(decision, group))
     if not candidates:
         how = " as fast as the effort allows" if LONG_FITS in watch.left_out else ""
         return Choice(group, law, [], None, 0.0, f"no form of the dictionary can be simulated{how}")
