@@ -16,15 +16,16 @@ from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 COUNT, NOISE = 2000, 0.002
 
 
-def jittered(*effects, jitter, seed, noise=NOISE):
+def jittered(*effects, jitter, seed, noise=NOISE, count=COUNT, command_seed=1):
     """A recording with frames that come early or late, to second order in time, in seconds."""
     step = 0.02 * PERIOD
-    tables = [record(*effects, count=COUNT, noise=0.0, latency=latency) for latency in (0.0, step, 2 * step)]
+    options = {"count": count, "seed": command_seed, "noise": 0.0}
+    tables = [record(*effects, latency=latency, **options) for latency in (0.0, step, 2 * step)]
     now, earlier, earliest = (table["y"].to_numpy() for table in tables)
     rate, bend = (3.0 * now - 4.0 * earlier + earliest) / (2.0 * step), (now - 2.0 * earlier + earliest) / step**2
     random = np.random.default_rng(seed)
-    times = jitter * random.standard_normal(COUNT)
-    output = now + times * rate + 0.5 * times**2 * bend + noise * random.standard_normal(COUNT)
+    times = jitter * random.standard_normal(count)
+    output = now + times * rate + 0.5 * times**2 * bend + noise * random.standard_normal(count)
     return tables[0].assign(y=output)
 
 
@@ -45,6 +46,15 @@ def test_friction_that_shows_where_the_motion_is_slow_is_found_beside_jitter(see
     assert abs(friction.value - 0.004) < 3.0 * friction.standard_deviation
     # With all rows alike it is three times as large.
     assert friction.standard_deviation < 0.0007
+    other = jittered(effect("coulomb-friction", force=0.004), jitter=0.2 * PERIOD, seed=seed + 10)
+    assert camid.diagnose(other, diagnosis.improved.to_mapping()).verdict == "adequate"
+
+
+def test_the_rows_of_several_recordings_are_weighed_by_their_own_noise():
+    friction, jitter = effect("coulomb-friction", force=0.004), 0.2 * PERIOD
+    tables = [jittered(friction, jitter=jitter, seed=seed, count=1200, command_seed=seed) for seed in (3, 4)]
+    diagnosis = camid.diagnose(tables, simulation())
+    assert {f.identifier for f in diagnosis.findings} == {"coulomb-friction", "timestamp-jitter"}
 
 
 def test_jitter_is_named_beside_noise_that_has_a_colour():

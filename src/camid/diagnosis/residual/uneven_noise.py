@@ -37,16 +37,17 @@ WORTH_WEIGHING = 1.5
 LARGEST_BEND = 16.0
 
 
-def with_rate_of_reading(problem: Problem, model: Model) -> Situation:
-    """What recognition needs, with the rate of the reading as it is between two frames.
+def with_rate_of_reading(problem: Problem, model: Model, index: int | None = None) -> Situation:
+    """What recognition needs of a recording, the longest where none is named, with the rate of its reading.
 
     Differences from frame to frame fall short of the rate of a motion that turns round within a few frames, and what is
     divided by them is too large. A reading that is delivered later is that of an earlier time, and the next one
     delivered nearly a period later is that of a time just behind. A force that jumps with a frame may bend the reading
     there, so that the rate before and that behind are taken as their root mean square: noise has its mean variance.
     """
-    situation = problem.situation(model)
-    index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
+    if index is None:
+        index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
+    situation = problem.situation(model, index)
     reading = problem.simulate_one(model, index)
     # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
     if problem.kind.loop(index) is not None or not np.array_equal(reading, situation.position):
@@ -73,21 +74,18 @@ def standard_deviation(effects: Sequence[Effect], situation: Situation) -> Array
 def uneven_spread(problem: Problem, final: Fitted, effects: Sequence[Effect]) -> Array | None:
     """Relative standard deviation of the noise in each fitted row, shape (M,), where effects make it uneven.
 
-    None where none does, or what they add is not known of every recording. One where rows are compared over it already.
+    None where none does. One where rows are compared over it already.
     """
     if problem.relative_noise is not None:
         return np.ones(len(problem.output))
-    if len(problem.experiments) > 1:
+    if not any(effect.makes_variance_uneven for effect in effects):
         return None
-    spread = standard_deviation(effects, with_rate_of_reading(problem, final.model))
-    if spread is None:
-        return None
-    rows = spread[problem.experiments[0].used]
-    return np.asarray(rows / np.sqrt(np.mean(rows**2)))
+    noise = _relative(effects, _situations(problem, final.model))
+    return None if noise is None else problem.fitted(noise)
 
 
 def relative_noise(problem: Problem, fitted: Fitted) -> tuple[Array, ...] | None:
-    """Relative standard deviation of the noise in each row of a recording, where it is worth to weigh rows by it.
+    """Relative standard deviation of the noise in each row of each recording, where it is worth to weigh rows by it.
 
     Structure in what a model leaves may look like uneven noise. It goes on from frame to frame, and what times that
     scatter add does not, so that the second differences of what is left tell them apart.
@@ -100,13 +98,15 @@ def relative_noise(problem: Problem, fitted: Fitted) -> tuple[Array, ...] | None
     Returns
     -------
     tuple of ndarray, shapes (N,), or None
-        None where the noise is even, or there are several recordings.
+        None where the noise is even.
     """
-    if len(problem.experiments) > 1 or problem.relative_noise is not None:
+    if problem.relative_noise is not None:
         return None
-    situation = with_rate_of_reading(problem, fitted.model)
-    differences = _from_frame_to_frame(situation)
-    changing, whole = (float(np.mean(each.residual[each.used] ** 2)) for each in (differences, situation))
+    longest = with_rate_of_reading(problem, fitted.model)
+    differences = _from_frame_to_frame(longest)
+    if not differences.used.any():
+        return None
+    changing, whole = (float(np.mean(each.residual[each.used] ** 2)) for each in (differences, longest))
     if changing < LEAST_FROM_FRAME_TO_FRAME * whole:
         return None
     found = []
@@ -115,17 +115,41 @@ def relative_noise(problem: Problem, fitted: Fitted) -> tuple[Array, ...] | None
             recognition = effect.recognise(differences)
             if recognition is not None and recognition.named and recognition.p_value < LARGEST_P_VALUE:
                 found.append(recognition.effect)
-    spread = standard_deviation(found, situation)
-    if spread is None:
+    situations = _situations(problem, fitted.model) if found else []
+    noise = _relative(found, situations)
+    if noise is None:
         return None
-    square = spread**2
-    used = square[situation.used]
-    if not np.all(np.isfinite(square)) or np.mean(used) * np.mean(1.0 / used) < WORTH_WEIGHING:
+    square = problem.fitted(noise) ** 2
+    if not np.all(np.isfinite(square)) or np.mean(square) * np.mean(1.0 / square) < WORTH_WEIGHING:
         return None
-    bends = [bend for effect in found if (bend := effect.bend_of_mean(situation)) is not None]
-    if any(float(np.sum(bend[situation.used] ** 2 / used)) > LARGEST_BEND for bend in bends):
-        return None
-    return (np.asarray(np.sqrt(square / np.mean(used))),)
+    return None if any(_bend(effect, situations) > LARGEST_BEND for effect in found) else noise
+
+
+def _situations(problem: Problem, model: Model) -> list[Situation]:
+    return [with_rate_of_reading(problem, model, i) for i in range(len(problem.experiments))]
+
+
+def _relative(effects: Sequence[Effect], situations: Sequence[Situation]) -> tuple[Array, ...] | None:
+    """Standard deviation of the noise in each row of each recording over its root mean square there, shapes (N,)."""
+    found = []
+    for situation in situations:
+        # What is not fitted tells nothing of its noise, and judges as it is.
+        spread = standard_deviation(effects, situation) if situation.used.any() else np.ones(len(situation.time))
+        if spread is None:
+            return None
+        rows = situation.used if situation.used.any() else np.ones(len(spread), bool)
+        found.append(np.asarray(spread / np.sqrt(np.mean(spread[rows] ** 2))))
+    return tuple(found) or None
+
+
+def _bend(effect: Effect, situations: Sequence[Situation]) -> float:
+    """Sum of squares of what an effect does to the mean of the fitted readings, in variances of their noise."""
+    total = 0.0
+    for situation in situations:
+        bend, spread = effect.bend_of_mean(situation), standard_deviation([effect], situation)
+        if bend is not None and spread is not None and situation.used.any():
+            total += float(np.sum((bend / spread)[situation.used] ** 2))
+    return total
 
 
 def _from_frame_to_frame(situation: Situation) -> Situation:
