@@ -38,6 +38,7 @@ from numba.core.caching import _Cache
 from numba.core.ccallback import CFunc
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.core.types import Tuple, Type, UniTuple
 from numba.extending import _Intrinsic
@@ -180,7 +181,7 @@ class CompiledCode(_Cache):
         """Compiled function for a signature, None where there is none yet."""
         if not self._enabled:
             return None
-        target_context.refresh()
+        rtsys.initialize(target_context)
         path = self._path(sig, target_context.codegen())
         try:
             found = CompileResult._rebuild(target_context, *pickle.loads(path.read_bytes()))

@@ -95,8 +95,8 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
     Parameters
     ----------
     truth : mapping
-        ``kind`` (none, single, several, outside, invisible) and ``effects`` with id, place and multiple of the
-        detectable size, among others.
+        ``kind`` (none, single, several, outside, invisible) and ``effects`` with id, place and ``multiple`` of the
+        detectable size beside the others, among others; optionally ``multiple_alone``, that without them.
     diagnosis : mapping or None
         Content of diagnosis.json; None where the diagnosis failed, which counts as wrong everywhere.
 
@@ -109,7 +109,8 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
 
         ``detected``; ``false_alarm`` (kinds none and invisible, and coloured noise alone: something else named);
         ``top`` and ``in_class`` (all true effects named); ``place_top``, ``place_in_class``; ``strong`` (true effects
-        of at least three times the detectable size), ``strong_top``, ``strong_in_class`` (those named); ``wrong_names``
+        of at least three times the detectable size), ``strong_top``, ``strong_in_class`` (those named), and the same of
+        the sizes alone (``strong_alone``, ``strong_alone_in_class``); ``wrong_names``
         (entries that fit no truth); ``confidently_wrong`` (said to be explained without the true effects, or a wrong id
         with a weight of at least 0.9).
     """
@@ -121,7 +122,10 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
     detected = verdict not in {"adequate", FAILED}
     place = diagnosis["location"]["place"] if diagnosis else None
     top, in_class = (named_effects(ids, effects, in_class=wide) for wide in (False, True))
-    strong = np.array([e["multiple"] is not None and e["multiple"] >= STRONG for e in true_effects], bool)
+    strong, strong_alone = (
+        np.array([e.get(size) is not None and e[size] >= STRONG for e in true_effects], bool)
+        for size in ("multiple", "multiple_alone")
+    )
     place_top = bool(detected and main is not None and place == main["place"])
     inseparable = main is not None and any(main["id"] in group for group in INSEPARABLE)
     wrong = [e for e in effects if e["id"] != UNLISTED and not any(_offers(e, i, True) for i in ids)]
@@ -148,6 +152,8 @@ def score(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> dict
         "strong": int(strong.sum()),
         "strong_top": int(top[strong].sum()),
         "strong_in_class": int(in_class[strong].sum()),
+        "strong_alone": int(strong_alone.sum()),
+        "strong_alone_in_class": int(in_class[strong_alone].sum()),
         "wrong_names": len(wrong),
         "confidently_wrong": (verdict == "explained" and not in_class.all())
         or any(own_weight(e) >= CONFIDENT for e in wrong),

@@ -85,7 +85,9 @@ def lines(
     weights : DataFrame, optional
         From :func:`camid.proof.scoring.weight_rows`.
     """
-    found = [*naming(scores), *_outside(scores), *model(scores, parameters)]
+    # An effect may be large alone and beside others not act at all.
+    alone = _several(scores, "strong_alone", ", each alone")
+    found = [*naming(scores), *alone, *_outside(scores), *model(scores, parameters)]
     found += [] if weights is None else calibration(weights)
     return found if run_times is None else [*found, *run_time_lines(run_times["seconds"])]
 
@@ -95,7 +97,6 @@ def naming(scores: pd.DataFrame) -> list[Line]:
     kind = scores["kind"]
     coloured = (kind == "single") & (scores["truth"] == COLOURED_NOISE)
     single = scores[(kind == "single") & (scores["multiple"] >= STRONG)]
-    several = {n: scores[(kind == "several") & (scores["strong"] == n)] for n in (2, 3)}
     return [
         share_line(
             "false_alarms",
@@ -119,16 +120,24 @@ def naming(scores: pd.DataFrame) -> list[Line]:
         share_line("place_top", f"{ABOVE}: place right, strictly", single["place_top"]),
         share_line("place", f"{ABOVE}: place right", single["place_in_class"], at_least=96.0),
         share_line("wrong_names", f"{ABOVE}: with a wrong name besides or instead", single["wrong_names"] > 0),
-        *(
-            share_line(
-                f"several_in_class_{number}",
-                f"{words} above that size: all named or in a class",
-                several[number]["strong_in_class"] == number,
-                at_least=target,
-            )
-            for number, words, target in ((2, "two", 85.0), (3, "three", 70.0))
-        ),
+        *_several(scores, two=85.0, three=70.0),
     ]
+
+
+def _several(scores: pd.DataFrame, size: str = "strong", words: str = "", **targets: float) -> list[Line]:
+    """Recordings with two and with three strong effects of which all are named, by the sizes of a column."""
+    found = []
+    for count, called in ((2, "two"), (3, "three")):
+        part = scores[(scores["kind"] == "several") & (scores[size] == count)]
+        found.append(
+            share_line(
+                f"several_in_class_{count}{size.removeprefix('strong')}",
+                f"{called} above that size{words}: all named or in a class",
+                part[f"{size}_in_class"] == count,
+                **({"at_least": targets[called]} if called in targets else {}),
+            )
+        )
+    return found
 
 
 def _outside(scores: pd.DataFrame) -> list[Line]:

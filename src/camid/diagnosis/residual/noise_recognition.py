@@ -13,7 +13,7 @@ from camid.diagnosis.residual.uneven_noise import LARGEST_P_VALUE, standard_devi
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
 from camid.effects.base import Effect
-from camid.effects.noise import tail, variance_regression
+from camid.effects.noise import tail
 from camid.effects.recognition import Recognition
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
@@ -115,12 +115,16 @@ def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: floa
 
 
 def depends_on_position(problem: Problem, final: Fitted) -> float:
-    """P-value of a variance of the noise that does not change with the position (Breusch & Pagan 1979)."""
+    """P-value of a variance of the noise that does not change with the position.
+
+    Spearman's rank correlation of the squares of both: a score in the values themselves hangs on the few rows that are
+    far out, and its tails are then not those of a Gaussian. Of equal values a later one ranks higher.
+    """
     situation = problem.situation(final.model)
-    square = situation.residual[situation.used] ** 2
-    regressor = situation.position[situation.used] ** 2
-    score = variance_regression(square, regressor)[3]
-    return min(2.0 * tail(abs(score)), 1.0)
+    squares = (situation.residual[situation.used] ** 2, situation.position[situation.used] ** 2)
+    residual, position = (np.argsort(np.argsort(s, kind="stable"), kind="stable") for s in squares)
+    correlation = float(np.corrcoef(residual, position)[0, 1])
+    return min(2.0 * tail(abs(correlation) * np.sqrt(len(residual) - 1.0)), 1.0)
 
 
 def force_like(problem: Problem, final: Fitted) -> bool:

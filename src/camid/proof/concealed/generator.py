@@ -19,6 +19,7 @@ from camid.proof.concealed.detectability import multiple
 from camid.proof.concealed.drawn_recording import DrawnRecording, add_effect, draw_recording, make_gentle
 from camid.proof.concealed.image_readings import image_readings
 from camid.proof.concealed.rig_setup import Setup
+from camid.proof.concealed.size_in_company import sizes_in_company
 
 __all__ = ["Case", "ConcealedRecording", "make", "plan"]
 
@@ -140,10 +141,12 @@ def _simulation(drawn: DrawnRecording, draws: np.random.Generator) -> dict[str, 
 def _truth(drawn: DrawnRecording, setup: Setup, output: Array, noise_std: float) -> dict[str, Any]:
     """What is concealed, in numbers and words that JSON knows."""
     effects = []
-    for built in drawn.effects:
+    in_company = sizes_in_company(drawn) if len(drawn.effects) > 1 else [None] * len(drawn.effects)
+    for built, beside in zip(drawn.effects, in_company, strict=True):
         squares = built.sum_of_squares
         if len(drawn.effects) == 1 and not built.effect.noise_like:
             squares = drawn.belief.left_over_after_estimate(drawn.recorded(drawn.command), output)
+        alone = None if squares is None else multiple(squares, noise_std)
         effects.append(
             {
                 "id": built.effect.identity,
@@ -153,7 +156,8 @@ def _truth(drawn: DrawnRecording, setup: Setup, output: Array, noise_std: float)
                     name: value if value is None or isinstance(value, str) else float(value)
                     for name, value in built.effect.parameters(built.strength).items()
                 },
-                "multiple": None if squares is None else multiple(squares, noise_std),
+                "multiple": alone if beside is None else beside,
+                "multiple_alone": alone,
             }
         )
     plant = drawn.belief.plant
