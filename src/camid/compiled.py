@@ -181,6 +181,7 @@ class CompiledCode(_Cache):
         """Compiled function for a signature, None where there is none yet."""
         if not self._enabled:
             return None
+        # Machine code needs the runtime alone; the registries, which numba's own cache loads here, serve compiling.
         rtsys.initialize(target_context)
         path = self._path(sig, target_context.codegen())
         try:

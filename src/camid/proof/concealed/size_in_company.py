@@ -43,7 +43,9 @@ WITHIN_ONE_DEVIATION = 0.6827
 
 
 def sizes_in_company(drawn: DrawnRecording) -> list[float | None]:
-    """Size of each effect in detectable sizes, beside the others; None for an effect on the noise.
+    """Size of each effect in detectable sizes, beside the others; None for one on the noise.
+
+    None, too, where the machine breaks without the effect.
 
     Parameters
     ----------
@@ -62,8 +64,8 @@ def sizes_in_company(drawn: DrawnRecording) -> list[float | None]:
             continue
         try:
             change = output - drawn.output(drawn.setup_with(others), drawn.command)
-        except DivergedError:  # the machine does not hold without it
-            sizes.append(float("inf"))
+        except DivergedError:
+            sizes.append(None)
             continue
         imitating = [*coefficients, *_of_strengths(drawn, effect, output)]
         sizes.append(multiple(_left_over(change, imitating), spread))
