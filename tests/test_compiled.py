@@ -157,7 +157,11 @@ def test_processes_at_once_and_damaged_files(package, tmp_path):
 
 def test_what_is_kept_is_loaded_without_what_compiling_needs(package, tmp_path):
     """Numba's registries, which its own cache loads first."""
-    edit(package, "main.py", ("print(result", "import sys\n\nloaded = 'numba.np.linalg' in sys.modules\nprint(int(loaded)"))
+    edit(
+        package,
+        "main.py",
+        ("print(result", "import sys\n\nloaded = 'numba.np.linalg' in sys.modules\nprint(int(loaded)"),
+    )
     assert [outcome(start(package, tmp_path / "cache"))[0] for _ in range(2)] == [1.0, 0.0]
 
 

@@ -117,9 +117,9 @@ def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: floa
 def depends_on_position(problem: Problem, final: Fitted) -> float:
     """P-value of a variance of the noise that does not change with the position.
 
-    Spearman's rank correlation (1904, Am. J. Psychol. 15, 72-101) of the squares of both: a score in the values themselves hangs on the few rows that are
-    far out, and its tails are then not those of a Gaussian. Of equal values a later one ranks higher; scipy.stats, which
-    would share ranks out, takes longer to load than a diagnosis.
+    Spearman's rank correlation (1904, Am. J. Psychol. 15, 72-101) of the squares of both: a score in the values
+    themselves hangs on the few rows that are far out, and its tails are then not those of a Gaussian. Of equal values
+    a later one ranks higher; scipy.stats, which would share ranks out, takes longer to load than a diagnosis.
     """
     situation = problem.situation(final.model)
     squares = (situation.residual[situation.used] ** 2, situation.position[situation.used] ** 2)
