@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PANELS = {"same_kind": "fresh input of the same kind", "double_amplitude": "twice the amplitude"}
 LOWEST, HIGHEST = -0.25, 1.15
+STRONGEST = 105.0  # where huge effects are drawn
 TARGET = 0.95
 
 
@@ -31,6 +32,7 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     import matplotlib.pyplot as plt
 
     known = scores[scores["share_same_kind"].notna() & scores["multiple"].notna()]
+    place = known["multiple"].clip(upper=STRONGEST)
     figure, panels = plt.subplots(1, 2, figsize=(style.PAGE_WIDTH, 3.4), sharey=True)
     for axes, (name, kind) in zip(panels, PANELS.items(), strict=True):
         shares, title = known[f"share_{name}"], kind
@@ -41,12 +43,10 @@ def draw(scores: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
             (~outside & ~known["in_class"], "s", style.VERMILION, "white", "not all"),
         ):
             drawn = shares[chosen].clip(LOWEST, HIGHEST)
-            axes.plot(
-                known["multiple"][chosen], drawn, symbol, color=colour, markerfacecolor=face, markersize=3, label=words
-            )
+            axes.plot(place[chosen], drawn, symbol, color=colour, markerfacecolor=face, markersize=3, label=words)
         below = shares < LOWEST
         axes.plot(
-            known["multiple"][below],
+            place[below],
             np.full(int(below.sum()), LOWEST),
             "v",
             color=style.BLACK,
