@@ -53,11 +53,13 @@ def engine() -> None:
     from camid.chain.plant import second_order
     from camid.effects import known_effects
     from camid.engine.mechanics import Chain
-    from camid.engine.run import run
+    from camid.engine.run import move
 
     kind = next(e for e in known_effects().values() if e.friction_level is not None)
     friction = kind(**{parameter.name: 0.1 for parameter in kind.parameters})
-    run(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (friction,)), _signal(30), _time(30))
+    motion = move(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (friction,)), _signal(30), _time(30))
+    motion.mean(_time(30), _time(30) + PERIOD)
+    motion.mean_over_path(_time(30), _time(30) + PERIOD)
 
 
 def learned_laws() -> None:

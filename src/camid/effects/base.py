@@ -69,6 +69,9 @@ class Effect:
         Whether :meth:`transform` calls compiled code, which is then compiled with the rest (camid.compile_all).
     uses_velocity : bool
         Whether the force depends on the velocity, which a plant with one pole more than zeros lets it change at once.
+    jumps : bool
+        Whether the force jumps where its switch changes sign: a step that holds the jump then sees two forces, however
+        short it is, and :meth:`frequency` alone says how short steps have to be.
     separated_by : tuple of SeparatingExperiment
         Experiments that separate the effect from the others that name them, too.
     corrects_declaration : bool
@@ -118,6 +121,7 @@ class Effect:
     noise_like: ClassVar[bool] = False
     transforms_by_compiled_code: ClassVar[bool] = False
     uses_velocity: bool = False
+    jumps: bool = False
     separated_by: ClassVar[tuple[SeparatingExperiment, ...]] = ()
     corrects_declaration: ClassVar[bool] = False
     box: ClassVar[str]

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
 
-# Points of an exposure at which a motion is weighted, and exponents of the speed from which a search starts.
-POINTS_OF_EXPOSURE = 33
+# Exponents of the speed from which a search starts.
 FIRST_EXPONENT, EXPONENTS = 0.5, (0.7, 1.4)
 
 
@@ -120,21 +119,7 @@ class SpeedWeightedCentroid(Effect):
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean over the path in the exposure instead of over its time."""
-        return self._centroid(motion, start, end, 1.0)
-
-    @staticmethod
-    def _centroid(motion: Motion, start: Array, end: Array, exponent: float) -> Array:
-        """Mean in the exposure that counts a part of the path for this power of its length."""
-        share = np.linspace(0.0, 1.0, POINTS_OF_EXPOSURE)
-        points = motion.at(start[:, None] + (end - start)[:, None] * share)
-        # A motion that runs away has no centroid.
-        with np.errstate(invalid="ignore", over="ignore"):
-            lengths = np.abs(np.diff(points, axis=1))
-            still = np.sum(lengths, axis=1) <= 1e-12 * max(float(np.max(np.abs(points))), 1e-300)
-            weights = lengths if exponent == 1.0 else lengths**exponent
-            total = np.sum(weights, axis=1)
-            weighted = np.sum(0.5 * (points[:, 1:] + points[:, :-1]) * weights, axis=1)
-            return np.where(still, points[:, 0], weighted / np.where(still, 1.0, total))
+        return motion.mean_over_path(start, end)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -159,7 +144,7 @@ class GradedSpeedWeightedCentroid(SpeedWeightedCentroid):
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean over the exposure, weighted."""
-        return self._centroid(motion, start, end, self.values["exponent"])
+        return motion.mean_over_path(start, end, self.values["exponent"])
 
     def simplified(self) -> SpeedWeightedCentroid:
         """Weighted with the speed itself."""

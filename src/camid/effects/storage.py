@@ -44,6 +44,9 @@ LEAST_DAMPING = 0.8
 TIGHTNESS = 1e3
 # A step that crosses the edge leads beyond it; that flows off with this many times the rate of the storage.
 RETURN = 8.0
+# Share of its height by which a single storage may lack of being full and count as it: a step is split where the level
+# reaches the edge, give or take what a cubic leaves, and a part that began below it would lead beyond.
+REACHED = 1e-4
 # The flow over the edge of the upper of two storages grows by this many times its outflow for a unit of the level.
 STEEPNESS = 30.0
 # Width of its edge, as a share of its height, over which that flow sets in: were it sharp, the force of what passes on
@@ -51,6 +54,8 @@ STEEPNESS = 30.0
 EDGE_WIDTH = 0.03
 # Of the rate of a storage at its edge, the share that counts for the length of a step: explicit steps stay stable.
 STEP_SHARE = 0.125
+# Rate of a single storage at its edge, in its own ones, by which steps lose no more than an edge of REACHED.
+RATE_OF_SINGLE = 16.0
 # Speed of the outflow near the empty storage, in rates of the storage, above which it is in proportion to the level:
 # a trickle is not turbulent.
 FASTEST_TRICKLE = 10.0
@@ -238,11 +243,13 @@ class Overflow(_Storage):
 
     def __init__(self, **values: Any) -> None:
         super().__init__(**values)
+        # What leaves the upper of two storages sets in over the width of its edge.
+        self.jumps = self.values.get("below") == "none"
         if self.values.get("state"):
             # The engine limits the state itself: nothing of a force that would stand for it is left.
             for part in ("force", "switch"):
                 setattr(self, part, None)
-            self.uses_velocity = False
+            self.uses_velocity = self.jumps = False
 
     def limited_state(self) -> LimitedState | None:
         """The state that runs over."""
@@ -253,10 +260,12 @@ class Overflow(_Storage):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         side = values[0]
         excess = side * (position + values[1] * velocity - values[2])
+        if values[6] != 0.0:
+            if excess < -REACHED * abs(values[2]):
+                return 0.0
+            return values[6] * side * max(side * velocity + values[7] * excess, 0.0)
         if excess < 0.0 and values[8] == 0.0:
             return 0.0
-        if values[6] != 0.0:
-            return values[6] * side * max(side * velocity + values[7] * excess, 0.0)
         driven, height, stiffness, passed, width = side * signal, side * values[2], values[3], values[4], values[5]
         if values[8] == 0.0:
             beyond = beyond_edge(excess, passed, width)
@@ -325,7 +334,7 @@ class Overflow(_Storage):
         if self.values["state"]:
             return STEP_SHARE * STEEPNESS / constants[0] if constants else 0.0
         if plant.order == 1:
-            return 0.0
+            return STEP_SHARE * RATE_OF_SINGLE * abs(float(plant.monic.denominator[1]))
         if not constants:
             return sqrt(mobility(plant) * STEEPNESS * abs(static_stiffness(plant)))
         return STEP_SHARE * STEEPNESS / (constants[0] if self.values["below"] != "fast" else constants[-1])

@@ -52,7 +52,7 @@ MOST_FINER = 16
 # Steps per frame, and their length in radians, where an actuator bends the input within a frame: kinks lie anywhere.
 INPUT_STEPS = 24
 # Length of a step where the velocity follows from the force at once.
-STEP_IMPLICIT = 0.06
+STEP_IMPLICIT = 0.15
 STEP_INPUT = 0.022
 # Difference of two forces that should be the same, as a share of the largest force or input, above which a motion is
 # integrated again with half the step; the error of the output is a tenth of it. Where a force depends on the velocity
@@ -60,6 +60,10 @@ STEP_INPUT = 0.022
 MOST_DOUBT = 2e-4
 MOST_DOUBT_VELOCITY = 4e-3
 MOST_DOUBT_EVENTS = 1e-3
+# The same where the velocity follows from the force at once.
+MOST_DOUBT_IMPLICIT = 1.5e-3
+# Where a force jumps, a step that holds the jump sees two forces however short it is.
+MOST_DOUBT_JUMPS = 1e3
 
 
 def run(chain: Chain, signal: Array, time: Array, *, moved: Callable[[], Motion] | None = None) -> Array:
@@ -170,8 +174,10 @@ def _moved(
     affordable = max(MOST_NODES // max(len(signal), 1), steps)
     most_steps = steps if chain.steps is not None else min(MOST_FINER * fewest, MOST_STEPS, affordable)
     most_doubt = MOST_DOUBT
-    if any(e.uses_velocity for e in chain.effects):
-        most_doubt = MOST_DOUBT_VELOCITY
+    if any(e.jumps for e in chain.effects):
+        most_doubt = MOST_DOUBT_JUMPS
+    elif any(e.uses_velocity for e in chain.effects):
+        most_doubt = MOST_DOUBT_IMPLICIT if mechanics.forces.implicit else MOST_DOUBT_VELOCITY
     elif any(e.switch is not None for e in chain.effects):
         most_doubt = MOST_DOUBT_EVENTS
     coarser: Array | None = None
