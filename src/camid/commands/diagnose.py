@@ -12,7 +12,11 @@ from camid.analysis.diagnosed_responses import DiagnosedResponses
 from camid.commands.results import DiagnosisResult
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
 from camid.diagnosis.provenance import provenance_of
-from camid.diagnosis.residual.validation_rows import refuse_too_short_to_diagnose, with_validation
+from camid.diagnosis.residual.validation_rows import (
+    refuse_too_short_to_diagnose,
+    with_validation,
+    without_unknown_past,
+)
 from camid.diagnosis.run import investigate
 from camid.diagnosis.watch import EFFORT, TIME_LIMIT, Watch
 from camid.effects.declared import effects_of
@@ -95,6 +99,7 @@ def _diagnosed(
     effects = effects_of(believed)
     refuse_stillness(believed)
     believed, recordings, experiments, held_out = experiments_or_free_decay(recording, believed, progress)
+    experiments, held_out = without_unknown_past(experiments, held_out, believed)
     structure = structure_of(believed)
     refuse_too_short_to_diagnose(structure, experiments, recordings)
     problem = problem_of(believed, structure, recordings, experiments)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
+from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
 # Share of a recording that validates where the simulation does not say, and how much more of the mismatch than
@@ -27,6 +29,8 @@ MEDIAN_ROWS, MEDIAN_DEVIATION = 5, 0.5356
 # functions of input, motion and output against the residual.
 ROWS_PER_UNKNOWN = 5
 FEWEST_ROWS = 100
+# Rows of a recording that begins in motion that a delay may make those of what was before, at most one in so many.
+UNKNOWN_PAST, UNKNOWN_PART = 10, 50
 
 
 def with_validation(
@@ -50,6 +54,28 @@ def with_validation(
     validation = [e.used & judging[run] for e, run in zip(problem.experiments, problem.runs, strict=True)]
     used = [e.used & ~rows for e, rows in zip(problem.experiments, validation, strict=True)]
     return problem.with_used(used), validation, True
+
+
+def without_unknown_past(
+    experiments: Sequence[Experiment], held_out: Sequence[NDArray[np.bool_]], believed: Simulation
+) -> tuple[list[Experiment], list[NDArray[np.bool_]]]:
+    """Recordings that begin in motion without their first rows, of which a delay makes what was before the record.
+
+    What the input did then is unknown. Few rows would speak against every delay, and loudly: all hypotheses are
+    compared without them. The declared latency is left out already; a free decay has no input, and a controller's
+    reference is not known to have been another before.
+    """
+    if not believed.estimates_initial_state or believed.input_column is None or believed.controller is not None:
+        return list(experiments), list(held_out)
+    known = []
+    for experiment in experiments:
+        rows = np.ones(len(experiment.used), bool)
+        rows[: experiment.acquisition.window()[0] + min(UNKNOWN_PAST, len(rows) // UNKNOWN_PART)] = False
+        known.append(rows)
+    return (
+        [replace(e, used=e.used & rows) for e, rows in zip(experiments, known, strict=True)],
+        [held & rows for held, rows in zip(held_out, known, strict=True)],
+    )
 
 
 def _last_run(problem: Problem) -> dict[int, NDArray[np.bool_]]:

@@ -27,6 +27,9 @@ Start = TypeVar("Start")
 # Error, as a share of the output's spread, from which fits start from the nominal coefficients, too.
 NOMINAL_START_ERROR = 0.1
 MOST_FROM_NOMINAL = 7
+# Sum of squares of the best start from other coefficients over the least one from the refitted ones, below which these
+# were bent; and effects that are then started again.
+BENT_COST, MOST_BESIDE_BETTER = 0.5, 4
 # Factor of a coefficient beyond which it has run away from the nominal one, which is known within a factor of three.
 RUN_AWAY = 30.0
 # Shapes of the best effect that are fitted, too, where it is a resonance, which costs next to nothing, and the share of
@@ -104,6 +107,7 @@ def hypotheses(
     first += _in_batches(from_model, elsewhere, watch)
     if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
         first += _in_batches(from_model, raced(problem, nominal), watch)
+    first += _in_batches(from_model, _beside_better_coefficients(problem, base, starts, elsewhere, first), watch)
     first += _simpler(problem, base, first)
     first += [h for h in side_by_side(from_model, _relatives(problem, base, first)) if h is not None]
     ranked = best_of_each(first)
@@ -189,6 +193,35 @@ def _starts_elsewhere(problem: Problem, nominal: Model, screened: Sequence[Scree
     if problem.kind.phases_add_up:
         found += raced(problem, nominal)
     return found
+
+
+def _beside_better_coefficients(
+    problem: Problem,
+    base: Fitted,
+    screened: Sequence[ScreenedEffect],
+    elsewhere: Sequence[Model],
+    fitted: Sequence[Hypothesis],
+) -> list[Model]:
+    """Models with effects that were started beside bent coefficients alone, beside those of the best hypothesis.
+
+    Where a start from other coefficients ends far below all that were begun at the refitted ones, these were bent, and
+    what was begun there says nothing.
+    """
+    tried = {model.effects[-1].identifier for model in elsewhere}
+    ranked = best_of_each(fitted)
+    bent = [h for h in ranked if h.identifier not in tried]
+    if not (ranked and bent and ranked[0].identifier in tried):
+        return []
+    best = ranked[0].fitted
+    if best.cost > BENT_COST * min(h.fitted.cost for h in bent):
+        return []
+    found: dict[str, Model] = {}
+    for candidate in screened:
+        effect = _start_of(candidate)
+        if effect.identifier not in tried and len(found) < MOST_BESIDE_BETTER:
+            beside = best.model.without(len(base.model.effects))
+            found.setdefault(effect.identifier, beside.plus(effect))
+    return list(found.values())
 
 
 def best_of_each(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
