@@ -31,6 +31,8 @@ STILL = 3.0
 REPEATED_IN_MOTION, LEAST_RATIO_OF_LOSS = 0.05, 0.1
 # Values that differ by less than this share of their range are the same.
 SAME_VALUE = 1e-10
+# Significant digits from which a number is written with all that it has.
+MOST_SIGNIFICANT = 15
 # Digits smaller than this share of a lattice's step do not hide it.
 FINE_PRINT = 0.02
 # Residuals beyond this many robust standard deviations count as these in a regression of the variance.
@@ -72,6 +74,18 @@ def resolution(values: Array) -> float:
         if np.max(np.abs(np.round(values, decimals) - values)) <= rounding:
             return digit
     return rounding
+
+
+def digits(values: Array) -> Array:
+    """Digit to which each value is written, shape (N,): that of all of them, or of as many significant digits."""
+    finest = resolution(values)
+    sizes = np.abs(values)
+    decades = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
+    for significant in range(1, MOST_SIGNIFICANT):
+        digit = 10.0 ** (decades - significant + 1)
+        if np.all(np.abs(np.round(values / digit) * digit - values) <= 4.0 * np.spacing(sizes)):
+            return np.where(sizes > 0.0, np.maximum(digit, finest), finest)
+    return np.full(len(values), finest)
 
 
 def noise_beside_motion(values: Array) -> float:
@@ -152,8 +166,8 @@ class DroppedFrames(Effect):
         if count < FEWEST_REPEATED or _repeats_where_slow(values, repeated) or _repeats_where_still(values, repeated):
             return None
         share = count / len(values)
-        fineness = resolution(values) if step is None else step
-        chance = min(fineness / max(spread, fineness), 1.0)
+        fineness = digits(values) if step is None else np.full(len(values), step)
+        chance = float(np.mean(fineness / np.maximum(spread, fineness)))
         return Recognition(
             cls(fraction=share),
             {"fraction": sqrt(share * (1.0 - share) / len(values))},
