@@ -137,7 +137,8 @@ def regressors(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, 
         elif place == "sensor":
             columns = _like_the_sensor(problem.kind.position_seen(problem, fitted.model, index, motions[index][0]))
         else:
-            signal = experiment.signal / (float(np.max(np.abs(experiment.signal), initial=0.0)) or 1.0)
+            signal = problem.kind.input_without_noise(problem, fitted.model, index)
+            signal = signal / (float(np.max(np.abs(signal), initial=0.0)) or 1.0)
             forces = FORCES[place](signal, *(_scaled(s) for s in motions[index]))
             hold = problem.chain(fitted.model, index).declared().hold if place == "actuator" else "foh"
             columns = problem.kind.force_responses(problem, fitted.model, index, forces, hold)
