@@ -257,6 +257,23 @@ def test_noise_is_recognised_for_what_it_is(identifier):
     assert max(hits.values()) <= 1, hits
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_significant_digits_repeat_by_chance_where_numbers_are_large(seed):
+    """As a program prints that keeps five of them: 12.345 and 1.2345."""
+    time = 0.01 * np.arange(2500)
+    random = np.random.default_rng([5, seed])
+    values = 12.0 * np.sin(2.0 * time) + 0.06 * random.standard_normal(2500)
+    printed = np.array([float(f"{v:.5g}") for v in values])
+    dropped = known_effects()["dropped-frames"]
+    given = situation(count=2500)
+    given = replace(given, recorded=printed, residual=printed - 12.0 * np.sin(2.0 * time), time=time)
+    found = dropped.recognise(given)
+    assert found is None or found.p_value > 1e-3
+    lost = np.arange(20, 2480, 20)
+    printed[lost] = printed[lost - 1]
+    assert dropped.recognise(replace(given, recorded=printed)).p_value < 1e-6
+
+
 def test_noise_parameters_are_right():
     generator = np.random.default_rng(5)
     given = situation(count=2000, seed=4)

@@ -46,6 +46,10 @@ def headline(finding: Finding) -> str:
         ordered = sorted(listed, key=lambda pair: -pair[1])
         names = [f"{within_sentence(title)} ({_share(weight, 2)})" for title, weight in ordered]
         return f"one of {', '.join(names[:-1])} or {names[-1]}"
+    if known_effects()[finding.identifier].noise_like:
+        return (
+            f"what looks like {within_sentence(finding.title)}{_details(finding)}, or is the shadow of something else"
+        )
     if finding.weight < RESEMBLANCE:
         return f"physics outside the catalogue at the {finding.place}"
     return f"physics outside the catalogue, which acts like {within_sentence(finding.title)}{_details(finding)}"
@@ -118,6 +122,8 @@ def explanation(
             f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted (the noise in the "
             f"fitted ones is estimated as {_share(fit.noise_floor)}), and what is left is structured."
         )
+    elif found and not learned and all(known_effects()[f.identifier].noise_like for f in found):
+        sentences += _of_noise_alone(found, fit, coefficients)
     elif found:
         sentences.append(_named(found, fit))
     else:
@@ -138,18 +144,26 @@ def explanation(
 
 
 def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> list[str]:
-    wrong = wrong_coefficients(coefficients, fit)
-    leaves = (
-        f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted, and the noise alone "
-        f"{_share(fit.noise_floor)}"
-    )
     listed = "What the recording could not have shown is listed."
-    if not wrong:
-        return [
-            f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
-            f"leaves {leaves}.",
-            listed,
-        ]
+    wrong = wrong_coefficients(coefficients, fit)
+    if wrong:
+        return [*_corrected(wrong, fit), "Nothing else is left out that this recording could show.", listed]
+    return [
+        f"Nothing is left out that this recording could show: with its coefficients re-estimated the simulation "
+        f"leaves {_left(fit)}.",
+        listed,
+    ]
+
+
+def _of_noise_alone(found: Sequence[Finding], fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> list[str]:
+    """What is said where nothing of the motion is left out: effects on the noise take no error away."""
+    wrong = wrong_coefficients(coefficients, fit)
+    noise = f"The simulation leaves out, of the noise alone: {_listed(found)}."
+    return [*_corrected(wrong, fit), noise] if wrong else [noise, f"Re-estimated, it leaves {_left(fit)}."]
+
+
+def _corrected(wrong: Sequence[Coefficient], fit: NormalisedErrors) -> list[str]:
+    """Which coefficients were wrong, and what that cost."""
     values = [f"{c.name} is {_estimate(c)} and not {plain(c.nominal, 4)}" for c in wrong[:MOST_COEFFICIENTS]]
     more = len(wrong) - len(values)
     if more:
@@ -157,16 +171,24 @@ def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> lis
     in_place = "" if fit.nominal_in_place is None else " but for the sensor's zero"
     return [
         f"The structure is right and the coefficients were wrong: {', '.join(values)}.".replace(SPACE, " "),
-        f"As given{in_place}, the simulation leaves {_share(fit.as_given)}; re-estimated, it leaves {leaves}.",
-        "Nothing else is left out that this recording could show.",
-        listed,
+        f"As given{in_place}, the simulation leaves {_share(fit.as_given)}; re-estimated, it leaves {_left(fit)}.",
     ]
 
 
+def _left(fit: NormalisedErrors) -> str:
+    return (
+        f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted, and the noise alone "
+        f"{_share(fit.noise_floor)}"
+    )
+
+
 def _named(found: Sequence[Finding], fit: NormalisedErrors) -> str:
+    return f"The simulation leaves out: {_listed(found)}. On rows that were not fitted the error {_falls(fit)}."
+
+
+def _listed(found: Sequence[Finding]) -> str:
     names = [headline(finding) for finding in found]
-    listed = f"{'; '.join(names[:-1])}; and {names[-1]}" if len(names) > 1 else names[0]
-    return f"The simulation leaves out: {listed}. On rows that were not fitted the error {_falls(fit)}."
+    return f"{'; '.join(names[:-1])}; and {names[-1]}" if len(names) > 1 else names[0]
 
 
 def _held(found: Sequence[Finding], learned: Sequence[LearnedPart]) -> str:

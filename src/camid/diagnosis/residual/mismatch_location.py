@@ -106,14 +106,24 @@ def _like_a_disturbance(signal: Array, position: Array, velocity: Array) -> list
     return _polynomials(len(signal), 10)
 
 
+def _rate(values: Array) -> Array:
+    """Change in a row, to second order, from it and the two before it."""
+    earlier = np.concatenate([values[:1], values[:1], values])
+    return 1.5 * earlier[2:] - 2.0 * earlier[1:-1] + 0.5 * earlier[:-2]
+
+
 def _like_the_sensor(output: Array) -> list[Array]:
-    """What depends on the position in the image, its rate and the time."""
+    """What depends on the position in the image, its rate and the time.
+
+    Rates come from the rows before: where somebody else's controller answers the noise of a row, the motion after it
+    does so, too, and would seem to explain that noise.
+    """
     count, output = len(output), _scaled(output)
-    rate = np.gradient(output)
+    rate = _rate(output)
     rate = rate / (float(np.std(rate)) or 1.0)
     time = np.linspace(0.0, 1.0, count)
     seen = [np.ones(count), output**2, output**3, *_hinges(output, MANY_KNOTS), output * rate, rate, rate**2]
-    return [*seen, time, time * rate, np.gradient(rate)]
+    return [*seen, time, time * rate, _rate(rate)]
 
 
 FORCES = {"actuator": _like_the_actuator, "plant": _like_the_plant, "disturbance": _like_a_disturbance}
