@@ -47,6 +47,7 @@ def draw_design(design: Design, target: Path) -> None:
     target : Path
     """
     from camid import plotting
+    from camid.drawing.lines import legend_above
 
     plotting.apply()
     import matplotlib.pyplot as plt
@@ -69,14 +70,14 @@ def draw_design(design: Design, target: Path) -> None:
         axes[1].plot(time, columns.outputs.cells(output), STYLES[i], color=colours[i], linewidth=0.9, label=name)
     axes[1].set_ylabel(_label("predicted", columns.output, columns.output_unit))
     _draw_travel(design, axes[1], plotting.GREY)
-    axes[1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(len(design.outputs), MOST_DRAWN))
+    legend_above(axes[1])
     for i, (name, evidence) in enumerate(list(design.growth.items())[:MOST_DRAWN]):
         label = f"if {name} is right"
         shown = np.maximum(evidence, LEAST_EVIDENCE)
         axes[2].semilogy(design.growth_times, shown, STYLES[i], color=colours[i], label=label)
     if design.growth:
         axes[2].set_ylabel("ΔBIC to nearest rival")
-        axes[2].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(len(design.growth), MOST_DRAWN))
+        legend_above(axes[2])
     axes[-1].set_xlabel("time in s")
     figure.align_ylabels(axes)
     write_whole(target, lambda path: figure.savefig(path, format="png", metadata={"Software": None}))
