@@ -18,7 +18,7 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
-WORK, WORK_OF_ROW = 9.0, 2.5e-3
+WORK, WORK_OF_ROW = 10.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
 # The same that formulas may take in all: what is learned says little without one.

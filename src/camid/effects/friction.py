@@ -21,8 +21,6 @@ from camid.effects.situation import Situation
 
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
-# Dependence on the load from which a fit goes on where friction of one level is known.
-SLIGHT = 0.01
 
 
 class CoulombFriction(Effect):
@@ -47,19 +45,6 @@ class CoulombFriction(Effect):
         """Small, and large enough that the body sticks at times."""
         for share in (GUESS, 0.1, 0.3):
             yield cls(force=share * situation.largest("signal"))
-
-    def relatives(self) -> tuple[Effect, ...]:
-        """Friction that depends on the position or on the load, of the same level: their own guesses may lead nowhere.
-
-        They are proportional to their parameters, so that a fit finds them from hardly any dependence.
-        """
-        if type(self) is not CoulombFriction:  # with more detail than those have
-            return ()
-        force = self.values["force"]
-        return (
-            PositionDependentFriction(force=force, gradient=0.0),
-            LoadDependentFriction(force=force, coefficient=SLIGHT),
-        )
 
 
 class StribeckFriction(Effect):
