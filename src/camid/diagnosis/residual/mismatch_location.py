@@ -22,6 +22,7 @@ from camid.diagnosis.weights import UNLISTED
 from camid.effects import known_effects
 from camid.effects.base import PLACES
 from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.identification.welch import cross_spectrum
 
@@ -147,13 +148,25 @@ def regressors(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, 
         elif place == "sensor":
             columns = _like_the_sensor(problem.kind.position_seen(problem, fitted.model, index, motions[index][0]))
         else:
-            signal = problem.kind.input_without_noise(problem, fitted.model, index)
+            signal = _input_without_noise(problem, fitted.model, index)
             signal = signal / (float(np.max(np.abs(signal), initial=0.0)) or 1.0)
             forces = FORCES[place](signal, *(_scaled(s) for s in motions[index]))
             hold = problem.chain(fitted.model, index).declared().hold if place == "actuator" else "foh"
             columns = problem.kind.force_responses(problem, fitted.model, index, forces, hold)
         parts.append(np.column_stack([column[experiment.used] for column in columns]))
     return problem.over_noise(np.concatenate(parts))
+
+
+def _input_without_noise(problem: Problem, model: Model, index: int) -> Array:
+    """Input of a recording, shape (N,), that owes nothing to the noise of its output.
+
+    In a closed loop that is the simulated control: the recorded one answers the noise, and would seem to explain it.
+    """
+    signal, kind = problem.experiments[index].signal, problem.kind
+    if kind.loop(index) is None:
+        return signal
+    control = kind.output_and_control(problem.chain(model, index), signal, problem.times[index])[1]
+    return signal if control is None else control
 
 
 def places(problem: Problem, fitted: Fitted, spread: Array | None = None) -> list[PlaceTest]:

@@ -123,11 +123,6 @@ class ClosedLoop(PlantKind):
         """The controller with the reference of a recording."""
         return self.loops[index]
 
-    def input_without_noise(self, problem: Problem, model: Model, index: int) -> Array:
-        """The simulated control: the recorded one answers the noise of the sensor, and would seem to explain it."""
-        control = move(problem.chain(model, index), problem.experiments[index].signal, problem.times[index]).control
-        return super().input_without_noise(problem, model, index) if control is None else control
-
     def state_before_record(self, experiment: Experiment) -> bool:
         """The controller starts with the record."""
         return False

@@ -195,10 +195,6 @@ class PlantKind:
         """The controller that makes the input of a recording, if one does."""
         return None
 
-    def input_without_noise(self, problem: Problem, model: Model, index: int) -> Array:
-        """Input of a recording, shape (N,), that owes nothing to the noise of its output: what was put in."""
-        return problem.experiments[index].signal
-
     def state_before_record(self, experiment: Experiment) -> bool:
         """Whether an initial state is that before the first frame's exposure, and not that at the first sample."""
         return experiment.free_motion_before_record
