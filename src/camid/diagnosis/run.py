@@ -21,6 +21,7 @@ from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.effect_selection import Decision, select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.other_beginnings import with_other_beginnings
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects.base import Effect
@@ -94,7 +95,12 @@ def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.Pl
         return before, Decision(base, base)
     # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
     start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-    return before, select_effects(problem, base, setting.screened, watch, start, setting.searches)
+    decision = select_effects(problem, base, setting.screened, watch, start, setting.searches)
+
+    def leaves_structure(found: Decision) -> bool:
+        return bool(residue_of(setting, found, found.fitted, before).reasons)
+
+    return before, with_other_beginnings(problem, decision, setting.searches, watch, leaves_structure)
 
 
 def _names(decision: Decision) -> list[str]:

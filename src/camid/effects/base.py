@@ -262,10 +262,11 @@ class Effect:
         """A simpler effect of about the same size that is a special case of this one; None if there is none."""
         return None
 
-    def relatives(self) -> tuple[Effect, ...]:
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """Other effects that do nearly the same, in the shape in which they do.
 
         A search that has fitted this one starts them from there, too: their own first guesses may lead elsewhere.
+        ``situation`` is that of the fitted model which holds this one.
         """
         return ()
 

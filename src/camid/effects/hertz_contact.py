@@ -52,7 +52,7 @@ class HertzEndStop(EndStop):
             position=position + copysign(depth / 3.0, position), stiffness=1.5 * self.values["hertz"] * sqrt(depth)
         )
 
-    def relatives(self) -> tuple[Effect, ...]:
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """A storage that flows off over a weir, which is the same force."""
         return (OverflowOverWeir(height=self.values["position"], weir=self.values["hertz"]),)
 

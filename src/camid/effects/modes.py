@@ -99,7 +99,7 @@ class ParallelMode(Effect):
         gain = self.values["gain"]
         return second_order(gain, self.values["natural_frequency"], self.values["damping"]) if gain != 0.0 else None
 
-    def relatives(self) -> tuple[Effect, ...]:
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """The same mode in series."""
         return (ExtraMode(natural_frequency=self.values["natural_frequency"], damping=self.values["damping"]),)
 

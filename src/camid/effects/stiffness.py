@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import cos, sin, sqrt
+from math import cos, inf, sin, sqrt
 from typing import ClassVar
 
 import numpy as np
@@ -45,6 +45,11 @@ class CubicStiffness(AgainstMotion):
             yield cls(coefficient=share * situation.largest("signal") / situation.largest("position") ** 3)
         for law in cls.finer_laws:
             yield from law.candidates(situation)
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Where it softens, the pendulum whose sine begins with the same cube."""
+        ratio = -abs(static_stiffness(situation.plant)) / (6.0 * self.values["coefficient"] or inf)
+        return (PendulumGravity(amplitude=sqrt(ratio)),) if ratio > 0.0 else ()
 
 
 class QuadraticStiffness(AgainstMotion):

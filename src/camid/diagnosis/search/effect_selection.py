@@ -175,7 +175,7 @@ def select_effects(
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
         beside = len(current.model.effects) > known
-        if beside and begun is None and laws_are_inexact(problem, current, found):
+        if beside and not (begun and begun.interrupted) and laws_are_inexact(problem, current, found):
             interrupted = True
             break
         effort = BESIDE_OTHERS if beside else first_effort(problem)

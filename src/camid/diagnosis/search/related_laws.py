@@ -51,16 +51,20 @@ def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hyp
 
 def possible_relatives(problem: Problem, model: Model, index: int) -> list[Effect]:
     """What does nearly the same as one of a model's effects, of what the model lacks and the recordings can show."""
-    present = {e.identifier for i, e in enumerate(model.effects) if i != index}
-    relatives = [each for each in model.effects[index].relatives() if each.identifier not in present]
-    if not relatives:
+    effect = model.effects[index]
+    if type(effect).relatives is Effect.relatives:  # none, without a simulation
         return []
-    views = problem.situations(model)
+    try:
+        views = problem.situations(model)
+        relatives = effect.relatives(views.of(type(effect)))
+    except (ValueError, ArithmeticError):  # an effect that has run away leads to no other law
+        return []
+    present = {e.identifier for i, e in enumerate(model.effects) if i != index}
 
     def is_possible(kind: type[Effect]) -> bool:
         return problem.kind.unseen(kind) is None and kind.invisible(views.of(kind)) is None
 
-    return [each for each in relatives if is_possible(type(each))]
+    return [each for each in relatives if each.identifier not in present and is_possible(type(each))]
 
 
 def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:

@@ -44,6 +44,8 @@ MOST_KEPT = 20_000_000
 OTHER_SIZE = 3.0
 MOST_SIZES = 3
 LEAST_GAIN = 10.0
+# The factor of a guess that is far too large.
+MUCH_SMALLER = 0.1
 # Gain from which a law with more detail is fitted though what the plainer one leaves is white: a chance of 1e-4.
 LEAST_GAIN_OF_DETAIL = 15.0
 
@@ -284,10 +286,11 @@ def _resized(
     """The candidate in the size that fits, where its guess was far from that and says less."""
     best = screened
     for _ in range(MOST_SIZES):
-        if best.gain < LEAST_GAIN or not best.factor > 0.0 or 1.0 / OTHER_SIZE < best.factor < OTHER_SIZE:
+        factor = _other_size(best, len(base.residual))
+        if factor is None:
             break
         try:
-            effect = best.effect.scaled(best.factor)
+            effect = best.effect.scaled(factor)
         except ValueError:  # out of bounds
             break
         change = signature(problem, base, effect)
@@ -296,6 +299,15 @@ def _resized(
             break
         best = again
     return best
+
+
+def _other_size(screened: ScreenedEffect, count: int) -> float | None:
+    """The factor by which another size of a guess may say more; None where it says what it can."""
+    if screened.gain >= LEAST_GAIN and screened.factor > 0.0:
+        return None if 1.0 / OTHER_SIZE < screened.factor < OTHER_SIZE else screened.factor
+    # What changes the output by more than all that is missing may do so to either side.
+    too_large = screened.effect.one_sided and screened.factor <= 0.0 and screened.visible**2 > count
+    return MUCH_SMALLER if too_large else None
 
 
 def _listed(effects: Iterator[Effect]) -> Iterator[tuple[_Key, Effect]]:
