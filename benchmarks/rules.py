@@ -22,7 +22,7 @@ import pandas as pd
 from tabulate import tabulate
 
 import camid
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.proof.concealed.cases import plan
 from camid.proof.concealed.generator import Case, make
 from camid.proof.scoring import score
@@ -57,14 +57,15 @@ RULES: dict[str, dict[str, Any]] = {
     "held-out rows refute names": {"run.borne_out": _kept},
     "names that coloured noise explains go": {"run.in_noise_metric": _kept},
     "fewest and simplest names where structure is left": {"run.simplest": _kept},
-    "no further names beside an inexact law": {"search.effect_selection.laws_are_inexact": _never},
-    "a look beside a name that chance may explain": {"search.effect_selection.WORTH_A_LOOK": 1.0},
+    "no further names beside an inexact law": {"search.forward_selection.laws_are_inexact": _never},
+    "a look beside a name that chance may explain": {"search.forward_selection.WORTH_A_LOOK": 1.0},
     "further shapes of a resonance": {"search.hypothesis_search._further_shapes": _none},
     "laws that do nearly the same": {
         "search.hypothesis_search._relatives": _none,
         "search.effect_selection.relatives_in_place": _none,
     },
     "starts from other coefficients": {"search.hypothesis_search._starts_elsewhere": _none},
+    "a search that begins with other first effects": {"search.effect_selection.with_other_beginnings": _kept},
     "a race where all are far off": {"search.hypothesis_search._is_lost": _never},
     "rows weighed by their noise": {"run.relative_noise": _nothing},
     "laws with more detail": {"search.hypothesis_search.finer_laws": _none},

@@ -6,7 +6,7 @@ import pytest
 import camid
 from camid.chain.plant import TransferFunction
 from camid.diagnosis import setting
-from camid.diagnosis.search import effect_selection, hypothesis_search
+from camid.diagnosis.search import effect_selection, forward_selection, hypothesis_search
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.effects import modes
 from camid.fitting.fit import fit
@@ -35,21 +35,21 @@ def test_what_one_of_two_effects_leaves_is_no_noise_that_hides_both(monkeypatch)
     assert {f.identifier for f in diagnosis.findings} == {"input-bias", "coulomb-friction"}
     assert diagnosis.verdict == "explained"
     # Nothing is found where the search stops at the first that chance explains, too.
-    monkeypatch.setattr(effect_selection, "WORTH_A_LOOK", 1.0)
+    monkeypatch.setattr(forward_selection, "WORTH_A_LOOK", 1.0)
     assert camid.diagnose(*friction_and_bias()).findings == []
 
 
 def test_an_effect_that_was_looked_beside_in_vain_is_dropped(monkeypatch):
     """It is kept for the time being alone, as the search beside it shows."""
     beside = []
-    search = effect_selection.hypotheses
+    search = forward_selection.hypotheses
 
     def watched(problem, base, *arguments, **keywords):
         beside.append([e.identifier for e in base.model.effects])
         return search(problem, base, *arguments, **keywords)
 
-    monkeypatch.setattr(effect_selection, "hypotheses", watched)
-    monkeypatch.setattr(effect_selection, "FALSE_ALARM_BESIDE_OTHERS", 0.0)
+    monkeypatch.setattr(forward_selection, "hypotheses", watched)
+    monkeypatch.setattr(forward_selection, "FALSE_ALARM_BESIDE_OTHERS", 0.0)
     assert camid.diagnose(*friction_and_bias()).findings == []
     assert beside == [[], ["input-bias"]]
 
@@ -61,7 +61,7 @@ def test_a_special_case_that_was_not_screened_may_lead(monkeypatch):
     def screened(*arguments, **keywords):
         return [c for c in every(*arguments, **keywords) if c.effect.identifier != "coulomb-friction"]
 
-    for module in (setting, effect_selection):
+    for module in (setting, forward_selection, effect_selection):
         monkeypatch.setattr(module, "screen", screened)
     rig = record(effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0))
     diagnosis = camid.diagnose(rig, simulation())

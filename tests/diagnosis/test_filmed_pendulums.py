@@ -1,4 +1,4 @@
-"""Pendulums that swing out before a camera: two laws at once, which a mode or a disturbance imitates without an input."""
+"""Pendulums that swing out before a camera: two laws, which a mode or a disturbance imitates without an input."""
 
 import math
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from camid.diagnosis.pruning.held_out import REFUTED, borne_out, held_out_evidence
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import fit

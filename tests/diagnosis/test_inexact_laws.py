@@ -3,7 +3,7 @@
 import pytest
 
 import camid
-from camid.diagnosis.search import effect_selection
+from camid.diagnosis.search import forward_selection
 from tests.diagnosis.test_learned_laws import believed, bump, rig
 from tests.support import pendulum_and_drive as rigs
 from tests.support.mass_on_spring import effect, record, simulation
@@ -13,13 +13,13 @@ from tests.support.mass_on_spring import effect, record, simulation
 def answers(monkeypatch):
     """For each look at what effects leave, their names and whether their laws are taken for inexact."""
     found = []
-    asked = effect_selection.laws_are_inexact
+    asked = forward_selection.laws_are_inexact
 
     def watched(problem, fitted, screened):
         found.append(([e.identifier for e in fitted.model.effects], asked(problem, fitted, screened)))
         return found[-1][1]
 
-    monkeypatch.setattr(effect_selection, "laws_are_inexact", watched)
+    monkeypatch.setattr(forward_selection, "laws_are_inexact", watched)
     return found
 
 
@@ -27,13 +27,13 @@ def answers(monkeypatch):
 def searches(monkeypatch):
     """Names beside which the catalogue is fitted."""
     found = []
-    search = effect_selection.hypotheses
+    search = forward_selection.hypotheses
 
     def watched(problem, base, *arguments, **keywords):
         found.append([e.identifier for e in base.model.effects])
         return search(problem, base, *arguments, **keywords)
 
-    monkeypatch.setattr(effect_selection, "hypotheses", watched)
+    monkeypatch.setattr(forward_selection, "hypotheses", watched)
     return found
 
 

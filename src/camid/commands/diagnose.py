@@ -15,7 +15,7 @@ from camid.diagnosis.provenance import provenance_of
 from camid.diagnosis.residual.validation_rows import (
     refuse_too_short_to_diagnose,
     with_validation,
-    without_unknown_past,
+    without_unknown_input,
 )
 from camid.diagnosis.run import investigate
 from camid.diagnosis.watch import EFFORT, TIME_LIMIT, Watch
@@ -99,7 +99,7 @@ def _diagnosed(
     effects = effects_of(believed)
     refuse_stillness(believed)
     believed, recordings, experiments, held_out = experiments_or_free_decay(recording, believed, progress)
-    experiments, held_out = without_unknown_past(experiments, held_out, believed)
+    experiments, held_out = without_unknown_input(experiments, held_out, believed)
     structure = structure_of(believed)
     refuse_too_short_to_diagnose(structure, experiments, recordings)
     problem = problem_of(believed, structure, recordings, experiments)

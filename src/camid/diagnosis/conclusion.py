@@ -17,7 +17,7 @@ from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residue import Residue, left_by, residue_of
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch

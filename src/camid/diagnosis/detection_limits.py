@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from camid.diagnosis.diagnosis import Undetectable
-from camid.diagnosis.search.effect_selection import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS
+from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS
 from camid.diagnosis.search.screening import Metric, ScreenedEffect, metrics, signature, trials
 from camid.effects import known_effects
 from camid.effects.base import Effect

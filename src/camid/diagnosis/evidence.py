@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, StructureTest
 from camid.diagnosis.residual.mismatch_location import PlaceTest
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

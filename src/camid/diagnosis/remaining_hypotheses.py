@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.finding import Finding
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.verdict import different_inputs
 from camid.diagnosis.weights import LEAST_WEIGHT, UNLISTED

@@ -12,7 +12,7 @@ from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import recognised_noise
 from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left
 from camid.diagnosis.residual.uneven_noise import uneven_spread
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
 from camid.effects import known_effects
 from camid.effects.base import Effect

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.conclusion import concluded
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.improved_simulation import Deviations
+from camid.diagnosis.laws.laws_alone import log_evidence
 from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
@@ -19,9 +20,9 @@ from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
-from camid.diagnosis.search.effect_selection import Decision, select_effects
+from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.search.other_beginnings import with_other_beginnings
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects.base import Effect
@@ -79,11 +80,13 @@ def investigate(
         watch.take_stock(NAMES)
     problem, base = setting.problem, setting.base
     decision, residue = _simplified(setting, selected, before, watch)
-    if selected.interrupted and not decision.laws and residue.reasons:
-        # What looked like an inexact law is none that can be learned, and names are all that is left to look for.
+    if selected.interrupted and residue.reasons:
+        # What looked like an inexact law is none, or not all that is missing: names are left to look for.
         further = select_effects(problem, base, watch=watch, searches=setting.searches, begun=selected)
         if _names(further) != _names(selected):
-            decision, residue = _simplified(setting, further, before, watch)
+            other, what_is_left = _simplified(setting, further, before, watch)
+            if log_evidence(other) > log_evidence(decision):
+                decision, residue = other, what_is_left
     return concluded(setting, decision, before, residue, watch)
 
 
@@ -95,12 +98,13 @@ def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.Pl
         return before, Decision(base, base)
     # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
     start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-    decision = select_effects(problem, base, setting.screened, watch, start, setting.searches)
 
     def leaves_structure(found: Decision) -> bool:
         return bool(residue_of(setting, found, found.fitted, before).reasons)
 
-    return before, with_other_beginnings(problem, decision, setting.searches, watch, leaves_structure)
+    return before, select_effects(
+        problem, base, setting.screened, watch, start, setting.searches, leaves_structure=leaves_structure
+    )
 
 
 def _names(decision: Decision) -> list[str]:

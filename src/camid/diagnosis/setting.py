@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.residual.noise_recognition import spoiled_rows
-from camid.diagnosis.search.effect_selection import Searches
+from camid.diagnosis.search.decision import Searches
 from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, fit

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.search.effect_selection import Decision, p_value
+from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.search.false_alarms import p_value
 from camid.diagnosis.search.hypothesis import members_of
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects

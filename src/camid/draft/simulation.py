@@ -338,7 +338,7 @@ def _sensor_lines(draft: Draft, roles: Roles) -> list[str]:
             "  latency: 0.0  # s; after camid join say estimate, and skew: estimate",
         ]
     else:
-        lines.append("  latency: 0.0  # s, between the middle of a measurement and its time stamp, if it is known")
+        lines.append("  latency: 0.0  # s, between the end of a measurement and its time stamp, if it is known")
     if "offset of y" in remarks:
         lines.append(f"  offset: estimate  # {remarks['offset of y']}; a number, if the reading at rest is known")
     if says(simulation.output_column, "reference"):

@@ -12,6 +12,7 @@ from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.residual_spectrum import highest_lines
+from camid.effects.sensor import Delay
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -21,6 +22,8 @@ FREQUENCIES = 10
 DAMPING_RATIOS = (0.03, 0.3)
 # Lines of the residual that a mode too light for that grid may make, and the damping ratio of its guess.
 LINES, LIGHT = 2, 0.01
+# Damping ratio above which a mode does nearly what a delay does: it has no peak to speak of.
+WELL_DAMPED = 0.3
 # Static displacement of a first guess as a share of the largest displacement over the largest input.
 GUESS = 0.02
 
@@ -60,6 +63,11 @@ class ExtraMode(Effect):
         """Both terms of the mode's denominator, s²/ω₁² and 2 ξ₁ s/ω₁, scaled."""
         root = sqrt(max(factor, LEAST_FACTOR))
         return self.with_vector(self.vector * np.array([1.0 / root, root]))
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Where it is damped well, the delay of slow motion by it."""
+        delay = 2.0 * self.values["damping"] / self.values["natural_frequency"]
+        return (Delay(delay=delay),) if self.values["damping"] > WELL_DAMPED else ()
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

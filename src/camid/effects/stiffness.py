@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import cos, inf, sin, sqrt
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
-from camid.effects.plant_force import GUESS, LEAST_FACTOR, AgainstMotion, mobility, static_stiffness
+from camid.effects.plant_force import GUESS, LEAST_FACTOR, AgainstMotion, mobility, motion_sign, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -76,6 +76,14 @@ class QuadraticStiffness(AgainstMotion):
         for law in cls.finer_laws:
             yield from law.candidates(situation)
 
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Of a storage that empties faster the less is in it, an outflow with the square root that bends as much."""
+        from camid.effects.storage import SquareRootOutflow
+
+        level = 0.5 * situation.largest("position")
+        coefficient = -8.0 * self.values["coefficient"] * motion_sign(situation.plant) * level**1.5
+        return (SquareRootOutflow(coefficient=coefficient),) if coefficient > 0.0 else ()
+
 
 class PendulumGravity(Effect):
     """Restoring force that follows the sine of the displacement, as gravity on a pendulum does."""
@@ -102,8 +110,9 @@ class PendulumGravity(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """From small angles to large ones."""
-        for law in (PendulumGravity, PendulumDrivenAcross):
+        """From small angles to large ones; what pushes tells both apart."""
+        laws = (PendulumGravity, PendulumDrivenAcross) if np.any(situation.signal) else (PendulumGravity,)
+        for law in laws:
             for angle in (0.15, 0.5, 1.2):
                 yield law(amplitude=situation.largest("position") / angle)
 
@@ -121,6 +130,12 @@ class PendulumDrivenAcross(PendulumGravity):
         *PendulumGravity.parameters,
         Parameter("drive", "", "how the input pushes", choices=("horizontal",), default="horizontal"),
     )
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """The same amplitude; without an input nothing tells both laws apart."""
+        if np.any(situation.signal):
+            yield cls(**values)
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]

@@ -55,4 +55,5 @@ def first_horizon(problem: Problem, start: Model) -> int:
     """Rows over which a model follows the recordings well enough for a fit to start there."""
     constant = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
     numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
-    return max(int(FIRST_HORIZON * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)
+    begin = max(int(np.argmax(e.used)) for e in problem.experiments)  # rows before it say nothing
+    return begin + max(int(FIRST_HORIZON * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)

@@ -12,7 +12,7 @@ from camid.diagnosis.laws.formula.account import with_formulas
 from camid.diagnosis.laws.formula.candidates import LONG_FITS
 from camid.diagnosis.report import learned_pictures, summary
 from camid.diagnosis.report.panel import look_of_the_project
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.watch import Watch
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.learned_law import blank_laws, learn

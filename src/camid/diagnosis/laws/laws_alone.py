@@ -16,7 +16,7 @@ from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.laws.formula.account import with_formulas
 from camid.diagnosis.laws.learned_laws import structure_left, with_laws_alone
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.watch import Watch
 from camid.fitting.problem import Problem
 from camid.simulation.declared_units import IN_U_AND_Y, DeclaredUnits

@@ -18,7 +18,8 @@ from camid.diagnosis.evidence import simulated_error
 from camid.diagnosis.pruning.simplest_effects import LEAST_EXPLAINED, leaving_out
 from camid.diagnosis.residual.mismatch_location import places
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
-from camid.diagnosis.search.effect_selection import FALSE_ALARM_BESIDE_OTHERS, Decision, chance, p_value
+from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, chance, p_value
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.hypothesis_search import BESIDE_OTHERS, hypotheses

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.pruning.simplest_effects import without_effect
 from camid.diagnosis.residual.residual_structure import FAILED_ERROR_RATIO
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem

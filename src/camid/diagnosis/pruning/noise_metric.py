@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.search.effect_selection import FALSE_ALARM, MOST_EFFECTS, Decision, chance
+from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.search.false_alarms import FALSE_ALARM, chance
+from camid.diagnosis.search.forward_selection import MOST_EFFECTS
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem

@@ -17,7 +17,9 @@ import numpy as np
 
 from camid.diagnosis.residual.mismatch_location import PlaceTest, regressors
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
-from camid.diagnosis.search.effect_selection import FALSE_ALARM_BESIDE_OTHERS, LAW_ERROR, Decision, chance
+from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, chance
+from camid.diagnosis.search.forward_selection import LAW_ERROR
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.screening import metrics, projector

@@ -29,8 +29,9 @@ MEDIAN_ROWS, MEDIAN_DEVIATION = 5, 0.5356
 # functions of input, motion and output against the residual.
 ROWS_PER_UNKNOWN = 5
 FEWEST_ROWS = 100
-# Rows of a recording that begins in motion that a delay may make those of what was before, at most one in so many.
-UNKNOWN_PAST, UNKNOWN_PART = 10, 50
+# Rows that a delay may make those of what the input did before a recording that begins in motion, and that a clock that
+# runs fast may make those of what it did after the end: one in so many, at most so many.
+UNKNOWN_PAST, UNKNOWN_FUTURE, MOST_UNKNOWN = 50, 200, 50
 
 
 def with_validation(
@@ -56,21 +57,23 @@ def with_validation(
     return problem.with_used(used), validation, True
 
 
-def without_unknown_past(
+def without_unknown_input(
     experiments: Sequence[Experiment], held_out: Sequence[NDArray[np.bool_]], believed: Simulation
 ) -> tuple[list[Experiment], list[NDArray[np.bool_]]]:
-    """Recordings that begin in motion without their first rows, of which a delay makes what was before the record.
+    """Recordings without the rows of which a delay, or another clock, makes what was before the record or after it.
 
-    What the input did then is unknown. Few rows would speak against every delay, and loudly: all hypotheses are
-    compared without them. The declared latency is left out already; a free decay has no input, and a controller's
-    reference is not known to have been another before.
+    What the input did then is unknown. Few rows would speak against every delay of a recording that begins in motion,
+    and against every clock that runs fast, and loudly: all hypotheses are compared without them. The declared latency
+    is left out already; a free decay has no input, and a controller's reference is not known to have been another.
     """
-    if not believed.estimates_initial_state or believed.input_column is None or believed.controller is not None:
+    if believed.input_column is None or believed.controller is not None:
         return list(experiments), list(held_out)
     known = []
     for experiment in experiments:
         rows = np.ones(len(experiment.used), bool)
-        rows[: experiment.acquisition.window()[0] + min(UNKNOWN_PAST, len(rows) // UNKNOWN_PART)] = False
+        if believed.estimates_initial_state:
+            rows[: experiment.acquisition.window()[0] + min(len(rows) // UNKNOWN_PAST, MOST_UNKNOWN)] = False
+        rows[len(rows) - min(len(rows) // UNKNOWN_FUTURE, MOST_UNKNOWN) :] = False
         known.append(rows)
     return (
         [replace(e, used=e.used & rows) for e, rows in zip(experiments, known, strict=True)],

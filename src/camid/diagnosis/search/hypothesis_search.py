@@ -109,10 +109,10 @@ def hypotheses(
         first += _in_batches(from_model, raced(problem, nominal), watch)
     first += _in_batches(from_model, _beside_better_coefficients(problem, base, starts, elsewhere, first), watch)
     first += _simpler(problem, base, first)
-    first += [h for h in side_by_side(from_model, _relatives(problem, base, first)) if h is not None]
+    in_other_minima = partial(_fitted_from, problem, watch, "other shapes of", ALL_STEPS)
+    first += _in_batches(in_other_minima, _relatives(problem, base, first), watch)
     ranked = best_of_each(first)
     further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
-    in_other_minima = partial(_fitted_from, problem, watch, "other shapes of", ALL_STEPS)
     ranked = best_of_each([*ranked, *_in_batches(in_other_minima, further, watch)])
     near = _near_the_best(ranked, base, effort, incumbent)
     watch.take_stock(NAMES)

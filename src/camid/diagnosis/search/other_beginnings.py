@@ -10,13 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from camid.diagnosis.search.effect_selection import SWAP_MARGIN, Decision, Searches, select_effects
-from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.diagnosis.search.decision import Decision, Searches
+from camid.diagnosis.search.forward_selection import with_added_effects
+from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.diagnosis.watch import NAMES, Watch
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
+# By how much the criterion of what takes the place of something has to be lower.
+SWAP_MARGIN = 2.0
 # Other first effects, and the share of the mismatch that one has to explain.
-MOST_BEGINNINGS, LEAST_EXPLAINED = 2, 0.5
+MOST_BEGINNINGS, LEAST_EXPLAINED = 2, 0.3
 
 
 def with_other_beginnings(
@@ -25,6 +29,7 @@ def with_other_beginnings(
     searches: Searches,
     watch: Watch,
     leaves_structure: Callable[[Decision], bool],
+    nominal: Model | None = None,
 ) -> Decision:
     """The likeliest of a decision and those that searches from other first effects end in.
 
@@ -37,33 +42,45 @@ def with_other_beginnings(
     watch : Watch
     leaves_structure : callable
         Whether a decision's effects leave more than noise.
+    nominal : Model, optional
+        Where phases add up and structure is left all the same, what is added to the first effects is followed from
+        these coefficients, too.
 
     Returns
     -------
     Decision
-        The same where it leaves noise, or where a law of it seems inexact, which is learned.
+        The same where it leaves noise.
     """
-    if decision.interrupted or not decision.rivals:
-        return decision
-    if not (_may_be_imitated(problem, decision) or leaves_structure(decision)):
+    over_time = problem.kind.phases_add_up
+    several = over_time and len(decision.rivals) > 1
+    if not decision.rivals or not (several or leaves_structure(decision)):
         return decision
     first = searches.beside(decision.base) or []
-    for beginning in _other_beginnings(decision, first):
-        watch.take_stock(NAMES)
-        if watch.no_time_for(f"a search that begins with {beginning.identifier}"):
+    others = _other_beginnings(decision, first)
+    passes: list[tuple[Model | None, list[Hypothesis]]] = [(None, others)]
+    if over_time and nominal is not None:
+        passes.append((nominal, [*decision.rivals[0][:1], *others]))
+    for start, beginnings in passes:
+        for beginning in beginnings:
+            watch.take_stock(NAMES)
+            if watch.no_time_for(f"a search that begins with {beginning.identifier}"):
+                return decision
+            begun = Decision(decision.base, beginning.fitted, [first], [decision.base])
+            other = with_added_effects(problem, decision.base, searches, watch, nominal=start, begun=begun)
+            # Alone, the first effects were ranked already.
+            if len(other.rivals) > 1 and _whole(problem, decision).beyond(_whole(problem, other)) > SWAP_MARGIN:
+                decision = other
+                if not leaves_structure(decision):
+                    return decision
+        if not leaves_structure(decision):
             break
-        begun = Decision(decision.base, beginning.fitted, [first], [decision.base])
-        other = select_effects(problem, decision.base, watch=watch, searches=searches, begun=begun)
-        if decision.fitted.criterion_beyond(other.fitted) > SWAP_MARGIN:
-            decision = other
-            if not leaves_structure(decision):
-                break
     return decision
 
 
-def _may_be_imitated(problem: Problem, decision: Decision) -> bool:
-    """Whether some effects together may do what others do: without an input no phase is set right again."""
-    return problem.kind.phases_add_up and len(decision.rivals) > 1
+def _whole(problem: Problem, decision: Decision) -> Hypothesis:
+    """All effects of a decision as one hypothesis."""
+    added = decision.fitted.model.effects[len(decision.base.model.effects) :]
+    return Hypothesis("", decision.fitted, sum(prior_penalty(problem, effect) for effect in added))
 
 
 def _other_beginnings(decision: Decision, first: list[Hypothesis]) -> list[Hypothesis]:

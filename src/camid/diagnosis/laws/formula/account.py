@@ -18,7 +18,7 @@ from camid.diagnosis.laws.formula.in_place import in_place
 from camid.diagnosis.laws.formula.text import formula_of, unit_text
 from camid.diagnosis.laws.formula.words import described, loop_area, missing_from
 from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.verdict import learned_parts
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.laws.formula.bends import Range
 from camid.diagnosis.laws.formula.groups import Group, values_of
 from camid.diagnosis.laws.formula.search import FittedForm, fitted_forms, length_of
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.watch import Watch
 from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect

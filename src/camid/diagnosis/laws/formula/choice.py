@@ -29,7 +29,7 @@ from camid.diagnosis.laws.formula.candidates import (
 from camid.diagnosis.laws.formula.dictionary import FIXED_POWERS, POWERS
 from camid.diagnosis.laws.formula.groups import Group, other_laws
 from camid.diagnosis.laws.learned_laws import LEAST_EVIDENCE
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect

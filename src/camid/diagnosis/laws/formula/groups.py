@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.effects.base import Effect
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted

@@ -17,7 +17,7 @@ from camid.diagnosis.laws.formula.candidates import Candidate
 from camid.diagnosis.laws.formula.groups import Group
 from camid.diagnosis.laws.learned_laws import relearned
 from camid.diagnosis.pruning.simplest_effects import leaving_out
-from camid.diagnosis.search.effect_selection import Decision
+from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.effects.learned import LearnedCurve, LearnedEffect
 from camid.effects.plant_force import motion_sign

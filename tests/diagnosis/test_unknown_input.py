@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import camid
-from camid.diagnosis.residual.validation_rows import UNKNOWN_PAST, without_unknown_past
+from camid.diagnosis.residual.validation_rows import without_unknown_input
 from camid.identification.from_recordings import experiments_of
 from camid.simulation.file import load_simulation
 
@@ -50,18 +50,18 @@ def test_the_dead_time_of_a_heater_that_is_warming_up(seed):
 
 @pytest.mark.parametrize(
     ("changes", "rows"),
-    [({}, UNKNOWN_PAST), ({"sensor": {"column": "temperature", "kind": "instant", "latency": 3.0}}, 3 + UNKNOWN_PAST),
+    [({}, COUNT // 50), ({"sensor": {"column": "temperature", "kind": "instant", "latency": 3.0}}, 3 + COUNT // 50),
      ({"initial_state": "zero"}, 0)],
 )  # fmt: skip
 def test_the_first_rows_of_a_start_that_is_unknown_are_not_compared(changes, rows):
     simulation = load_simulation(believed(**changes))
     _, experiments, held_out = experiments_of(heater(0), simulation, None)
-    (experiment,), _ = without_unknown_past(experiments, held_out, simulation)
+    (experiment,), _ = without_unknown_input(experiments, held_out, simulation)
     assert np.argmax(experiment.used) == rows
 
 
 def test_a_short_recording_keeps_nearly_all_of_its_rows():
     simulation = load_simulation(believed())
     _, experiments, held_out = experiments_of(heater(0).head(120), simulation, None)
-    (experiment,), _ = without_unknown_past(experiments, held_out, simulation)
+    (experiment,), _ = without_unknown_input(experiments, held_out, simulation)
     assert np.count_nonzero(~experiment.used) == 2

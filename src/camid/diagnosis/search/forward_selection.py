@@ -1,0 +1,126 @@
+"""Forward selection: effects are added to a model as long as each is called for.
+
+Hypotheses are compared by Bayes's criterion, tempered where the residual is not white; see
+:meth:`camid.fitting.fit.Fitted.criterion_beyond`. An effect is added where the likelihood ratio would be exceeded by
+chance, anywhere in the catalogue, in less than one recording of several hundred.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from camid.diagnosis.search.decision import Decision, Searches
+from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, p_value
+from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.diagnosis.search.hypothesis_search import (
+    BESIDE_OTHERS,
+    first_effort,
+    has_run_away,
+    hypotheses,
+    is_far_off,
+)
+from camid.diagnosis.search.inexact_laws import laws_are_inexact
+from camid.diagnosis.search.models_of_each_recording import models_of_each_recording
+from camid.diagnosis.search.related_laws import finer_in_place
+from camid.diagnosis.search.screening import ScreenedEffect, screen
+from camid.diagnosis.watch import NAMES, Watch
+from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+
+# Effects that are looked for in any case, and at most: beyond the first ones, each that is found has to have explained
+# more than an inexact law of the others may leave.
+FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
+# Share of the mismatch that inexact laws may leave.
+LAW_ERROR = 0.04
+# Share of the mismatch from which an effect is worth a look at what shows beside it, though what it leaves is so
+# coloured that chance may do as much: what another effect does is structure until that is found, too.
+WORTH_A_LOOK = 0.3
+
+
+def with_added_effects(
+    problem: Problem,
+    base: Fitted,
+    searches: Searches,
+    watch: Watch,
+    screened: Sequence[ScreenedEffect] | None = None,
+    nominal: Model | None = None,
+    begun: Decision | None = None,
+) -> Decision:
+    """Add effects to a model as long as each is called for.
+
+    Parameters
+    ----------
+    problem : Problem
+    base : Fitted
+        The refitted nominal model.
+    searches : Searches
+        Where what is found is kept.
+    watch : Watch
+    screened : sequence of ScreenedEffect, optional
+        Of the base, where it was screened already.
+    nominal : Model, optional
+        As the simulation says, without effects.
+    begun : Decision, optional
+        Effects that stand already; an interrupted search goes on though a law of it seems to be inexact.
+
+    Returns
+    -------
+    Decision
+        Of which no effect was put to the test beside the others.
+    """
+    current = base if begun is None else begun.fitted
+    rivals: list[list[Hypothesis]] = [] if begun is None else list(begun.rivals)
+    interrupted = False
+    known = len(base.model.effects)
+    doubtful: Fitted | None = None
+    while len(current.model.effects) - known < MOST_EFFECTS:
+        names = ", ".join(e.identifier for e in current.model.effects)
+        watch.take_stock(NAMES)
+        if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
+            break
+        if doubtful is None and not watch.no_time_for("finer laws"):
+            current = finer_in_place(problem, current)
+        watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
+        found = screen(problem, current, signatures=searches.signatures) if screened is None else screened
+        beside = len(current.model.effects) > known
+        if beside and not (begun and begun.interrupted) and laws_are_inexact(problem, current, found):
+            interrupted = True
+            break
+        effort = BESIDE_OTHERS if beside else first_effort(problem)
+        anew = begun is not None or not current.model.effects
+        start = _nominal_start(problem, current, nominal, anew)
+        alone = () if beside else models_of_each_recording(problem, current, watch)
+        ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch, others=alone)
+        searches.keep(current, ranked)
+        screened = None
+        level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
+        ranked = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
+        if not ranked:
+            break
+        if p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
+            if doubtful is not None or ranked[0].fitted.cost > (1.0 - WORTH_A_LOOK) * current.cost:
+                break
+            doubtful, current = current, ranked[0].fitted
+            rivals.append(ranked)
+            continue
+        left, current, doubtful = current, ranked[0].fitted, None
+        rivals.append(ranked)
+        enough = len(current.model.effects) - known >= FEWEST_EFFECTS
+        if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
+            break
+    if doubtful is not None:
+        current = doubtful
+        rivals.pop()
+    return Decision(base, current, rivals, interrupted=interrupted)
+
+
+def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None, anew: bool) -> Model | None:
+    """The nominal model with the effects found, as a start beside the refitted one where that is still far off."""
+    if nominal is None:
+        return None
+    out_of_phase = problem.kind.phases_add_up and anew
+    if not out_of_phase and not is_far_off(problem, current) and not has_run_away(current, nominal):
+        return None
+    return replace(nominal, effects=current.model.effects)
