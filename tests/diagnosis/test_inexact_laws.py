@@ -44,8 +44,9 @@ def test_what_an_inexact_law_leaves_is_learned_and_given_no_further_name(answers
     assert [f.identifier for f in diagnosis.findings] == ["cubic-stiffness"]
     assert abs(diagnosis.findings[0].parameters["coefficient"].value - 0.3) < 0.01
     assert [part.variables for part in diagnosis.learned] == ["position"]
-    assert answers == [(["cubic-stiffness"], True)]
-    assert searches == [[]]
+    assert answers[0] == (["cubic-stiffness"], True)
+    assert [] in searches
+    assert ["cubic-stiffness"] not in searches
 
 
 def test_names_are_looked_for_where_no_law_can_be_learned(answers, searches):
@@ -54,8 +55,9 @@ def test_names_are_looked_for_where_no_law_can_be_learned(answers, searches):
     diagnosis = camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
     assert not diagnosis.learned
-    assert answers == [(["coulomb-friction"], True)]
-    assert searches == [[], ["coulomb-friction"]]
+    assert answers[0] == (["coulomb-friction"], True)
+    assert searches[0] == []
+    assert ["coulomb-friction"] in searches
 
 
 def test_a_second_effect_of_the_catalogue_is_looked_for(answers):

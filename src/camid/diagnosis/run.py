@@ -80,7 +80,7 @@ def investigate(
         watch.take_stock(NAMES)
     problem, base = setting.problem, setting.base
     decision, residue = _simplified(setting, selected, before, watch)
-    if selected.interrupted and residue.reasons:
+    if selected.interrupted and residue.reasons and _leaves_colour(decision):
         # What looked like an inexact law is none, or not all that is missing: names are left to look for.
         further = select_effects(problem, base, watch=watch, searches=setting.searches, begun=selected)
         if _names(further) != _names(selected):
@@ -105,6 +105,11 @@ def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.Pl
     return before, select_effects(
         problem, base, setting.screened, watch, start, setting.searches, leaves_structure=leaves_structure
     )
+
+
+def _leaves_colour(decision: Decision) -> bool:
+    """Whether no law was learned, or what names and laws leave is more than white noise."""
+    return not decision.laws or len(decision.improved.noise.whitening) > 1
 
 
 def _names(decision: Decision) -> list[str]:

@@ -58,7 +58,7 @@ STEP_SHARE = 0.125
 RATE_OF_SINGLE = 16.0
 # Speed of the outflow near the empty storage, in rates of the storage, above which it is in proportion to the level:
 # a trickle is not turbulent.
-FASTEST_TRICKLE = 100.0
+FASTEST_TRICKLE = 30.0
 # An edge this much beyond the motion, in the largest displacement, does nothing.
 BEYOND = 1.001
 # Steps to the level that belongs to an outflow.

@@ -49,11 +49,14 @@ def with_other_beginnings(
     Returns
     -------
     Decision
-        The same where it leaves noise.
+        The same where it leaves noise, or where a law of it seems inexact, which is learned; without an input other
+        effects may seem so.
     """
     over_time = problem.kind.phases_add_up
+    if not decision.rivals or (decision.interrupted and not over_time):
+        return decision
     several = over_time and len(decision.rivals) > 1
-    if not decision.rivals or not (several or leaves_structure(decision)):
+    if not (several or leaves_structure(decision)):
         return decision
     first = searches.beside(decision.base) or []
     others = _other_beginnings(decision, first)
