@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.forward_selection import with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
@@ -21,6 +23,8 @@ from camid.fitting.problem import Problem
 SWAP_MARGIN = 2.0
 # Other first effects, and the share of the mismatch that one has to explain.
 MOST_BEGINNINGS, LEAST_EXPLAINED = 2, 0.3
+# Error, as a share of the output's spread, from which a motion without an input may be out of phase.
+OUT_OF_PHASE = 0.005
 
 
 def with_other_beginnings(
@@ -64,6 +68,8 @@ def with_other_beginnings(
     if over_time and nominal is not None:
         passes.append((nominal, [*decision.rivals[0][:1], *others]))
     for start, beginnings in passes:
+        if start is not None and not _is_out_of_phase(problem, decision):
+            break
         for beginning in beginnings:
             watch.take_stock(NAMES)
             if watch.no_time_for(f"a search that begins with {beginning.identifier}"):
@@ -78,6 +84,12 @@ def with_other_beginnings(
         if not leaves_structure(decision):
             break
     return decision
+
+
+def _is_out_of_phase(problem: Problem, decision: Decision) -> bool:
+    """Whether so much is left that the motion is not followed."""
+    count = len(decision.fitted.residual)
+    return decision.fitted.cost >= OUT_OF_PHASE**2 * float(np.var(problem.recorded)) * count
 
 
 def _whole(problem: Problem, decision: Decision) -> Hypothesis:
