@@ -124,4 +124,7 @@ def test_numbers_and_units():
     assert probability(3e-9) == "< 0.0001"
     assert interval(0.15, 0.0021) == "0.1459 to 0.1541"
     assert span((0.5, 2.0), "Hz") == f"0.5 to 2{SPACE}Hz"
+    assert span((2.961e-10, 10.98), "s") == f"0 to 10.98{SPACE}s"
+    assert span((1000.012, 1000.034), "s") == f"1000.012 to 1000.034{SPACE}s"
+    assert span((3.0, 3.0), "") == "3 to 3"
     assert percentage(None) == "–"

@@ -16,6 +16,8 @@ SCIENTIFIC_ABOVE, SCIENTIFIC_BELOW = 5, -4
 SMALLEST_PROBABILITY = 1e-4
 # A deviation below this share of the value is rounding error; the digits that it asks for would be noise.
 SMALLEST_RELATIVE_DEVIATION = 1e-12
+# A limit below this share of the distance to the other one is an error of rounding.
+ROUNDING_ERROR = 1e-6
 LIMITS = 1e-290, 1e290
 SPACE = "\u00a0"  # between a number and its unit: no line breaks there
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -107,8 +109,12 @@ def interval(value: float, deviation: float | None) -> str:
 
 
 def span(limits: tuple[float, float], unit: str) -> str:
-    """Two limits and their unit."""
-    return f"{plain(limits[0])} to {plain(limits[1], unit=unit)}"
+    """Two limits and their unit: with digits that tell them apart, and rounding errors of zero as zero."""
+    width = abs(limits[1] - limits[0])
+    low, high = (0.0 if abs(limit) < ROUNDING_ERROR * width else limit for limit in limits)
+    apart = _exponent(max(abs(low), abs(high))) - _exponent(width) + 3 if 0.0 < width < math.inf else 4
+    digits = min(max(4, apart), 9)
+    return f"{plain(low, digits)} to {plain(high, digits, unit)}"
 
 
 def percentage(share: float | None, digits: int = 3) -> str:

@@ -161,7 +161,7 @@ def test_every_command_is_one_of_click(capsys):
     assert all(isinstance(command, click.Command) and command.short_help for command in cli.commands.values())
 
 
-@pytest.mark.parametrize("options", [[], ["--json"]])
+@pytest.mark.parametrize("options", [pytest.param([], marks=pytest.mark.slow), ["--json"]])
 def test_what_is_compiled_at_first_use_is_said(bench, options):
     """With an empty folder for machine code, and for people and programs alike on the error stream."""
     command = [

@@ -91,6 +91,7 @@ def test_orders_are_not_compared_over_two_clocks():
         camid.select_order(two_rates(), SIMULATION)
 
 
+@pytest.mark.slow
 def test_the_next_experiment_after_frames_with_times_of_their_own():
     sensor = {**SIMULATION["sensor"], "latency": "estimate", "skew": "estimate"}
     found = camid.identify(two_rates(), {**SIMULATION, "sensor": sensor, "initial_state": "estimate"}).simulation

@@ -34,7 +34,10 @@ def recording(parameters, count=900, seed=1):
     return pd.DataFrame({"t": PERIOD * np.arange(count), "u": signal, "y": np.array(output) + noise})
 
 
-@pytest.mark.parametrize(("identifier", "truth"), [("coulomb-friction", DAHL), ("stribeck-friction", LUGRE)])
+@pytest.mark.parametrize(
+    ("identifier", "truth"),
+    [pytest.param("coulomb-friction", DAHL, marks=pytest.mark.slow), ("stribeck-friction", LUGRE)],
+)
 def test_friction_with_bristles_is_friction(identifier, truth, monkeypatch):
     monkeypatch.setattr(learned_laws, "_likeliest", lambda *_, **__: pytest.fail("a law was learned"))
     believed = simulation(sensor={"column": "y", "kind": "instant", "offset": 0.0})

@@ -7,6 +7,7 @@ import pytest
 from camid.diagnosis.diagnosis import Coefficient, Location, NormalisedErrors
 from camid.diagnosis.explanation import explanation
 from camid.diagnosis.finding import ParameterEstimate
+from camid.diagnosis.report.summary import verdict_words
 from camid.diagnosis.verdict import verdict_of
 from tests.support import written_diagnoses
 
@@ -107,3 +108,18 @@ def test_a_simulation_that_explains_nothing_says_so_first():
     fit = NormalisedErrors(1.1, 1.03, 1.03, 1.0, (24.0, 34.0))
     text = explanation("adequate", [], fit, Location())
     assert text.startswith("The simulation explains hardly anything of the output: at its best it leaves 103 %")
+
+
+def test_a_name_without_weight_is_no_member_of_a_class():
+    found = weighed(0.45, ("quadratic-drag", 0.4), ("hysteresis", 2e-5), ("unlisted", 0.15))
+    text = explanation("explained", [found], FIT, Location("plant"))
+    assert "leaves out: one of Coulomb friction (45 %) or quadratic drag (40 %)." in text
+
+
+@pytest.mark.parametrize(("improved", "said"), [(0.0421, False), (0.1648, True)])
+def test_noise_in_the_fitted_rows_is_said_of_them_alone_where_the_others_err_more(improved, said):
+    fit = replace(FIT, improved=improved)
+    text = explanation("explained", [weighed(0.99)], fit, Location("plant"))
+    assert ("in the others the error is 4 times the noise" in text) == said
+    meaning = verdict_words(written_diagnoses.diagnosis("explained", fit=fit))[2]
+    assert meaning.endswith("in the rows that were fitted") == said

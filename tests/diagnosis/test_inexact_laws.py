@@ -49,6 +49,7 @@ def test_what_an_inexact_law_leaves_is_learned_and_given_no_further_name(answers
     assert ["cubic-stiffness"] not in searches
 
 
+@pytest.mark.slow
 def test_names_are_looked_for_where_no_law_can_be_learned(answers, searches):
     """Dry friction that changes along the screw is no curve over anything."""
     recording = rigs.drive(mass=12.0, viscous=30.0, friction=6.0, ripple=0.25, noise=0.05)

@@ -1,5 +1,7 @@
 """A law without a name in the place of a name that leaves structure."""
 
+import pytest
+
 import camid
 from camid.proof.unlisted.campaign import error_of
 from camid.proof.unlisted.rigs import draw, generator, law_of
@@ -8,6 +10,7 @@ from camid.proof.unlisted.rigs import draw, generator, law_of
 SEED, NUMBER = 7701, 25
 
 
+@pytest.mark.slow
 def test_a_name_that_hides_a_law_is_not_simulated():
     rng = generator(SEED, NUMBER, True)
     case = draw(rng, law_of(NUMBER))

@@ -273,6 +273,7 @@ def test_the_page_escapes_the_program():
     assert "learned from <b>" not in text
 
 
+@pytest.mark.slow
 def test_a_named_effect_that_only_resembles_a_part_of_the_law_is_part_of_it(tmp_path):
     """Cogging is taken for a part of the magnet's force: what was learned beside it alone is in no other recording."""
     first, second = (rig(bump, seed).drop(columns="clean") for seed in (21, 22))

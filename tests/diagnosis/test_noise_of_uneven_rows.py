@@ -37,7 +37,7 @@ def fitted_to(table):
     return problem, problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_friction_that_shows_where_the_motion_is_slow_is_found_beside_jitter(seed):
     table = jittered(effect("coulomb-friction", force=0.004), jitter=0.2 * PERIOD, seed=seed)
     diagnosis = camid.diagnose(table, simulation())
@@ -50,6 +50,7 @@ def test_friction_that_shows_where_the_motion_is_slow_is_found_beside_jitter(see
     assert camid.diagnose(other, diagnosis.improved.to_mapping()).verdict == "adequate"
 
 
+@pytest.mark.slow
 def test_the_rows_of_several_recordings_are_weighed_by_their_own_noise():
     friction, jitter = effect("coulomb-friction", force=0.004), 0.2 * PERIOD
     tables = [jittered(friction, jitter=jitter, seed=seed, count=1200, command_seed=seed) for seed in (3, 4)]

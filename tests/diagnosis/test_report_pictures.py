@@ -205,11 +205,14 @@ def test_the_input_is_drawn_above_the_output():
     assert next(p for p in pictures.draw(free)["fit"] if p.wide).svg.count('class="axes"') == 1
 
 
+@pytest.mark.parametrize("column", ["u", None])
 @pytest.mark.parametrize("place", ["actuator", "plant", "disturbance", "sensor", "noise", None])
-def test_what_has_no_name_asks_for_another_experiment(place):
-    diagnosis = written_diagnoses.diagnosis("unexplained", location=Location(place))
+def test_what_has_no_name_asks_for_another_experiment(place, column):
+    diagnosis = written_diagnoses.diagnosis("unexplained", location=Location(place), input_column=column)
     advised = next_experiments(diagnosis)
     assert advised
+    # Nobody who recorded a free decay is told to record one, or to change an input that there is not.
+    assert column or not any("a free decay" in each or "input" in each for each in advised)
     assert len(advised) == len(set(advised))
     named = [
         next_experiments(written_diagnoses.diagnosis(v, location=Location(place))) for v in ("adequate", "explained")

@@ -30,7 +30,7 @@ def test_remainder_is_the_size_of_what_is_left(recording, diagnosis):
     """On the rows that were fitted, or on the others: the larger."""
     left = diagnosis.signals.recorded - diagnosis.signals.improved
     fitted = diagnosis.signals.fitted
-    size = max(np.sqrt(np.mean(left[rows] ** 2)) for rows in (fitted, ~fitted))
+    size = max(np.sqrt(np.mean(left[rows] ** 2)) for rows in (fitted, diagnosis.signals.validates))
     assert diagnosis.improved.remainder == pytest.approx(size, rel=0.02)
     again = camid.diagnose(recording, diagnosis.improved)
     assert again.verdict == "adequate"

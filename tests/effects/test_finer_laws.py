@@ -253,7 +253,17 @@ LAWS = [
 ]
 
 
-@pytest.mark.parametrize(("identifier", "law", "key"), LAWS, ids=[f"{case[0]}, {case[2]}" for case in LAWS])
+# A whole diagnosis of these takes longer than five seconds.
+LONG = {"cubic-stiffness", "end-stop", "lens-distortion"}
+
+
+@pytest.mark.parametrize(
+    ("identifier", "law", "key"),
+    [
+        pytest.param(*case, marks=[pytest.mark.slow] if case[0] in LONG else [], id=f"{case[0]}, {case[2]}")
+        for case in LAWS
+    ],
+)
 def test_the_law_is_found_and_the_improved_simulation_declares_it(identifier, law, key):
     recording = record(law, noise=0.001, count=1200)
     found = camid.diagnose(recording, simulation())

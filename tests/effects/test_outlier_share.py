@@ -33,7 +33,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize(("share", "count"), [(0.02, 3000), (0.12, 1500)])
+@pytest.mark.parametrize(("share", "count"), [pytest.param(0.02, 3000, marks=pytest.mark.slow), (0.12, 1500)])
 def test_intervals_hold_the_true_share(shape, share, count):
     shares = [share_of(SHAPES[shape], seed, share, count) for seed in range(SAMPLES)]
     found = np.array([(each.fraction, each.deviation) for each in shares])
@@ -67,7 +67,7 @@ def evidences(draw):
 
 
 @pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("count", [500, 3000])
+@pytest.mark.parametrize("count", [500, pytest.param(3000, marks=pytest.mark.slow)])
 def test_noise_with_heavy_tails_has_no_outliers(noise, count):
     found = evidences(lambda generator: NOISES[noise](generator, count))
     assert len(found) > SAMPLES / 3

@@ -52,6 +52,7 @@ def test_without_a_weir_the_level_ends_at_the_same_edge():
     assert plain.values["height"] == 1.0
 
 
+@pytest.mark.slow
 def test_it_is_named_beside_what_is_the_same_and_declared(signal):
     noise = 0.005 * np.random.default_rng(5).standard_normal(COUNT)
     recording = pd.DataFrame({"t": PERIOD * np.arange(COUNT), "u": signal, "y": levels(signal) + noise})

@@ -112,6 +112,7 @@ def test_a_designed_experiment_decides_and_a_repetition_does_not(first, diagnosi
     assert repeated.weight < 0.6
 
 
+@pytest.mark.slow
 def test_a_design_is_the_same_again(diagnosis, design):
     again = camid.design(diagnosis, time_limit=None)
     np.testing.assert_array_equal(again.played.signal, design.played.signal)
@@ -141,6 +142,7 @@ def test_what_no_input_tells_apart_is_said():
     assert found.seconds_to_decide is None
 
 
+@pytest.mark.slow
 def test_a_faster_camera_is_taken_where_it_says_more():
     sensor = {"column": "y", "kind": "camera", "exposure": 0.02, "latency": 0.0}
     lag = believed(effect("actuator-lag", time_constant=0.01), sensor=sensor)
@@ -187,6 +189,7 @@ def test_one_hypothesis_is_determined(first):
     assert np.prod(after / before) < 0.5 ** (0.5 * len(after))
 
 
+@pytest.mark.slow
 def test_expected_deviations_come_true(first):
     found = camid.design(believed(), recording=first, time_limit=None)
     noise = {"noise": 0.02, "count": ROWS}

@@ -84,6 +84,7 @@ def test_two_simulations_as_hypotheses_and_json(bench, capsys):
     assert not (bench / "next/design.png").exists()
 
 
+@pytest.mark.slow
 def test_two_simulations_after_a_recording(bench):
     """Fitted to it first: friction and drag of a rig that has neither are small, and hard to tell apart."""
     found = camid.design(["friction.yaml", "drag.yaml"], recording="first.csv", duration=4.0, time_limit=None)

@@ -40,6 +40,7 @@ def drawn(count, seed):
     return found
 
 
+@pytest.mark.slow
 def test_the_weights_become_reliable():
     comparisons = drawn(400, 1)
     constants = calibrate(comparisons)
@@ -70,6 +71,7 @@ def test_a_rig_with_a_strong_effect_is_compared():
     assert comparison.strongest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("effect", "number", "chances"), [("cubic-stiffness", 60, 2), ("actuator-lag", 480, 1)])
 def test_two_recordings_are_two_chances_for_a_law_and_one_for_linear_dynamics(effect, number, chances):
     case = next(c for c in plan(7, number) if c.effects == (effect,))

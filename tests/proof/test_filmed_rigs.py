@@ -106,6 +106,7 @@ def test_an_oblique_view_changes_the_scale_over_the_motion():
         assert middle_of(rig, motion, stamp) == pytest.approx(wanted, abs=0.15)
 
 
+@pytest.mark.slow
 def test_a_clip_goes_from_pictures_to_a_diagnosis(tmp_path):
     found = scored(draw(SEED, 0), SEED, 0, tmp_path)
     assert found["concealed"] == NOTHING

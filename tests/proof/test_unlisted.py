@@ -123,6 +123,7 @@ def answers():
     return pd.DataFrame([scored(SEED, 6, missing) for missing in (True, False)], columns=COLUMNS)
 
 
+@pytest.mark.slow
 def test_a_detent_is_recovered_and_nothing_is_learned_where_nothing_is_missing(answers):
     under, without = answers.iloc[0], answers.iloc[1]
     assert under["failure"] == without["failure"] == ""
@@ -139,6 +140,7 @@ def test_the_committed_answers_meet_what_is_asked():
     assert comparison["passed"].all(), comparison
 
 
+@pytest.mark.slow
 def test_table_and_figure_hold_every_law(answers):
     rows = judged(answers)
     text = to_markdown(rows, "a stamp", {"variables_right": "≥ 85"})

@@ -84,6 +84,7 @@ def signals(seed, force=FORCE, *, held_input=True):
         velocity=refitted_velocity,
         equivalent_input=equivalent,
         fitted=fitted,
+        validates=~fitted,
     )
 
 

@@ -121,6 +121,7 @@ rule concealed_slowest:
     threads: 2
     params:
         code=script_code("concealed_slowest.py"),
+        asked=lambda wildcards: CONCEALED[wildcards.set].get("times", True),
     message:
         "Timing the slowest diagnoses again, one at a time ({wildcards.set})."
     script:

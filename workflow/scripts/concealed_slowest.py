@@ -1,4 +1,4 @@
-"""Time the slowest diagnoses of a set again, one at a time."""
+"""Time the slowest diagnoses of a set again, one at a time, where it is asked how long they take."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,8 +16,8 @@ def main() -> None:
     """Time the slowest diagnoses of a set again, one at a time."""
     shards = zip(snakemake.input.run_times, snakemake.input.recordings, snakemake.input.diagnoses, strict=True)
     parts = [
-        timed_alone(pd.read_csv(run_times), Path(recordings), Path(diagnoses))
-        for run_times, recordings, diagnoses in shards
+        timed_alone(read, Path(recordings), Path(diagnoses)) if snakemake.params.asked else read.iloc[:0]
+        for read, recordings, diagnoses in ((pd.read_csv(times), *folders) for times, *folders in shards)
     ]
     pd.concat(parts).to_csv(snakemake.output[0], index=False, lineterminator="\n")
 

@@ -86,7 +86,7 @@ def concluded(
         improved_simulation(believed, problem, final, effects, remainder),
         learned=learned,
         structured=bool(residue.reasons),
-        rows_fitted=int(sum(e.used.sum() for e in setting.whole.experiments)),
+        rows_fitted=int(sum(e.used.sum() for e in problem.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
         known_remainder=problem.remainder if setting.settled else None,

@@ -206,7 +206,9 @@ class Signals:
     equivalent_input : ndarray, shape (N,)
         The refitted residual as an input that would have caused it, in units of u, smoothed to what the data carry.
     fitted : ndarray of bool, shape (N,)
-        Rows that were fitted; the others validate.
+        Rows that were fitted.
+    validates : ndarray of bool, shape (N,)
+        Rows that judge; those that are neither say nothing of the motion, or nobody knows what drove it there.
     """
 
     time: Array
@@ -219,6 +221,7 @@ class Signals:
     velocity: Array
     equivalent_input: Array
     fitted: NDArray[np.bool_]
+    validates: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,8 @@ def signals_of(
             problem.kind.position_seen(problem, base.model, i, position),
             velocity,
             problem.kind.equivalent_input(problem, base.model, experiment.output - refitted[i]),
-            ~validation[i],
+            experiment.used,
+            validation[i],
         )
         for i, (experiment, time, (position, velocity)) in enumerate(
             zip(problem.experiments, problem.times, problem.motion(base.model), strict=True)

@@ -20,6 +20,10 @@ WRONG_ERROR_RATIO = 1.5
 WRONG_DEVIATIONS = 3.0
 # Weight below which a name is no description either.
 RESEMBLANCE = 0.1
+# Weight below which one of several names is not listed among them.
+LISTED_WEIGHT = 0.005
+# Error on rows that were not fitted, in that of the noise, from which the laws are said not to carry over to them.
+CARRIED_OVER = 2.0
 # Coefficients that a sentence lists.
 MOST_COEFFICIENTS = 3
 
@@ -36,13 +40,22 @@ def wrong_coefficients(coefficients: Sequence[Coefficient], fit: NormalisedError
     return sorted((c for c in coefficients if off(c) > WRONG_DEVIATIONS), key=lambda c: -off(c))
 
 
+def carries_over(fit: NormalisedErrors) -> bool:
+    """Whether rows that were not fitted are left about as small as the noise in those that were."""
+    return not (EXPLAINS_NOTHING > fit.improved > CARRIED_OVER * fit.noise_floor > 0.0)
+
+
 def headline(finding: Finding) -> str:
     """What a finding may be called: its name, the class that it is one of, or what it acts like."""
     listed = [(finding.title, finding.weight)]
-    listed += [(known_effects()[name].title, weight) for name, weight in finding.alternatives if name != UNLISTED]
+    listed += [
+        (known_effects()[name].title, weight)
+        for name, weight in finding.alternatives
+        if name != UNLISTED and weight >= LISTED_WEIGHT
+    ]
     if finding.weight >= HEADLINE_WEIGHT:
         return f"{finding.title}{_details(finding)}"
-    if finding.named >= HEADLINE_WEIGHT:
+    if finding.named >= HEADLINE_WEIGHT and len(listed) > 1:
         ordered = sorted(listed, key=lambda pair: -pair[1])
         names = [f"{within_sentence(title)} ({_share(weight, 2)})" for title, weight in ordered]
         return f"one of {', '.join(names[:-1])} or {names[-1]}"
@@ -140,6 +153,12 @@ def explanation(
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
     elif verdict == "partly-explained":
         sentences.append("What is left is noise, but it is likelier than not that something here has another name.")
+    if (found or learned) and not structured and not carries_over(fit):
+        times = plain(fit.improved / fit.noise_floor, 2)
+        sentences.append(
+            f"That is said of the rows that were fitted: in the others the error is {times} times the noise, so that "
+            f"the laws or their coefficients are not exact there."
+        )
     return " ".join(sentences + _indistinct(found))
 
 

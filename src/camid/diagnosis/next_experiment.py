@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from camid.diagnosis.diagnosis import Diagnosis
-from camid.effects.separating_experiment import OTHERWISE, SeparatingExperiment
+from camid.effects.separating_experiment import SeparatingExperiment, otherwise
 
 # What separates the effects of a place, where none of them is likelier than the others.
 OF_PLACE = {
@@ -13,13 +13,12 @@ OF_PLACE = {
     "sensor": (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE),
     "noise": (SeparatingExperiment.NO_INPUT,),
 }
-NO_INPUT_OF_PLACE = {**OF_PLACE, "actuator": (), "disturbance": (SeparatingExperiment.NO_INPUT,)}
 
 
 def next_experiments(diagnosis: Diagnosis) -> list[str]:
     """Advice, a sentence or two each, the most telling first; none where effects are named or nothing is missing."""
     if diagnosis.findings or diagnosis.verdict == "adequate":
         return []
-    table = OF_PLACE if diagnosis.improved.input_column else NO_INPUT_OF_PLACE
-    advised = [experiment.value for experiment in table.get(diagnosis.location.place or "", ())]
-    return advised if OTHERWISE in advised else [*advised, OTHERWISE]
+    driven = diagnosis.improved.input_column is not None
+    told = [experiment.advised(driven=driven) for experiment in OF_PLACE.get(diagnosis.location.place or "", ())]
+    return [*filter(None, told), otherwise(driven=driven)]

@@ -144,8 +144,13 @@ def _residuals_of(signals: Signals, time: str) -> dict[str, NDArray[Any]]:
         "residual_refitted": signals.recorded - signals.refitted,
         "residual_improved": signals.recorded - signals.improved,
         "equivalent_input": signals.equivalent_input,
-        "fitted": signals.fitted.astype(int),
+        "fitted": _kinds_of_rows(signals),
     }
+
+
+def _kinds_of_rows(signals: Signals) -> NDArray[Any]:
+    """1 where a row was fitted, 0 where it judges, and -1 where it is left out of both."""
+    return np.where(signals.validates, 0, np.where(signals.fitted, 1, -1))
 
 
 def _as_csv(columns: Mapping[str, NDArray[Any]]) -> str:

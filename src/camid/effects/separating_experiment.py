@@ -39,11 +39,45 @@ class SeparatingExperiment(Enum):
         "Record once without input and watch what happens after the event: a blow rings down, a wrong frame does not."
     )
 
+    def advised(self, *, driven: bool) -> str | None:
+        """What a reader is told, also of a recording without an input; None where it takes one."""
+        if driven:
+            return self.value
+        return None if self in NEEDS_INPUT else UNDRIVEN.get(self, self.value)
+
 
 OTHERWISE = "Repeat the recording at half and at twice the amplitude, and once without input."
+# Of a recording without an input, which is a free decay already and has no command to repeat or to reverse.
+UNDRIVEN = {
+    SeparatingExperiment.FREE_DECAY: (
+        "Record further decays, from half and from twice this amplitude and down to rest: dry friction stops the "
+        "motion linearly and holds it, hysteresis closes loops, drag fades with the amplitude."
+    ),
+    SeparatingExperiment.FASTER_CAMERA: (
+        "Shorten the exposure at the same frame rate, or record at twice the frame rate: what the shutter does changes "
+        "with them, what the plant does stays."
+    ),
+    SeparatingExperiment.REPEATED_INPUT: (
+        "Record several decays from the same start, and once the rig at rest: what drives it from outside shows there, "
+        "too."
+    ),
+    SeparatingExperiment.NO_INPUT: (
+        "Record once more and go on after the event: a blow rings down, a wrong frame does not; and record the rig at "
+        "rest."
+    ),
+}
+NEEDS_INPUT = {SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.MANY_LEVELS}
+OTHERWISE_UNDRIVEN = "Record further decays, from half and from twice this amplitude, and once the rig at rest."
 
 
-def advice(likeliest: Iterable[SeparatingExperiment], others: Iterable[Iterable[SeparatingExperiment]]) -> str | None:
+def otherwise(*, driven: bool) -> str:
+    """What a reader is told where nothing better is known."""
+    return OTHERWISE if driven else OTHERWISE_UNDRIVEN
+
+
+def advice(
+    likeliest: Iterable[SeparatingExperiment], others: Iterable[Iterable[SeparatingExperiment]], *, driven: bool = True
+) -> str | None:
     """What would separate the likeliest effect from others that a recording does not rule out; None without others.
 
     Parameters
@@ -52,9 +86,12 @@ def advice(likeliest: Iterable[SeparatingExperiment], others: Iterable[Iterable[
         Those that separate the likeliest effect.
     others : iterable of iterable of SeparatingExperiment
         The same of each alternative.
+    driven : bool
+        Whether an input drove the recording.
     """
     shared = [set(likeliest) & set(experiments) for experiments in others]
     if not shared:
         return None
     useful = set().union(*shared)
-    return next((experiment.value for experiment in SeparatingExperiment if experiment in useful), OTHERWISE)
+    told = (experiment.advised(driven=driven) for experiment in SeparatingExperiment if experiment in useful)
+    return next(filter(None, told), otherwise(driven=driven))

@@ -82,7 +82,7 @@ def _models(results: Results) -> tuple[str, ...]:
 
 def _stretch(table: pd.DataFrame, rows: Any) -> str:
     """Which part of the recording is drawn, and whether it was fitted."""
-    time, fitted = table["t"].to_numpy(), table["fitted"].to_numpy()[rows]
+    time, fitted = table["t"].to_numpy(), table["fitted"].to_numpy()[rows] != 0
     if rows.all():
         return "the whole recording"
     drawn, whole = (f"{t:.0f}" if t >= 100.0 else f"{t:.3g}" for t in (np.ptp(time[rows]), np.ptp(time)))

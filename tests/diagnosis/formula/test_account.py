@@ -25,8 +25,18 @@ def diagnosed(force, seed, **changes):
     return camid.diagnose(rig(force, seed, **changes).drop(columns="clean"), believed())
 
 
-def test_a_formula_stands_for_a_name_that_only_resembles_the_law():
-    diagnosis = diagnosed(lambda y, v: 0.9 * y / (1.0 + (y / 0.4) ** 2), 11)
+def peak(y, v):
+    """A force that is largest at a distance of 0.4."""
+    return 0.9 * y / (1.0 + (y / 0.4) ** 2)
+
+
+@pytest.fixture(scope="module")
+def peaked():
+    return diagnosed(peak, 11)
+
+
+def test_a_formula_stands_for_a_name_that_only_resembles_the_law(peaked):
+    diagnosis = peaked
     (part,) = [part for part in diagnosis.learned if part.formula is not None]
     formula = part.formula
     assert formula.form == "peak at a point"
@@ -45,9 +55,8 @@ def test_a_formula_stands_for_a_name_that_only_resembles_the_law():
     assert "formula</text>" in panel.svg
 
 
-def test_the_formula_is_what_the_improved_simulation_holds(tmp_path):
-    recording = rig(lambda y, v: 0.9 * y / (1.0 + (y / 0.4) ** 2), 11)
-    diagnosis = camid.diagnose(recording.drop(columns="clean"), believed())
+def test_the_formula_is_what_the_improved_simulation_holds(peaked, tmp_path):
+    recording, diagnosis = rig(peak, 11), peaked
     (part,) = diagnosis.learned
     entries = diagnosis.to_mapping()["effects"]
     assert part.formula.replaces
@@ -70,9 +79,10 @@ def test_the_formula_is_what_the_improved_simulation_holds(tmp_path):
     assert len(again.simulation.effects) == 1
 
 
+@pytest.mark.slow
 def test_a_formula_that_takes_more_than_is_left_is_left_out_with_a_word(monkeypatch):
     monkeypatch.setattr(Watch, "allowance", lambda watch, count: 0.0)
-    diagnosis = diagnosed(lambda y, v: 0.9 * y / (1.0 + (y / 0.4) ** 2), 11)
+    diagnosis = diagnosed(peak, 11)
     assert diagnosis.learned
     assert all(part.formula is None for part in diagnosis.learned)
     assert any("no form of the dictionary can be simulated as fast" in part.description for part in diagnosis.learned)

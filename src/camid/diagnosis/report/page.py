@@ -15,6 +15,7 @@ import numpy as np
 
 from camid import number_text
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis
+from camid.diagnosis.explanation import LISTED_WEIGHT
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME, effect_file
@@ -191,8 +192,8 @@ def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     found = []
     for finding in diagnosis.findings:
         drawn = equation(finding.equation) if finding.equation else None
-        members = [(finding.title, finding.weight, True)] if finding.alternatives else []
-        rivals = sorted(finding.alternatives, key=lambda pair: -pair[1])
+        rivals = sorted((o for o in finding.alternatives if o[1] >= LISTED_WEIGHT), key=lambda pair: -pair[1])
+        members = [(finding.title, finding.weight, True)] if rivals else []
         members += [(summary.title_of(name, diagnosis.own_titles), weight, False) for name, weight in rivals]
         found.append(
             {

@@ -71,7 +71,7 @@ def _against(x: Array, y: Array, labels: tuple[str, str], region: tuple[float, f
 
 
 def _shade_held_out(axes: Axes, signals: Signals, period: float, label: str | None = "not fitted") -> None:
-    steps = np.flatnonzero(np.diff(np.concatenate([[0], (~signals.fitted).astype(int), [0]])))
+    steps = np.flatnonzero(np.diff(np.concatenate([[0], signals.validates.astype(int), [0]])))
     spans = [(signals.time[a] - 0.5 * period, period * (b - a)) for a, b in zip(steps[::2], steps[1::2], strict=True)]
     if spans:
         transform = axes.get_xaxis_transform()
@@ -113,7 +113,7 @@ def _worst_rows(signals: Signals) -> tuple[slice, bool]:
     """Rows on which the refitted simulation errs most, and whether they are rows that were not fitted."""
     squares = np.nan_to_num((signals.recorded - signals.refitted) ** 2)
     size = min(ZOOMED_ROWS, len(squares))
-    held = ~signals.fitted
+    held = signals.validates
     inside = np.convolve(held, np.ones(size), mode="valid") >= size - 0.5
     sums = np.convolve(squares, np.ones(size), mode="valid")
     unseen = bool(inside.any())
@@ -287,7 +287,7 @@ def _fit_pictures(diagnosis: Diagnosis) -> Iterator[Panel]:
         "A flat line is noise; a hump or a line is structure.",
         inline_svg(_spectrum(diagnosis, output, named), "Residual spectrum before and after"),
     )
-    shaded = "" if diagnosis.signals.fitted.all() else "Shaded: rows that were not fitted. "
+    shaded = "Shaded: rows that were not fitted. " if diagnosis.signals.validates.any() else ""
     located = "Between the dash-dotted lines: where the mismatch was located. " if diagnosis.location.time else ""
     yield Panel(
         "Residual over time",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
-from camid.diagnosis.explanation import wrong_coefficients
+from camid.diagnosis.explanation import LISTED_WEIGHT, carries_over, wrong_coefficients
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
@@ -59,6 +59,8 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     if diagnosis.learned:
         meaning = LEARNED_REST if diagnosis.findings else LEARNED_ALL
         meaning += ", and something remains" if diagnosis.structured else ", and what is left is noise"
+    if meaning.endswith("is noise") and not carries_over(diagnosis.fit):
+        meaning += " in the rows that were fitted"
     if needs_new_coefficients(diagnosis):
         symbol, word, meaning = CORRECTED
     if diagnosis.verdict == "adequate" and diagnosis.fit.improved >= NOTHING_EXPLAINED:
@@ -149,6 +151,7 @@ def alternatives_text(finding: Finding, own: Mapping[str, str] | None = None) ->
     return ", ".join(
         f"{title_of(name, own)} ({percentage(weight, 2)})"
         for name, weight in sorted(finding.alternatives, key=lambda pair: -pair[1])
+        if weight >= LISTED_WEIGHT
     )
 
 
@@ -221,9 +224,9 @@ def _table_of_coefficients(diagnosis: Diagnosis) -> Table:
 def finding_lines(finding: Finding, own_titles: Mapping[str, str]) -> list[str]:
     """What a name cannot be told from, whether the improved simulation holds it, and what would decide."""
     lines = []
-    if finding.alternatives:
+    others = alternatives_text(finding, own_titles)
+    if others:
         relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
-        others = alternatives_text(finding, own_titles)
         lines.append(f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}")
     if not finding.simulated:
         lines.append(f"  {NOT_SIMULATED}")
