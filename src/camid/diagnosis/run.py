@@ -16,6 +16,7 @@ from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.pruning.simplest_effects import simplest
+from camid.diagnosis.pruning.weak_effects import without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residual.uneven_noise import relative_noise
@@ -132,6 +133,7 @@ def _simplified(
     problem = setting.problem
     if not setting.settled:
         watch.say("testing what is left")
+        decision = without_weak(problem, decision, setting.known, watch)
         left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
         # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
         if not any(test.p_value < STRUCTURE_P_VALUE for test in left):

@@ -20,6 +20,10 @@ from camid.identification.records import Records
 
 Array = NDArray[np.float64]
 
+# What a coefficient of an initial state, in scaled time, leaves in place of itself: part of a state that has decayed
+# before the first row that is compared would else be anything, and rounding errors of it noise in all rows.
+LOOSELY = 1e-6
+
 
 @kernel
 def _clear(block: Array, first: int, last: int) -> None:
@@ -158,6 +162,22 @@ def _run_experiment(
     return cost
 
 
+@kernel
+def _hold_loosely(initial: Array, count: int, first: int, triangle: Array, block: Array) -> float:
+    """Fold a row for each of the first ``count`` coefficients into the triangle; the sum of squares of what they leave.
+
+    They stand in the columns from ``first`` on.
+    """
+    cost = 0.0
+    for i in range(count):
+        _clear(block, 0, len(block))
+        block[first + i, 0] = LOOSELY
+        block[len(block) - 1, 0] = -LOOSELY * initial[i]
+        cost += (LOOSELY * initial[i]) ** 2
+        fold(triangle, block, 1)
+    return cost
+
+
 @njit
 def factorise(
     numerator: Array,
@@ -217,6 +237,7 @@ def factorise(
         cost = _run_experiment(e, system, records, offset, places, triangle, block, residual, cost)
         if estimated:
             position += order
+    cost += _hold_loosely(initial, position, split + order, triangle, block)
     if not np.isfinite(cost):
         cost = np.inf
     return triangle, cost

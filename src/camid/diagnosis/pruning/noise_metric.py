@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.search.decision import Decision
-from camid.diagnosis.search.false_alarms import FALSE_ALARM, chance
+from camid.diagnosis.search.false_alarms import FALSE_ALARM, STRONG_EVIDENCE, chance
 from camid.diagnosis.search.forward_selection import MOST_EFFECTS
+from camid.diagnosis.search.hypothesis import prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
@@ -38,7 +39,9 @@ def in_noise_metric(problem: Problem, decision: Decision, known: int) -> Decisio
         for i, effect in enumerate(again.model.effects[known:]):
             without = fit(problem, again.model.without(known + i), steps=15, whitening=whitening)
             ratio = len(again.residual) * float(np.log(_whitened_cost(problem, without, whitening) / cost))
-            if chance(problem, effect.identifier, ratio) >= FALSE_ALARM:
+            freedom = len(effect.numeric()) * float(np.log(len(again.residual)))
+            weak = ratio - freedom - prior_penalty(problem, effect) < STRONG_EVIDENCE
+            if weak or chance(problem, effect.identifier, ratio) >= FALSE_ALARM:
                 refuted = i, without
         if refuted is None:
             return replace(decision, fitted=again)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from camid.diagnosis.search.decision import Decision, Searches
-from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, p_value
+from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.forward_selection import with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
@@ -78,7 +78,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
             own = Hypothesis(identifier, current, prior_penalty(problem, current.model.effects[index]))
             if (
                 p_value(problem, others, current, identifier) >= FALSE_ALARM_BESIDE_OTHERS
-                or own.beyond(Hypothesis("", others)) >= 0.0
+                or own.beyond(Hypothesis("", others)) > -STRONG_EVIDENCE
             ):
                 current, changed = others, True
                 break

@@ -13,6 +13,10 @@ from camid.fitting.problem import Problem
 FALSE_ALARM = 0.002
 # The same for an effect beside others, whose law may not be exact.
 FALSE_ALARM_BESIDE_OTHERS = 1e-4
+# Bayes's criterion, prior odds included, over the model without an effect from which its evidence is strong (Kass &
+# Raftery 1995, Journal of the American Statistical Association 90, 773-795): a resonance that may lie anywhere fits
+# chance better than the number of its parameters says.
+STRONG_EVIDENCE = 6.0
 
 
 def p_value(problem: Problem, before: Fitted, after: Fitted, identifier: str) -> float:

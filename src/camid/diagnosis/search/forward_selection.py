@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from camid.diagnosis.search.decision import Decision, Searches
-from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, p_value
+from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.hypothesis_search import (
     BESIDE_OTHERS,
@@ -96,7 +96,7 @@ def with_added_effects(
         searches.keep(current, ranked)
         screened = None
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
-        ranked = [h for h in ranked if h.beyond(Hypothesis("", current)) < 0.0]
+        ranked = [h for h in ranked if h.beyond(Hypothesis("", current)) < -STRONG_EVIDENCE]
         if not ranked:
             break
         if p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
