@@ -1,4 +1,4 @@
-"""Coulomb friction that turns round over a range of speeds instead of at once, as that of a lubricated contact does."""
+"""Friction that turns round over a range of speeds instead of at once, as that of a lubricated contact does."""
 
 # Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
 # ruff: noqa: D102, N805
@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import tanh
+from math import exp, tanh
 from typing import Any
 
 import numpy as np
@@ -14,15 +14,21 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
-from camid.effects.friction import CoulombFriction
+from camid.effects.friction import CoulombFriction, StribeckFriction
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
 from camid.effects.situation import Situation
 
-# Speeds of first guesses over which the friction turns round, as shares of the standard deviation of the speed.
-SHARES = (0.1, 0.4)
+# Speeds of first guesses over which the friction turns round, as shares of the standard deviation of the speed, and of
+# that at which it falls.
+SHARES, SHARES_OF_FALL = (0.1, 0.4), (0.06, 0.3)
 # Largest rate at which such a friction brings the body to rest, in rates of the plant: beyond it turns round at once.
 FASTEST = 1e3
+# First guesses of levels that fall with the speed, at the speed and at rest, in that of Coulomb friction; and of the
+# speed, in standard deviations of the velocity.
+LEVELS = (0.7, 1.3)
+VELOCITIES = (1.0, 0.3)
+TRANSITION = Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300)
 
 
 class GradualCoulombFriction(CoulombFriction):
@@ -31,10 +37,7 @@ class GradualCoulombFriction(CoulombFriction):
     title = "Coulomb friction that turns round gradually"
     equation = r"f = f_c\,\tanh(\dot y/v_t)"
     reference = "Andersson, Soderberg & Bjorklund (2007), Tribology Int. 40, 580-587"
-    parameters = (
-        *CoulombFriction.parameters,
-        Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300),
-    )
+    parameters = (*CoulombFriction.parameters, TRANSITION)
     friction_level = None  # type: ignore[assignment] # nothing holds the body
 
     @compiled
@@ -47,21 +50,88 @@ class GradualCoulombFriction(CoulombFriction):
 
     def frequency(self, plant: TransferFunction) -> float:
         """Rate at which it brings a slow body to rest."""
-        rate = mobility(plant) * self.values["force"] / self.values["transition"]
-        return min(rate, FASTEST * float(np.max(np.abs(plant.poles()), initial=1.0)))
+        return _rate_at_rest(plant, self.values["force"], self.values["transition"])
 
     def simplified(self) -> CoulombFriction:
         """Coulomb friction of the same level."""
         return CoulombFriction(force=self.values["force"])
 
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """Levels that fall with the speed."""
+        level, spread = self.values["force"], float(np.std(situation.velocity)) or 1.0
+        low, high = (share * level for share in LEVELS)
+        transition = self.values["transition"]
+        return tuple(
+            GradualStribeckFriction(coulomb=low, breakaway=high, velocity=share * spread, transition=transition)
+            for share in VELOCITIES
+        )
+
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Of small and of middle speeds."""
         spread = float(np.std(situation.velocity)) or 1.0
-        for share in SHARES:
-            yield cls(**values, transition=share * spread)
+        yield from (cls(**values, transition=share * spread) for share in SHARES)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """It is started from a friction that was found."""
         yield from ()
+
+
+class GradualStribeckFriction(StribeckFriction):
+    """Stribeck friction that holds nothing at rest: it is viscous at speeds below that at which it turns round."""
+
+    title = "Stribeck friction that turns round gradually"
+    equation = r"f = \left(f_c + (f_s - f_c)\,e^{-(\dot y/v_s)^2}\right)\tanh(\dot y/v_t)"
+    reference = GradualCoulombFriction.reference
+    parameters = (*StribeckFriction.parameters, TRANSITION)
+    friction_level = None  # type: ignore[assignment] # nothing holds the body
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        share = velocity / values[2]
+        return (values[0] + (values[1] - values[0]) * exp(-share * share)) * tanh(velocity / values[3])
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Levels with the sign of the plant's gain, and speeds."""
+        sign = motion_sign(plant)
+        levels = [sign * self.values["coulomb"], sign * self.values["breakaway"]]
+        return [*levels, self.values["velocity"], self.values["transition"]]
+
+    def frequency(self, plant: TransferFunction) -> float:
+        """Rate at which it brings a slow body to rest, and that of its fall with the speed."""
+        at_rest = _rate_at_rest(plant, self.values["breakaway"], self.values["transition"])
+        return max(at_rest, super().frequency(plant))
+
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether it turns round before it falls."""
+        return bool(self.values["transition"] <= self.values["velocity"]) and super().is_plausible(span, duration)
+
+    def simplified(self) -> CoulombFriction:
+        """Coulomb friction of the larger of both levels that turns round as gradually."""
+        level = max(self.values["coulomb"], self.values["breakaway"])
+        return GradualCoulombFriction(force=level, transition=self.values["transition"])
+
+    def scaled(self, factor: float) -> GradualStribeckFriction:
+        """Both levels, scaled."""
+        return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0, 1.0]))
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """None."""
+        return ()
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """Of speeds far and not so far below that of the fall."""
+        yield from (cls(**values, transition=share * values["velocity"]) for share in SHARES_OF_FALL)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a friction that was found."""
+        yield from ()
+
+
+def _rate_at_rest(plant: TransferFunction, level: float, transition: float) -> float:
+    """Rate at which a friction brings a slow body to rest."""
+    rate = mobility(plant) * level / transition
+    return min(rate, FASTEST * float(np.max(np.abs(plant.poles()), initial=1.0)))
