@@ -56,6 +56,12 @@ def test_a_verdict_speaks_of_all_effects_together(weights, said):
     assert verdict_of(found, False, True) == "partly-explained"
 
 
+def test_a_remark_on_the_noise_takes_nothing_from_what_explains_the_motion():
+    remark = replace(weighed(0.46, ("unlisted", 0.54)), identifier="coloured-noise", title="Coloured noise")
+    assert verdict_of([weighed(0.9, ("unlisted", 0.1)), remark], False, False) == "explained"
+    assert verdict_of([remark], False, False) == "partly-explained"
+
+
 def test_structure_without_a_name_is_unexplained_and_a_learned_law_explains_a_part():
     assert [verdict_of([], False, structured) for structured in (False, True)] == ["adequate", "unexplained"]
     assert verdict_of([], True, True) == "partly-explained"

@@ -151,8 +151,9 @@ def test_several_recordings_are_fitted_together_and_a_fifth_of_each_validates():
         rows = table[table["recording"] == number]
         np.testing.assert_array_equal(rows["recorded"], recorded["y"])
         np.testing.assert_allclose(rows["improved"], camid.simulate(recorded, found.improved)["simulated"], atol=1e-6)
-        # A last part that validates has lost its last row.
-        assert rows["fitted"].sum() in (240, 241)
+        # Nobody knows the input of a last row whose clock runs fast.
+        assert (rows["fitted"] == 1).sum() in (239, 240)
+        assert (rows["fitted"] == -1).sum() == 1
         assert np.std(rows["residual_improved"]) < np.std(rows["residual_refitted"])
     assert value(found, "dead-zone", "half_width")[1] < value(alone, "dead-zone", "half_width")[1]
     # What validates may say anything without moving what is fitted.

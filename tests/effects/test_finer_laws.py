@@ -322,7 +322,7 @@ def test_friction_that_turns_round_gradually_may_fall_beyond():
     force = [law.force.function(0.0, 0.0, speed, 0.0, 0.0, values) for speed in (-9.0, 0.0, 1e-3, 0.5, 9.0)]
     falling = 0.2 + 0.3 * np.exp(-0.25)
     np.testing.assert_allclose(force, [-0.2, 0.0, 0.5 * np.tanh(0.01), falling * np.tanh(5.0), 0.2], rtol=1e-5)
-    assert law.simplified().values == {"force": 0.5, "transition": 0.1}
+    assert law.simplified().values == {"coulomb": 0.2, "breakaway": 0.5, "velocity": 1.0}
     assert not law.with_vector(np.array([0.2, 0.5, 1.0, 1.1])).is_plausible(1.0, 1.0)
     assert not law.with_vector(np.array([0.5, 0.2, 1.0, 0.1])).is_plausible(1.0, 1.0)
 

@@ -57,11 +57,11 @@ def test_every_draw_is_diagnosed(tmp_path):
 def test_later_rows_are_diagnosed(tmp_path):
     import json
 
-    record(effect("coulomb-friction", force=0.2), count=400).to_csv(tmp_path / "rig.csv", index=False)
+    record(effect("coulomb-friction", force=0.2), count=600).to_csv(tmp_path / "rig.csv", index=False)
     content = {**simulation(), "initial_state": "estimate"}
     (tmp_path / "rig.yaml").write_text(json.dumps(content), encoding="utf-8")
-    table = names_by_first_row(tmp_path / "rig.csv", tmp_path / "rig.yaml", [0.0, 1.0])
-    assert table["start"].tolist() == [0.0, 1.0]
+    table = names_by_first_row(tmp_path / "rig.csv", tmp_path / "rig.yaml", [0.0, 2.0])
+    assert table["start"].tolist() == [0.0, 2.0]
     assert table["first"].tolist() == ["coulomb-friction"] * 2
     # Fewer rows say less.
     assert table["deviation"][1] > table["deviation"][0]

@@ -224,7 +224,8 @@ def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str
     """One of the four verdicts.
 
     A mismatch is explained where what has a name leaves nothing but noise, and that all of it has its name is likelier
-    than that something of it is physics outside the catalogue, which only acts like it.
+    than that something of it is physics outside the catalogue, which only acts like it. Beside effects on the motion
+    one on the noise says how that looks, and takes nothing from them.
 
     Parameters
     ----------
@@ -236,5 +237,6 @@ def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str
     """
     if not found and not learned:
         return "unexplained" if structured else "adequate"
-    named = prod(finding.named for finding in found)
+    motion = [finding for finding in found if not known_effects()[finding.identifier].noise_like]
+    named = prod(finding.named for finding in motion or found)
     return "partly-explained" if structured or named < HEADLINE_WEIGHT else "explained"

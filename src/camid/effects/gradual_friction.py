@@ -107,10 +107,9 @@ class GradualStribeckFriction(StribeckFriction):
         """Whether it turns round before it falls."""
         return bool(self.values["transition"] <= self.values["velocity"]) and super().is_plausible(span, duration)
 
-    def simplified(self) -> CoulombFriction:
-        """Coulomb friction of the larger of both levels that turns round as gradually."""
-        level = max(self.values["coulomb"], self.values["breakaway"])
-        return GradualCoulombFriction(force=level, transition=self.values["transition"])
+    def simplified(self) -> StribeckFriction:  # type: ignore[override] # with less detail, and not another name
+        """Stribeck friction that turns round at once."""
+        return StribeckFriction(**{name: self.values[name] for name in ("coulomb", "breakaway", "velocity")})
 
     def scaled(self, factor: float) -> GradualStribeckFriction:
         """Both levels, scaled."""

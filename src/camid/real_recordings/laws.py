@@ -143,6 +143,17 @@ def _emps(results: Results) -> Law:
     )
 
 
+def _stribeck(results: Results, velocity: Array) -> Array | None:
+    """Friction that falls with the speed and turns round gradually; None where none is named."""
+    coulomb, breakaway, falls, turns = (
+        results.parameter("stribeck-friction", name) for name in ("coulomb", "breakaway", "velocity", "transition")
+    )
+    if not falls:
+        return None
+    level = coulomb + (breakaway - coulomb) * np.exp(-((velocity / falls) ** 2))
+    return np.asarray(level * (np.tanh(velocity / turns) if turns else np.sign(velocity)))
+
+
 def _pendulum_decay(results: Results) -> Law:
     """Mean friction of each swing, from the height lost in it, against the mean square over the mean speed.
 
@@ -161,7 +172,9 @@ def _pendulum_decay(results: Results) -> Law:
     swings = list(pairwise(turns))
     squared = np.array([np.sum(velocity[a:b] ** 2) * recorded.period for a, b in swings])
     # What a force over the position takes in a swing it gives back in the next.
-    force = _learned(results, "velocity", velocity)
+    learned, falling = _learned(results, "velocity", velocity), _stribeck(results, velocity)
+    parts = [part for part in (learned, falling) if part is not None]
+    force = sum(parts) if parts else None
     power = np.zeros(len(velocity)) if force is None else force * velocity
     taken = np.array([np.sum(power[a:b]) * recorded.period for a, b in swings])
     # Two halves at a time: an angle at rest that is off by little makes one side higher and the other lower.
@@ -175,9 +188,11 @@ def _pendulum_decay(results: Results) -> Law:
         (a1, _), (a0, _) = results.coefficient("a1", model), results.coefficient("a0", model)
         curves[model] = (grid, 1e3 * (coulomb + a1 / a0 * grid))
     if force is not None:
-        curves["named"] = curves.pop("improved")
+        straight = curves.pop("improved")
+        if learned is not None:
+            curves["named"] = straight
         order = np.argsort(speed)
-        named = np.interp(speed, *curves["named"])
+        named = np.interp(speed, *straight)
         curves["improved"] = (speed[order], (named + 1e3 * (taken / path)[long])[order])
     none = np.zeros(0)
     return Law(

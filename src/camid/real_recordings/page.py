@@ -94,7 +94,8 @@ LINES: dict[str, list[TableLine]] = {
     "pendulum2_decay": [
         TableLine("natural frequency (rad/s)", "natural_frequency"),
         TableLine("viscous damping (1/s)", "viscous_damping"),
-        TableLine("Coulomb friction (rad of static deflection)", "coulomb-friction_force"),
+        TableLine("friction at rest (rad of static deflection)", "stribeck-friction_breakaway"),
+        TableLine("the same at high speed", "stribeck-friction_coulomb"),
         TableLine("error, fitted rows (%)", "fitted_error"),
         TableLine("error, rows not fitted (%)", "held_out_error"),
         TableLine("error, 4.5 to 46 s (%)", "whole_record_error", "0.60 with Coulomb, 0.34 with drag, too", BY_HAND),
