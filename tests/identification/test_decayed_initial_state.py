@@ -6,6 +6,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 
 import camid
+from tests.support.mass_on_spring import simulation
 
 PERIOD, NOISE = 0.09, 0.07
 TRUE = {
@@ -24,22 +25,15 @@ def recording(seed=1, before=400, count=1600):
     return pd.DataFrame({"t": PERIOD * np.arange(count), "u": signal[before:], "y": output})
 
 
-def simulation(**changes):
-    return {
-        "schema": 1,
-        "time": {"column": "t"},
-        "input": {"column": "u", "hold": "zoh"},
-        "plant": {"transfer_function": BELIEVED},
-        "sensor": {"column": "y", "kind": "instant", "offset": 0.0},
-        "initial_state": "estimate",
-        **changes,
-    }
+def believed(**changes):
+    instant = {"column": "y", "kind": "instant", "offset": 0.0}
+    return simulation(plant={"transfer_function": BELIEVED}, sensor=instant, initial_state="estimate", **changes)
 
 
 @pytest.mark.parametrize("left_out", [0.0, 3.0, 6.0, 20.0])
 def test_rounding_errors_of_it_are_no_noise(left_out):
     table = recording()
-    found = camid.identify(table, simulation(recording={"leave_out": left_out}))
+    found = camid.identify(table, believed(recording={"leave_out": left_out}))
     assert found.converged
     plant = found.simulation.plant.monic
     np.testing.assert_allclose(plant.denominator, TRUE["denominator"], rtol=0.02)
@@ -50,5 +44,5 @@ def test_rounding_errors_of_it_are_no_noise(left_out):
 
 @pytest.mark.parametrize(("seed", "before"), [(4, 300), (6, 300), (7, 301)])
 def test_nothing_is_named_where_it_has_decayed_before_the_rows_that_are_compared(seed, before):
-    diagnosis = camid.diagnose(recording(seed, before, 2080), simulation())
+    diagnosis = camid.diagnose(recording(seed, before, 2080), believed())
     assert diagnosis.verdict == "adequate"
