@@ -63,7 +63,7 @@ def concluded(
     if held is not decision:
         found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
-    verdict = verdict_of(found, bool(learned), bool(named.reasons))
+    verdict = verdict_of(found, bool(learned), bool(named.reasons or residue.reasons))
     location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}

@@ -131,10 +131,12 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
         return Undetectable(kind.identifier, visibly, shows=True)
     if visible < 0.5 * wanted:
         return Undetectable(kind.identifier, f"{share}; no size of it would have been seen in this recording")
-    parameter = next((p for p in numeric if p.name == kind.strength), numeric[0])
-    others = [p for p in numeric if p.name != parameter.name]
+    acting = [p for p in numeric if p.name not in candidate.effect.idle] or numeric
+    parameter = next((p for p in acting if p.name == kind.strength), acting[0])
+    others = [p for p in acting if p.name != parameter.name]
     shape = {p.name: (float(effect.values[p.name]), p.unit) for p in others}
-    rest = {name: value for name, value in effect.stated().items() if name != parameter.name}
+    idle = candidate.effect.idle | {parameter.name}
+    rest = {name: value for name, value in effect.stated().items() if name not in idle}
     value = float(effect.values[parameter.name])
     reason = f"{share} below this size"
     return Undetectable(kind.identifier, reason, parameter.name, value, parameter.unit, rest, shape=shape)

@@ -22,6 +22,10 @@ WRONG_DEVIATIONS = 3.0
 RESEMBLANCE = 0.1
 # Weight below which one of several names is not listed among them.
 LISTED_WEIGHT = 0.005
+# Weight from which a rival of a sure name is told of, and how much worse than the name it fits (difference of Bayes's
+# criterion, very strong evidence; Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773-795) where only its name is left.
+RIVAL_WEIGHT = 0.02
+FITS_WORSE = 10.0
 # Error on rows that were not fitted, in that of the noise, from which the laws are said not to carry over to them.
 CARRIED_OVER = 2.0
 # Coefficients that a sentence lists.
@@ -236,14 +240,31 @@ def _falls(fit: NormalisedErrors) -> str:
 
 
 def _indistinct(found: Sequence[Finding]) -> list[str]:
-    """What the first finding with a sure name and rivals cannot be told from."""
+    """What the first finding with a sure name and rivals cannot be told from, and which rivals have its name alone."""
     for finding in found:
-        others = [n for n, w in finding.alternatives if n != UNLISTED]
-        if finding.weight >= HEADLINE_WEIGHT and any(w >= 0.02 for n, w in finding.alternatives if n != UNLISTED):
-            rivals = [within_sentence(known_effects()[name].title) for name in others]
-            listed = f"{', '.join(rivals[:-1])} or {rivals[-1]}" if len(rivals) > 1 else rivals[0]
-            return [f"This recording cannot tell {within_sentence(finding.title)} from {listed}."]
+        weights = {n: w for n, w in finding.alternatives if n != UNLISTED and w >= RIVAL_WEIGHT}
+        if finding.weight < HEADLINE_WEIGHT or not weights:
+            continue
+        gaps = {m.identifier: m.gap for m in finding.comparison.members} if finding.comparison else {}
+        own = within_sentence(finding.title)
+        as_good = [name for name in weights if gaps.get(name, 0.0) - gaps.get(finding.identifier, 0.0) < FITS_WORSE]
+        worse = [name for name in weights if name not in as_good]
+        said = [f"This recording cannot tell {own} from {_either(as_good)}."] if as_good else []
+        if worse:
+            share = _share(sum(weights[name] for name in worse), 2)
+            said.append(
+                f"{_either(worse, capital=True)} of the catalogue fits worse, and with another law than that is not "
+                f"excluded ({share})."
+            )
+        return said
     return []
+
+
+def _either(names: Sequence[str], capital: bool = False) -> str:
+    """Titles of effects, of which it is one."""
+    titles = [within_sentence(known_effects()[name].title) for name in names]
+    listed = f"{', '.join(titles[:-1])} or {titles[-1]}" if len(titles) > 1 else titles[0]
+    return listed[:1].upper() + listed[1:] if capital else listed
 
 
 def _share(value: float, digits: int = 3) -> str:

@@ -15,7 +15,7 @@ from camid.diagnosis.laws.laws_alone import log_evidence
 from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
-from camid.diagnosis.pruning.simplest_effects import simplest
+from camid.diagnosis.pruning.simplest_effects import simplest, without_effect
 from camid.diagnosis.pruning.weak_effects import without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
@@ -23,9 +23,10 @@ from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
-from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, Watch
+from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
@@ -81,7 +82,8 @@ def investigate(
         watch.take_stock(NAMES)
     problem, base = setting.problem, setting.base
     decision, residue = _simplified(setting, selected, before, watch)
-    if selected.interrupted and residue.reasons and _leaves_colour(decision):
+    coloured = any(known_effects()[f.identifier].colours_noise for f in residue.findings)
+    if selected.interrupted and (residue.reasons or coloured) and _leaves_colour(decision):
         # What looked like an inexact law is none, or not all that is missing: names are left to look for.
         further = select_effects(problem, base, watch=watch, searches=setting.searches, begun=selected)
         if _names(further) != _names(selected):
@@ -146,12 +148,17 @@ def _simplified(
     if setting.settled:
         declared: list[tuple[Effect, Deviations]] = [(e, {}) for e in setting.nominal.effects if e.noise_like]
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
-    if not residue.reasons:
-        decision = _converged(problem, decision, watch)
-        return decision, residue_of(setting, decision, decision.fitted, before)
     if decision.rivals:
-        decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
+        if residue.reasons:
+            decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
+        wandered = implausible(problem, decision.fitted.model) - set(range(setting.known))
+        if wandered:
+            place = min(wandered) - setting.known
+            fewer = without_effect(problem, decision, setting.known, place, watch)
+            return _simplified(setting, fewer, before, watch)
+    if not residue.reasons:
+        return decision, residue_of(setting, decision, decision.fitted, before)
     decision = with_learned_laws(problem, decision, setting.judging, setting.known, watch)
     return decision, residue_of(setting, decision, decision.fitted, before)
 

@@ -2,6 +2,7 @@
 
 from camid.effects import (
     actuator,
+    arm_gravity,
     bristle_friction,
     damping,
     disturbance,
@@ -42,6 +43,7 @@ __all__ = [
     "Parameter",
     "Situation",
     "actuator",
+    "arm_gravity",
     "bristle_friction",
     "compiled",
     "damping",

@@ -18,6 +18,7 @@ from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
+from camid.effects.recorded_force import waves_of_force
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 # Periods that are tried: the range of the motion holds from two to this many, in steps of a quarter. A sinusoid that
 # does not return twice is a polynomial to the data, and other effects name it.
 FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
+COUNTS = np.arange(FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP)
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
 LARGEST_PERIOD = 0.6
 # Slope of an encoder's error from which it is none: from one on the reading turns round while the shaft goes on.
@@ -97,7 +99,7 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
     regression = WaveRegression(situation, respond) if span > 0.0 else None
     if regression is None or regression.fails:
         return []
-    counts = np.arange(FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP)
+    counts = COUNTS
     waves = [regression.at(span / float(count)) for count in counts]
     gains = np.array([gain for gain, _, _ in waves])
     found = []
@@ -166,11 +168,39 @@ class Cogging(PeriodicInPosition):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The periods that explain the residual best, to first order."""
+        """The periods that explain the residual best, to first order, or what moves the plant as it was recorded."""
         step = _least_difference(situation.recorded)
-        for amplitude, period, phase in best_periods(situation, cls.seen(situation)):
-            if period > STEPS_PER_PERIOD_OF_A_FORCE * step:
-                yield cls(amplitude=min(amplitude, situation.largest("signal")), period=period, phase=phase)
+        span = float(np.ptp(situation.recorded))
+        guesses = waves_of_force(situation, span / COUNTS, BEST) if span > 0.0 else []
+        if not guesses:
+            waves = best_periods(situation, cls.seen(situation))
+            guesses = [dict(zip(("amplitude", "period", "phase"), wave, strict=True)) for wave in waves]
+        largest = situation.largest("signal")
+        for guess in guesses:
+            if guess["period"] > STEPS_PER_PERIOD_OF_A_FORCE * step:
+                yield cls(**{**guess, "amplitude": min(guess["amplitude"], largest)})
+
+
+class CoggingAboutAnyZero(Cogging):
+    """Cogging that pulls at the zero of the position, too: an encoder's zero is where it was switched on.
+
+    Dry friction holds the motor there, or a constant input does.
+    """
+
+    equation = r"f = a\,\sin(2\pi y/p + \varphi)"
+    parameters = (
+        *Cogging.parameters,
+        Parameter("zero", "", "what the zero of the position is", choices=("anywhere",), default="anywhere"),
+    )
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] * sin(2.0 * pi * position / values[1] + values[2])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from cogging that was found."""
+        return iter(())
 
 
 class EncoderEccentricity(PeriodicInPosition):

@@ -31,6 +31,8 @@ class Situation:
         Rows that are fitted; on the others the residual is zero.
     rest : callable, optional
         Of a plant of equations, its states at rest, by name, at an output; None where it rests nowhere.
+    command : ndarray, shape (N,), optional
+        What a controller puts out, where ``signal`` is the reference that it follows.
     """
 
     time: Array
@@ -43,11 +45,13 @@ class Situation:
     acquisition: Acquisition
     used: NDArray[np.bool_]
     rest: Callable[[float], dict[str, float] | None] | None = None
+    command: Array | None = None
 
     def until(self, rows: int) -> Situation:
         """The begin of the recording, at most so many rows."""
         names = ("time", "signal", "recorded", "position", "velocity", "residual", "used")
-        return replace(self, **{name: getattr(self, name)[:rows] for name in names})
+        command = None if self.command is None else self.command[:rows]
+        return replace(self, command=command, **{name: getattr(self, name)[:rows] for name in names})
 
     def largest(self, name: str, share: float = 1.0) -> float:
         """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.

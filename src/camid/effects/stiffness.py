@@ -110,7 +110,12 @@ class PendulumGravity(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """From small angles to large ones; what pushes tells both apart."""
+        """From small angles to large ones; what pushes tells both apart. Without a spring it is an arm's."""
+        if static_stiffness(situation.plant) == 0.0:
+            from camid.effects.arm_gravity import ArmGravity
+
+            yield from ArmGravity.candidates(situation)
+            return
         laws = (PendulumGravity, PendulumDrivenAcross) if np.any(situation.signal) else (PendulumGravity,)
         for law in laws:
             for angle in (0.15, 0.5, 1.2):

@@ -1,8 +1,9 @@
-"""Springs whose force has both a quadratic and a cubic part, and the name of the larger one.
+"""Springs whose force has a quadratic and a cubic part, or a cubic and a fifth one, and the name of the larger one.
 
-A spring that is bent, loaded beforehand or clamped beside its middle has both: the equation of Helmholtz and Duffing
-(Kovacic & Brennan 2011, The Duffing Equation, chapter 8). A cubic one alone leaves what the other does to be learned,
-and a quadratic one with a cubic part acts much like a stop.
+A spring that is bent, loaded beforehand or clamped beside its middle has the first two: the equation of Helmholtz and
+Duffing (Kovacic & Brennan 2011, The Duffing Equation, chapter 8). A cubic one alone leaves what the other does to be
+learned, and a quadratic one with a cubic part acts much like a stop. A membrane or a beam that is clamped at both ends
+hardens by more than the cube where it is bent far.
 """
 
 # Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
@@ -113,3 +114,39 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
         return cls.starts(
             situation, coefficient=GUESS * situation.largest("signal") / situation.largest("position") ** 3
         )
+
+
+class CubicStiffnessWithFifthPower(TwoTermSpring, CubicStiffness):
+    """A spring that hardens, or softens, with the cube of the displacement, and with a smaller fifth power."""
+
+    title = "Cubic stiffness with a fifth power"
+    equation = r"f = \beta\,y^3 + \delta\,y^5"
+    reference = "Kovacic & Brennan (2011), The Duffing Equation, chapter 2"
+    parameters = (
+        *CubicStiffness.parameters,
+        Parameter("fifth", "u/y^5", "stiffness δ of the smaller part, of the fifth power"),
+    )
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        square = position * position
+        return (values[0] + values[1] * square) * position * square
+
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether the fifth power is the smaller part: else the law is another one."""
+        return abs(self.values["fifth"]) * (TYPICAL_DISPLACEMENT * span) ** 2 <= abs(self.values["coefficient"])
+
+    def simplified(self) -> CubicStiffness:
+        """The same without the fifth power."""
+        return CubicStiffness(coefficient=self.values["coefficient"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From a spring that hardens farther out, and from one that softens."""
+        for share in SHARES:
+            yield cls(**{"fifth": share * values["coefficient"] / situation.largest("position") ** 2, **values})
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """None of its own: it is found from the cube alone."""
+        return iter(())

@@ -53,7 +53,11 @@ def fitted_hypothesis(
         )
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
-    if not np.isfinite(result.noise.deviance) or not _is_plausible(problem, result):
+    if not np.isfinite(result.noise.deviance):
+        return None
+    # What a simulation declares may be outside of what is possible; the effect that is looked for may begin there.
+    allowed = implausible(problem, start) - {len(start.effects) - 1}
+    if implausible(problem, result.model) - allowed:
         return None
     return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
 
@@ -63,8 +67,8 @@ def is_linear(problem: Problem, model: Model) -> bool:
     return problem.kind.nonlinear(model) is None and all(e.linear_dynamics for e in model.effects)
 
 
-def _is_plausible(problem: Problem, fitted: Fitted) -> bool:
-    """Whether the values of the effect that was fitted last are possible on the way and in the time recorded."""
+def implausible(problem: Problem, model: Model) -> set[int]:
+    """Which effects of a model have values that are not possible on the way and in the time recorded."""
     span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
     duration = max(float(time[-1] - time[0]) for time in problem.times)
-    return fitted.model.effects[-1].is_plausible(span, duration)
+    return {i for i, effect in enumerate(model.effects) if not effect.is_plausible(span, duration)}

@@ -9,6 +9,7 @@ of the others (a beam of a few, as in Miller 2002, Subset Selection in Regressio
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -76,11 +77,12 @@ def with_other_beginnings(
                 return decision
             begun = Decision(decision.base, beginning.fitted, [first], [decision.base])
             other = with_added_effects(problem, decision.base, searches, watch, nominal=start, begun=begun)
-            # Alone, the first effects were ranked already.
-            if len(other.rivals) > 1 and _whole(problem, decision).beyond(_whole(problem, other)) > SWAP_MARGIN:
+            if len(other.rivals) < 2 or not _is_likelier(problem, other, decision):  # alone they were ranked already
+                continue
+            if not leaves_structure(other):
+                return other
+            if _is_likelier(problem, _first_two(other), _first_two(decision)):
                 decision = other
-                if not leaves_structure(decision):
-                    return decision
         if not leaves_structure(decision):
             break
     return decision
@@ -90,6 +92,16 @@ def _is_out_of_phase(problem: Problem, decision: Decision) -> bool:
     """Whether so much is left that the motion is not followed."""
     count = len(decision.fitted.residual)
     return decision.fitted.cost >= OUT_OF_PHASE**2 * float(np.var(problem.recorded)) * count
+
+
+def _is_likelier(problem: Problem, decision: Decision, than: Decision) -> bool:
+    """Whether all effects of a decision together are likelier than those of another one, by as much as a swap asks."""
+    return _whole(problem, than).beyond(_whole(problem, decision)) > SWAP_MARGIN
+
+
+def _first_two(decision: Decision) -> Decision:
+    """A decision before its third effect: where structure is left, further ones correct laws that are not exact."""
+    return decision if len(decision.rivals) < 3 else replace(decision, fitted=decision.rivals[1][0].fitted)
 
 
 def _whole(problem: Problem, decision: Decision) -> Hypothesis:

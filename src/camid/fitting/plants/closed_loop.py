@@ -174,6 +174,7 @@ class ClosedLoop(PlantKind):
             _mirrored(problem.structure.plant(model.coefficients)),
             experiment.acquisition,
             experiment.used,
+            command=experiment.output,
         )
         return Views(situation, situation, situation)
 
