@@ -90,7 +90,9 @@ def effects() -> None:
     signal = _signal(30)
     for kind in known_effects().values():
         if kind.transforms_by_compiled_code:
-            kind(**{parameter.name: 0.1 for parameter in kind.parameters}).transform(signal, signal, PERIOD)
+            effect = kind(**{parameter.name: 0.1 for parameter in kind.parameters})
+            effect.transform(signal, signal, PERIOD)
+            effect.observe(signal, signal)
 
 
 def identification() -> None:

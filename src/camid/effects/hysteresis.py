@@ -77,3 +77,5 @@ class Hysteresis(AgainstMotion):
         for share in (0.04, 0.15, 0.5, 1.5):
             for level in (1.0, 8.0):
                 yield cls(strength=level * force, shape=1.0 / (share * situation.largest("position")))
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)

@@ -155,7 +155,8 @@ class ClosedLoop(PlantKind):
 
     def unseen(self, effect: type[Effect]) -> str | None:
         """Nothing of the camera, and of what is declared of it."""
-        hidden = effect.place in self.hidden_places or effect.corrects_declaration
+        of_the_reading = effect.observe is not Effect.observe
+        hidden = effect.place in self.hidden_places or effect.corrects_declaration or of_the_reading
         return self.why_hidden if hidden else None
 
     def situations(self, problem: Problem, model: Model, index: int) -> Views:
