@@ -102,6 +102,10 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
         """The same without the quadratic part."""
         return CubicStiffness(coefficient=self.values["coefficient"])
 
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """The law with a fifth power in the place of the quadratic part, which may have stood for it."""
+        return tuple(CubicStiffnessWithFifthPower.starts(situation, coefficient=self.values["coefficient"]))
+
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """From a spring that is stiffer to either side."""
