@@ -52,6 +52,7 @@ def engine() -> None:
     from camid.chain.acquisition import Acquisition
     from camid.chain.plant import second_order
     from camid.effects import known_effects
+    from camid.effects.base import Effect
     from camid.engine.mechanics import Chain
     from camid.engine.run import move
 
@@ -60,6 +61,9 @@ def engine() -> None:
     motion = move(Chain(second_order(1.0, 10.0, 0.1), Acquisition(PERIOD), (friction,)), _signal(30), _time(30))
     motion.mean(_time(30), _time(30) + PERIOD)
     motion.mean_over_path(_time(30), _time(30) + PERIOD)
+    for kind in known_effects().values():
+        if kind.carry is not Effect.carry:
+            kind(**{parameter.name: 0.1 for parameter in kind.parameters}).carry(motion)
 
 
 def learned_laws() -> None:
@@ -90,9 +94,7 @@ def effects() -> None:
     signal = _signal(30)
     for kind in known_effects().values():
         if kind.transforms_by_compiled_code:
-            effect = kind(**{parameter.name: 0.1 for parameter in kind.parameters})
-            effect.transform(signal, signal, PERIOD)
-            effect.observe(signal, signal)
+            kind(**{parameter.name: 0.1 for parameter in kind.parameters}).transform(signal, signal, PERIOD)
 
 
 def identification() -> None:

@@ -343,6 +343,10 @@ class Effect:
         """Start and end of the exposures in seconds, shape (N,), where the effect shifts them."""
         return start, end
 
+    def carry(self, motion: Motion) -> Motion:
+        """The motion of what the sensor sees, where that is not the plant's."""
+        return motion
+
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """What an exposure yields, shape (N,), where it is not the mean; None where it is."""
         return None

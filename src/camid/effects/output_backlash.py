@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,41 +14,71 @@ from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
+if TYPE_CHECKING:
+    from camid.chain.motion import Motion
+
 # First guesses: half of the gap as a share of the largest displacement.
 SHARES = (0.01, 0.05, 0.2)
 # Where in the gap the drive begins.
 STARTS = (-0.7, 0.7)
+# Share of the gap from its edge within which they touch.
+TOUCHING = 1e-6
 
 
 @njit
-def _dragged(position: Array, half_width: float, place: float) -> Array:
-    load = np.empty_like(position)
+def _dragged(
+    position: Array, velocity: Array, velocity_end: Array, step: float, half_width: float, place: float
+) -> tuple[Array, Array, Array, Array]:
+    """Position, velocity, velocity at the end of each step and integral of a load that the gap lets lag."""
+    count = len(position)
+    load, speed, speed_end, integral = np.empty(count), np.zeros(count), np.zeros(count - 1), np.zeros(count)
     value = position[0] - place * half_width
-    for k in range(len(position)):
-        value = min(max(value, position[k] - half_width), position[k] + half_width)
-        load[k] = value
-    return load
+    load[0] = value
+    for k in range(count - 1):
+        before, falls = value, velocity[k] - velocity_end[k]
+        if velocity[k] * velocity_end[k] < 0.0:  # it turns round within the step
+            turn = position[k] + 0.5 * velocity[k] * step * velocity[k] / falls
+            value = min(max(value, turn - half_width), turn + half_width)
+        value = min(max(value, position[k + 1] - half_width), position[k + 1] + half_width)
+        load[k + 1] = value
+        # It moves with the drive where that pushes it.
+        if abs(position[k] - before) >= (1.0 - TOUCHING) * half_width and (position[k] - before) * velocity[k] > 0.0:
+            speed[k] = velocity[k]
+        reached = position[k + 1] - value
+        if abs(reached) >= (1.0 - TOUCHING) * half_width and reached * velocity_end[k] > 0.0:
+            speed_end[k] = velocity_end[k]
+            speed[k + 1] = speed_end[k]
+        mean = 0.5 * (before + value) + step / 12.0 * (speed[k] - speed_end[k])
+        integral[k + 1] = integral[k] + step * mean
+    return load, speed, speed_end, integral
 
 
 class OutputBacklash(Effect):
     """Play between the plant and what the sensor sees: a load that friction holds while the drive crosses the gap.
 
-    The load follows the readings of the drive, so that a reversal between two of them is a little too late.
+    What the sensor sees is the load, and the plant's motion that of the drive.
     """
 
     identifier = "output-backlash"
     place = "plant"
     title = "Backlash (play) behind the plant"
-    equation = r"w_k = \min(\max(w_{k-1},\ y_k - b),\ y_k + b)"
+    equation = r"w(t) = \min(\max(w(t^-),\ y(t) - b),\ y(t) + b)"
     reference = "Nordin & Gutman (2002), Automatica 38, 1633-1649 (friction-driven hysteresis model)"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_width", "y", "half b of the gap", 0.0),)
-    transforms_by_compiled_code = True
     separated_by = (SeparatingExperiment.MANY_LEVELS,)
     strength = "half_width"
 
-    def observe(self, output: Array, time: Array) -> Array:
-        """The load, from the middle of the gap."""
-        return _dragged(np.ascontiguousarray(output), self.values["half_width"], 0.0)
+    @property
+    def place_in_the_gap(self) -> float:
+        """Where the drive begins, from −1 to 1."""
+        return 0.0
+
+    def carry(self, motion: Motion) -> Motion:
+        """The load's."""
+        drive = (motion.position, motion.velocity, motion.velocity_end, motion.step)
+        load, speed, speed_end, integral = _dragged(*drive, self.values["half_width"], self.place_in_the_gap)
+        jumps = {"jump_times": np.zeros(0), "jumps": np.zeros((0, 3))}
+        return replace(motion, position=load, velocity=speed, velocity_end=speed_end, integral=integral, **jumps)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -64,9 +95,10 @@ class OutputBacklashFromAnywhere(OutputBacklash):
         Parameter("start", "", "where the drive begins in the gap, from −1 to 1", -1.0, 1.0, scale="one"),
     )
 
-    def observe(self, output: Array, time: Array) -> Array:
-        """The load."""
-        return _dragged(np.ascontiguousarray(output), self.values["half_width"], self.values["start"])
+    @property
+    def place_in_the_gap(self) -> float:
+        """As it says."""
+        return float(self.values["start"])
 
     def simplified(self) -> OutputBacklash:
         """From the middle of the gap."""

@@ -16,7 +16,18 @@ from camid.effects.learned import LearnedCurve, LearnedEffect, LearnedForce
 from camid.engine.law_stages import Law
 from camid.engine.mechanics import Chain
 from camid.engine.reader import Reader
-from camid.engine.run import Setting, after_sensor, exactly, exposures, move, observed, overrides, prepared, read
+from camid.engine.run import (
+    OF_THE_MOTION,
+    Setting,
+    after_sensor,
+    exactly,
+    exposures,
+    move,
+    observed,
+    overrides,
+    prepared,
+    read,
+)
 from camid.engine.tangent import Changes, Driven, law_tangents
 
 Array = NDArray[np.float64]
@@ -95,7 +106,7 @@ def _by_motion(
     step = acquisition.period / steps
     start, end = (each.copy() for each in setting.input_on_grid(chain, signal, acquisition, steps))
     reader = None
-    if not any(overrides(e, "windows", "measure") for e in chain.effects):
+    if not any(overrides(e, *OF_THE_MOTION) for e in chain.effects):
         reader = Reader.of(setting.start_time, step, len(start) + 1, *exposures(time, acquisition))
     rows = np.arange(len(start) + 1) if reader is None else reader.rows
     bends = reader is None or any(overrides(e, "observe") for e in chain.effects)

@@ -109,6 +109,10 @@ def observed(chain: Chain, motion: Motion, time: Array) -> Array:
     return after_sensor(chain, read(chain, motion, time, chain.declared()), time)
 
 
+# Hooks that say what the sensor makes of a motion.
+OF_THE_MOTION = ("carry", "windows", "measure")
+
+
 def overrides(effect: Effect, *names: str) -> bool:
     """Whether an effect does something by one of these hooks."""
     return any(getattr(type(effect), name) is not getattr(Effect, name) for name in names)
@@ -124,7 +128,7 @@ def exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | No
     """Output of a linear chain with a held or straight input, or None."""
     if any(part is not None for part in (chain.loop, chain.known_force, chain.equations, chain.input_log)):
         return None
-    if any(_acts_on_motion(e) or overrides(e, "windows", "measure") for e in chain.effects):
+    if any(_acts_on_motion(e) or overrides(e, *OF_THE_MOTION) for e in chain.effects):
         return None
     shapes = [e for e in chain.effects if overrides(e, "transform")]
     if shapes:
@@ -320,6 +324,8 @@ def exposures(time: Array, acquisition: Acquisition) -> tuple[Array, Array]:
 def read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) -> Array:
     """What the sensor makes of a motion."""
     start, end = exposures(time, acquisition)
+    for effect in chain.effects:
+        motion = effect.carry(motion)
     for effect in chain.effects:
         start, end = effect.windows(motion, start, end)
     for effect in chain.effects:

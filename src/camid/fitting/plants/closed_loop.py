@@ -155,8 +155,8 @@ class ClosedLoop(PlantKind):
 
     def unseen(self, effect: type[Effect]) -> str | None:
         """Nothing of the camera, and of what is declared of it."""
-        of_the_reading = effect.observe is not Effect.observe
-        hidden = effect.place in self.hidden_places or effect.corrects_declaration or of_the_reading
+        behind = effect.carry is not Effect.carry
+        hidden = effect.place in self.hidden_places or effect.corrects_declaration or behind
         return self.why_hidden if hidden else None
 
     def situations(self, problem: Problem, model: Model, index: int) -> Views:
