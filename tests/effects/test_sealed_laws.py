@@ -23,6 +23,7 @@ ERRORS = {
     "square-root-outflow": 5e-3,
     "overflow": 2e-2,
     "encoder-eccentricity": 1e-4,
+    "output-backlash": 5e-3,
 }
 FRAMES = 300
 

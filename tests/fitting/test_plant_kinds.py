@@ -62,10 +62,11 @@ def test_any_kind_may_stand_in_a_closed_loop():
     np.testing.assert_array_equal(shorter.positions[0], [0.4, 0.5])
 
 
-def test_a_closed_loop_shows_nothing_of_the_camera():
+def test_a_closed_loop_shows_nothing_of_the_camera_nor_of_what_hangs_behind_the_plant():
     loop, plant = kind_of(simulation(LINEAR, controller=CONTROLLER), []), kind_of(simulation(LINEAR), [])
     hidden = {name for name, effect in known_effects().items() if loop.unseen(effect)}
-    assert hidden == {e.identifier for e in known_effects().values() if e.place == "sensor"} | {"input-hold"}
+    camera = {e.identifier for e in known_effects().values() if e.place == "sensor"}
+    assert hidden == camera | {"input-hold", "output-backlash"}
     assert not any(plant.unseen(effect) for effect in known_effects().values())
 
 

@@ -72,6 +72,7 @@ IDENTITIES = [
     "square-root-outflow",
     "overflow",
     "encoder-eccentricity",
+    "output-backlash",
 ]
 
 

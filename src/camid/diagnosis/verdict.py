@@ -209,14 +209,16 @@ def beside_others(noise: Sequence[Finding], motion: Sequence[Finding]) -> list[F
     repeated frames, is certain.
     """
     result = []
+    linear = any(known_effects()[finding.identifier].linear_dynamics for finding in motion)
     for finding in noise:
         if known_effects()[finding.identifier].shows_in_values:
             result.append(finding)
             continue
         alone = len(noise) == 1 and not motion
-        comparison = Comparison((Member(finding.identifier, 0.0, 0.0),), 0.0, 0.0, strongest=alone, noise=True)
-        ((_, own),), unlisted = weights(comparison)
-        result.append(replace(finding, weight=own, alternatives=[(UNLISTED, unlisted)], comparison=comparison))
+        own = (Member(finding.identifier, 0.0, 0.0),)
+        comparison = Comparison(own, 0.0, 0.0, strongest=alone, linear=linear, noise=True)
+        ((_, weight),), unlisted = weights(comparison)
+        result.append(replace(finding, weight=weight, alternatives=[(UNLISTED, unlisted)], comparison=comparison))
     return result
 
 

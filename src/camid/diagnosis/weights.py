@@ -114,7 +114,8 @@ class Comparison:
     strongest : bool
         Whether no other effect removes more; of an effect on the noise, whether no other is named.
     linear : bool
-        Whether it is linear dynamics with numbers that a fit can bend.
+        Whether it is linear dynamics with numbers that a fit can bend; of an effect on the noise, whether such are
+        named beside it.
     noise : bool
         Whether it is an effect on the noise.
     experiments : int
@@ -218,7 +219,9 @@ def relative_weight(member: Member, chances: int = 1, constants: Constants | Non
 def weight_outside(comparison: Comparison, constants: Constants) -> float:
     """Weight of physics outside the catalogue."""
     if comparison.noise:
-        return _probability(constants.noise + constants.noise_beside * (not comparison.strongest))
+        odds = constants.noise + constants.noise_beside * (not comparison.strongest)
+        # Linear dynamics that imitate others leave a colour.
+        return _probability(odds + constants.linear * comparison.linear)
     odds = constants.outside + constants.outside_left * log(max(comparison.unexplained(constants.unseen), LEAST_SHARE))
     # Another input is another chance for a law outside the catalogue to leave something.
     odds *= comparison.chances

@@ -15,17 +15,22 @@ from itertools import product
 from math import ceil, pi, sin, sqrt
 from typing import Any
 
+import numpy as np
+
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, mobility, motion_sign
+from camid.effects.recorded_force import waves_of_force
 from camid.effects.situation import Situation
 from camid.effects.stiffness import PendulumGravity
 
 # First guesses: angles at the largest displacement, and angles from where the arm hangs at the sensor's zero.
 ANGLES = (0.5, 1.2, 2.5)
 QUADRANTS = (0, 1, 2, 3)
+# Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
+SEEN_ANGLES, BEST = np.geomspace(0.3, 60.0, 120), 2
 
 
 class ArmGravity(PendulumGravity):
@@ -70,7 +75,13 @@ class ArmGravity(PendulumGravity):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """From small angles to large ones, about where it hangs, stands and lies to either side."""
+        """As the recorded motion shows it; else from small angles to large ones, from each quarter of a turn."""
+        periods = 2.0 * pi * situation.largest("recorded") / SEEN_ANGLES
+        found = waves_of_force(situation, periods, BEST)
+        for wave in found:
+            yield cls(amplitude=wave["period"] / (2.0 * pi), torque=wave["amplitude"], phase=wave["phase"])
+        if found:
+            return
         torque, largest = GUESS * situation.largest("signal"), situation.largest("position")
         for angle, quadrant in product(ANGLES, QUADRANTS):
             yield cls(amplitude=largest / angle, torque=torque, phase=0.5 * pi * quadrant)

@@ -26,6 +26,13 @@ TOUCHING = 1e-6
 
 
 @njit
+def _pushes(ahead: float, velocity: float, half_width: float) -> bool:
+    """Whether a drive that is so far ahead of the load is at the edge of the gap that it moves to."""
+    touching = (1.0 - TOUCHING) * half_width
+    return (velocity > 0.0 and ahead >= touching) or (velocity < 0.0 and -ahead >= touching)
+
+
+@njit
 def _dragged(
     position: Array, velocity: Array, velocity_end: Array, step: float, half_width: float, place: float
 ) -> tuple[Array, Array, Array, Array]:
@@ -42,12 +49,10 @@ def _dragged(
         value = min(max(value, position[k + 1] - half_width), position[k + 1] + half_width)
         load[k + 1] = value
         # It moves with the drive where that pushes it.
-        if abs(position[k] - before) >= (1.0 - TOUCHING) * half_width and (position[k] - before) * velocity[k] > 0.0:
+        if _pushes(position[k] - before, velocity[k], half_width):
             speed[k] = velocity[k]
-        reached = position[k + 1] - value
-        if abs(reached) >= (1.0 - TOUCHING) * half_width and reached * velocity_end[k] > 0.0:
-            speed_end[k] = velocity_end[k]
-            speed[k + 1] = speed_end[k]
+        if _pushes(position[k + 1] - value, velocity_end[k], half_width):
+            speed_end[k] = speed[k + 1] = velocity_end[k]
         mean = 0.5 * (before + value) + step / 12.0 * (speed[k] - speed_end[k])
         integral[k + 1] = integral[k] + step * mean
     return load, speed, speed_end, integral

@@ -1,9 +1,9 @@
 """What a recording shows of a force that repeats along the way, by the plant's equation at the recorded positions.
 
 A simulation that lacks a force beside strong friction sticks at other places than the rig, and what it leaves repeats
-along no way. The plant's equation, with the recorded positions and their derivatives in it, needs no simulation. It is
-a first guess alone: noise in the derivatives bends it (an equation error; Ljung 1999, section 7.3), and what a recording
-says is judged by simulations.
+along no way. The plant's equation, with the recorded positions and their derivatives in it, needs no simulation. It
+yields first guesses alone: noise in the derivatives bends it (an equation error; Ljung 1999, section 7.3), and what a
+recording says is judged by simulations.
 """
 
 from __future__ import annotations

@@ -44,14 +44,16 @@ class _Antiderivative:
         return integral, value
 
 
-def _signal(setup: Setup, trajectory: Trajectory) -> _Antiderivative:
-    """Position in the output's units, distorted where the lens does so."""
+def _signal(setup: Setup, trajectory: Trajectory, *, distorted: bool = True) -> _Antiderivative:
+    """Position of what is seen in the output's units, distorted where the lens does so."""
     scale = setup.rig.output_scale
     position, integral = scale * trajectory.position, scale * trajectory.integral
     after, before = scale * trajectory.velocity_after, scale * trajectory.velocity_before
-    if setup.position_map is not None:
-        position, factor = setup.position_map(position)
+    maps = [each for each in (setup.load_map, setup.position_map if distorted else None) if each is not None]
+    for each in maps:
+        position, factor = each(position)
         after, before = after * factor[:-1], before * factor[1:]
+    if maps:
         # Trapezoidal rule with the slopes at the ends.
         mean = 0.5 * (position[1:] + position[:-1]) + trajectory.step / 12.0 * (after - before)
         integral = np.concatenate([[0.0], np.cumsum(mean * trajectory.step)])
@@ -60,12 +62,7 @@ def _signal(setup: Setup, trajectory: Trajectory) -> _Antiderivative:
 
 def position_at(setup: Setup, trajectory: Trajectory, time: Array) -> Array:
     """Undistorted position in the output's units at times in s."""
-    scale = setup.rig.output_scale
-    t = trajectory
-    return (
-        scale
-        * _Antiderivative(t.start, t.step, t.position, t.velocity_after, t.velocity_before, t.integral).at(time)[1]
-    )
+    return _signal(setup, trajectory, distorted=False).at(time)[1]
 
 
 def _averages(signal: _Antiderivative, end: Array, length: float) -> Array:

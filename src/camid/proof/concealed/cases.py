@@ -74,6 +74,7 @@ CATALOGUE: dict[str, Family] = {
     "amplitude-dependent-damping": Family(way_laws.amplitude_dependent_damping, "plant", any_order=False),
     "cogging": Family(way_laws.cogging, "plant", any_order=False),
     "parallel-mode": Family(way_laws.parallel_mode, "plant", any_order=False),
+    "output-backlash": Family(way_laws.output_backlash, "plant", alternatives=False),
     "square-root-outflow": Family(way_laws.square_root_outflow, "plant", storage=True),
     "overflow": Family(way_laws.overflow, "plant", storage=True),
     "periodic-disturbance": Family(disturbance_laws.periodic_disturbance, "disturbance"),

@@ -50,6 +50,8 @@ class Setup:
     kicks : list of (time in s, jump of the velocity in m/s)
     rolling, skew, jitter : float
         Time per unit of the output in s, relative error of the camera's clock, standard deviation in s.
+    load_map : callable, optional
+        From the machine's position at every instant to that of the load which is seen.
     position_map : callable, optional
         Distortion of the position at every instant.
     speed_weight : callable, optional
@@ -78,6 +80,7 @@ class Setup:
     rolling: float = 0.0
     skew: float = 0.0
     jitter: float = 0.0
+    load_map: PositionMap | None = None
     position_map: PositionMap | None = None
     speed_weight: Callable[[Array], Array] | None = None
     before_noise: list[FrameMap] = field(default_factory=list)

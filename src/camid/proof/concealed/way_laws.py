@@ -8,10 +8,14 @@ Design, ch. 7 (cogging); Ewins (2000), Modal Testing, ch. 2; Blasius (1913), For
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from camid.compiled import njit
 from camid.proof.concealed import vector_layout as s
 from camid.proof.concealed.plant_laws import Parameters, built_in
-from camid.proof.concealed.rig_setup import Context, Effect
+from camid.proof.concealed.rig_setup import Context, Effect, Setup
+
+Array = NDArray[np.float64]
 
 LARGEST_FRICTION = 0.6  # of the largest force
 
@@ -179,3 +183,29 @@ def overflow(generator: np.random.Generator, context: Context, alternative: bool
         0.9,
         refinement=4,
     )
+
+
+@njit
+def _behind_play(position: Array, half_width: float) -> tuple[Array, Array]:
+    """A load that is pushed from either side of a gap, and whether it moves with the machine."""
+    load, moves = np.empty_like(position), np.zeros_like(position)
+    load[0] = position[0]
+    for k in range(1, len(position)):
+        lag = position[k] - load[k - 1]
+        load[k] = load[k - 1]
+        if lag > half_width:
+            load[k], moves[k] = position[k] - half_width, 1.0
+        elif lag < -half_width:
+            load[k], moves[k] = position[k] + half_width, 1.0
+    return load, moves
+
+
+def output_backlash(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A load behind a joint with play, which friction holds while the joint crosses the gap."""
+    edge = float(np.max(np.abs(context.output)))
+
+    def apply(setup: Setup, strength: float) -> None:
+        setup.load_map = lambda position: _behind_play(position, strength * edge)
+        setup.refinement *= 4
+
+    return Effect("output-backlash", "plant", "catalogue", apply, lambda g: {"half_width": g * edge}, 0.02, 0.3)
