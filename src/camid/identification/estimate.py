@@ -272,11 +272,14 @@ def _summarise(predictor: Predictor, fit: IterationResult, others: list[Rival]) 
     deviations = standard_deviations(coefficients, first_order, found)
     with np.errstate(divide="ignore", invalid="ignore"):
         wider = np.where((first_order > 0.0) & np.isfinite(first_order), deviations / first_order, 1.0)
+        # What does not vary together does not where one of both is unbounded, either.
+        together = covariance[:count, :count]
+        together = np.where(together == 0.0, 0.0, together * np.outer(wider, wider))
     plant = structure.plant(coefficients)
     return Estimate(
         plant=plant,
         standard_deviations=deviations,
-        covariance=covariance[:count, :count] * np.outer(wider, wider),
+        covariance=together,
         noise_variance=variance,
         converged=bool(fit.converged and determined and plant.unstable_poles().size == 0),
         iterations=fit.iterations,
