@@ -76,6 +76,12 @@ class StribeckFriction(Effect):
         """Coulomb friction of the larger of both levels."""
         return CoulombFriction(force=max(self.values["coulomb"], self.values["breakaway"]))
 
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Coulomb friction of the level at usual speeds, where nothing moves slowly enough to show the other."""
+        speed = float(np.median(np.abs(situation.velocity)))
+        coulomb, breakaway, velocity = self.vector.tolist()
+        return (CoulombFriction(force=coulomb + (breakaway - coulomb) * exp(-((speed / velocity) ** 2))),)
+
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
         return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))

@@ -55,9 +55,7 @@ def fitted_hypothesis(
         return None
     if not np.isfinite(result.noise.deviance):
         return None
-    # What a simulation declares may be outside of what is possible; the effect that is looked for may begin there.
-    allowed = implausible(problem, start) - {len(start.effects) - 1}
-    if implausible(problem, result.model) - allowed:
+    if len(start.effects) - 1 in implausible(problem, result.model):
         return None
     return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
 
