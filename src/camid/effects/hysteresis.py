@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import exp, sqrt
+from typing import ClassVar
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
@@ -26,7 +27,7 @@ class Hysteresis(AgainstMotion):
     title = "Hysteresis (Bouc-Wen)"
     equation = r"f = h\,z,\quad \dot z = \kappa\left(\dot y - \frac{1}{2}|\dot y|\,z - \frac{1}{2}\dot y\,|z|\right)"
     reference = "Wen (1976), J. Eng. Mech. Div. ASCE 102, 249-263"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("strength", "u", "largest hysteretic force h", 0.0),
         Parameter("shape", "1/y", "inverse κ of the displacement that saturates it", 1e-300),
     )

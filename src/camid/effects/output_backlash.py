@@ -82,8 +82,8 @@ class OutputBacklash(Effect):
         """The load's."""
         drive = (motion.position, motion.velocity, motion.velocity_end, motion.step)
         load, speed, speed_end, integral = _dragged(*drive, self.values["half_width"], self.place_in_the_gap)
-        jumps = {"jump_times": np.zeros(0), "jumps": np.zeros((0, 3))}
-        return replace(motion, position=load, velocity=speed, velocity_end=speed_end, integral=integral, **jumps)
+        smooth = replace(motion, jump_times=np.zeros(0), jumps=np.zeros((0, 3)))
+        return replace(smooth, position=load, velocity=speed, velocity_end=speed_end, integral=integral)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
