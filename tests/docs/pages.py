@@ -7,7 +7,9 @@ commit it.
 from __future__ import annotations
 
 import contextlib
+import difflib
 import io
+import itertools
 import os
 import re
 import runpy
@@ -203,6 +205,28 @@ def _shown(printed: str, code: int) -> list[str]:
     return lines if code == 0 else [*lines, f"[exit code {code}]"]
 
 
+def elided(shown: list[str], printed: list[str]) -> list[str]:
+    """What is printed now, without what the page left out: of the lines between, those that are most alike."""
+    found: list[str] = []
+    position, ends = 0, [i for i, line in enumerate(shown) if line.strip() == LEFT_OUT]
+    for start, end in itertools.pairwise([-1, *ends, len(shown)]):
+        part = shown[start + 1 : end]
+        room = len(printed) - len(part) + 1
+        # What follows the command, or ends the output, stays there.
+        places = range(position, room) if start >= 0 and end < len(shown) else [room - 1] if start >= 0 else [0]
+        if part and not places:
+            return printed
+        best = max(places, key=lambda k: likeness(part, printed[k : k + len(part)]), default=position)
+        found += [*printed[best : best + len(part)], *([LEFT_OUT] if end < len(shown) else [])]
+        position = best + len(part)
+    return found if difference(found, printed) is None else printed
+
+
+def likeness(lines: list[str], others: list[str]) -> float:
+    """From 0 to 1."""
+    return difflib.SequenceMatcher(None, "\n".join(lines), "\n".join(others), autojunk=False).ratio()
+
+
 def rewritten(page: Path, session: Session) -> str:
     """The page with the outputs of today; where what it shows still matches, it stays as it is."""
     text = page.read_text(encoding="utf-8")
@@ -211,7 +235,7 @@ def rewritten(page: Path, session: Session) -> str:
         lines: list[str] = []
         for command, shown in commands(block):
             printed = session.run(command)
-            lines += [f"$ {command}", *(shown if difference(shown, printed) is None else printed)]
+            lines += [f"$ {command}", *(shown if difference(shown, printed) is None else elided(shown, printed))]
         pieces += [text[position : block.start], "\n".join(lines), "\n"]
         position = block.end
     return "".join([*pieces, text[position:]])

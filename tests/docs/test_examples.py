@@ -9,7 +9,7 @@ from ruamel.yaml import YAML
 
 from camid.cli import cli
 from camid.simulation.file import load_simulation
-from tests.docs.pages import PAGES, ROOT, Session, blocks, commands, difference, same_line
+from tests.docs.pages import PAGES, ROOT, Session, blocks, commands, difference, elided, same_line
 
 README_BYTES = 8000
 WITH_COMMANDS = [page for page in PAGES if blocks(page, "console")]
@@ -123,6 +123,14 @@ def test_the_comparison_sees_lines_too_many_and_too_few():
     assert difference(["a"], ["a", "b"]) is not None
     assert difference(["a", "b"], ["a"]) is not None
     assert difference(["…", "e"], ["a", "b"]) is not None
+
+
+def test_a_page_that_is_rewritten_leaves_out_what_it_did():
+    printed = ["a 2", "b", "x", "y", "c 4", "z"]
+    assert elided(["a 1", "b", "…", "c 3", "…"], printed) == ["a 2", "b", "…", "c 4", "…"]
+    assert elided(["…", "last 1"], ["a", "b", "last 2"]) == ["…", "last 2"]
+    assert elided(["a", "b"], ["a", "c", "b"]) == ["a", "c", "b"]
+    assert elided(["a", "b", "c", "…"], ["a"]) == ["a", "…"]
 
 
 @pytest.mark.parametrize("maker", ["make_recording.py", "make_two_clocks.py", "make_magnet.py", "make_detent.py"])
