@@ -21,6 +21,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
+from camid.effects.periodic_in_position import LARGEST_PERIOD
 from camid.effects.plant_force import GUESS, mobility, motion_sign
 from camid.effects.recorded_force import waves_of_force
 from camid.effects.situation import Situation
@@ -30,7 +31,7 @@ from camid.effects.stiffness import PendulumGravity
 ANGLES = (0.5, 1.2, 2.5)
 QUADRANTS = (0, 1, 2, 3)
 # Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
-SEEN_ANGLES, BEST = np.geomspace(0.3, 60.0, 120), 2
+SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
 
 
 class ArmGravity(PendulumGravity):
@@ -58,6 +59,10 @@ class ArmGravity(PendulumGravity):
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations where it hangs."""
         return sqrt(mobility(plant) * self.values["torque"] / self.values["amplitude"])
+
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether the motion holds hardly more than a turn: what repeats along the way is cogging."""
+        return bool(2.0 * pi * self.values["amplitude"] >= LARGEST_PERIOD * span)
 
     @property
     def branch(self) -> tuple[Any, ...]:

@@ -121,7 +121,7 @@ class _AlongTheWay(WithHarmonic, PeriodicInPosition):
         """From what the residual shows at each harmonic."""
         regression = WaveRegression(situation, cls.seen(situation))
         for harmonic, order in () if regression.fails else ORDERS.items():
-            gain, amplitude, phase = regression.at(values["period"] / order)
+            gain, amplitude, phase = (float(each[0]) for each in regression.at(np.array([values["period"] / order])))
             if gain > 0.0:
                 amplitude = min(amplitude, values["amplitude"])
                 shape = {"harmonic_amplitude": amplitude, "harmonic_phase": phase}

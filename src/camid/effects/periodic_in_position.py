@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from math import atan2, hypot, pi, sin, sqrt
+from math import pi, sin, sqrt
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -18,17 +18,18 @@ from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
-from camid.effects.recorded_force import waves_of_force
+from camid.effects.recorded_force import best_pairs, waves_of_force
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
 if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
-# Periods that are tried: the range of the motion holds from two to this many, in steps of a quarter. A sinusoid that
-# does not return twice is a polynomial to the data, and other effects name it.
-FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP = 2.0, 30.0, 0.25
-COUNTS = np.arange(FEWEST_PERIODS, MOST_PERIODS, PERIOD_STEP)
+# Periods that the range of the motion may hold: of a force, whose response takes a simulation, and as the recorded
+# motion shows it; and of an error of the reading. A sinusoid that does not return twice is a polynomial to the data,
+# and other effects name it.
+SIMULATED_PERIODS, RECORDED_PERIODS = np.arange(2.0, 30.0, 0.25), np.arange(2.0, 60.0, 0.5)
+READ_PERIODS = np.concatenate([SIMULATED_PERIODS, np.arange(30.0, 120.0, 0.5)])
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
 LARGEST_PERIOD = 0.6
 # Slope of an encoder's error from which it is none: from one on the reading turns round while the shaft goes on.
@@ -40,6 +41,8 @@ MOST_SIMULATED = 30_000
 BEST = 3
 # Share of a regressor beside the others, and of the residual, below which nothing is left of it.
 LEAST_LEFT = 1e-9
+# Sinusoids that are looked at together.
+TOGETHER = 32
 # A period of an encoder's error holds more steps of its readings than this, and that of a force more than this: a
 # lattice shows no shorter wave, and rounding itself repeats every step.
 STEPS_PER_PERIOD = 5.0
@@ -56,7 +59,7 @@ class WaveRegression:
     ----------
     situation : Situation
     respond : callable
-        What becomes of a signal along the motion, shape (N,), in the recorded output, shape (N,).
+        What becomes of signals along the motion, shape (N,) or (N, c), in the recorded output, of the same shape.
     """
 
     def __init__(self, situation: Situation, respond: Callable[[Array], Array]) -> None:
@@ -75,18 +78,27 @@ class WaveRegression:
         residual = situation.residual[self._rows]
         self._residual = residual - self._basis @ (self._basis.T @ residual)
 
-    def at(self, period: float) -> tuple[float, float, float]:
-        """Gain, and the amplitude and phase at zero of the sinusoid with a period; all zero where nothing is seen."""
-        angle = 2.0 * pi * self._position / period
-        pair = np.column_stack([self._respond(np.sin(angle))[self._rows], self._respond(np.cos(angle))[self._rows]])
-        left = pair - self._basis @ (self._basis.T @ pair)
-        if not np.all(np.linalg.norm(left, axis=0) > LEAST_LEFT * np.linalg.norm(pair, axis=0)):
-            return 0.0, 0.0, 0.0
-        along, across = np.linalg.lstsq(left, self._residual, rcond=None)[0]
-        return float(self._residual @ (left @ [along, across])), hypot(along, across), atan2(across, along)
+    def at(self, periods: Array) -> tuple[Array, Array, Array]:
+        """Gain, and the amplitude and phase at zero of sinusoids with some periods, shape (P,); zero where unseen."""
+        parts = [self._some(periods[first : first + TOGETHER]) for first in range(0, len(periods), TOGETHER)]
+        gains, amplitudes, phases = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return gains, amplitudes, phases
+
+    def _some(self, periods: Array) -> tuple[Array, Array, Array]:
+        angles = 2.0 * pi * self._position[:, None] / periods
+        left, shown = [], np.ones(len(periods), bool)
+        for wave in (np.sin(angles), np.cos(angles)):
+            seen = self._respond(wave)[self._rows]
+            left.append(seen - self._basis @ (self._basis.T @ seen))
+            shown &= np.linalg.norm(left[-1], axis=0) > LEAST_LEFT * np.linalg.norm(seen, axis=0)
+        shares, amplitudes, phases = best_pairs(self._residual, *left)
+        gains = (1.0 - shares) * float(self._residual @ self._residual)
+        return gains * shown, amplitudes * shown, phases * shown
 
 
-def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> list[tuple[float, float, float]]:
+def best_periods(
+    situation: Situation, respond: Callable[[Array], Array], counts: Array
+) -> list[tuple[float, float, float]]:
     """Sinusoids of the position whose response explains the residual best: (amplitude, period, phase), the best first.
 
     Parameters
@@ -94,20 +106,20 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array]) -> lis
     situation : Situation
     respond : callable
         See :class:`WaveRegression`.
+    counts : ndarray, shape (P,)
+        Periods that the range of the motion may hold.
     """
     span = float(np.ptp(situation.position))
     regression = WaveRegression(situation, respond) if span > 0.0 else None
     if regression is None or regression.fails:
         return []
-    counts = COUNTS
-    waves = [regression.at(span / float(count)) for count in counts]
-    gains = np.array([gain for gain, _, _ in waves])
+    gains, amplitudes, phases = regression.at(span / counts)
     found = []
     for _ in range(BEST):
         i = int(np.argmax(gains))
         if gains[i] <= 0.0:
             break
-        found.append((waves[i][1], span / float(counts[i]), waves[i][2]))
+        found.append((float(amplitudes[i]), span / float(counts[i]), float(phases[i])))
         gains[max(i - 2, 0) : i + 3] = 0.0
     return found
 
@@ -160,7 +172,12 @@ class Cogging(PeriodicInPosition):
     def seen(situation: Situation) -> Callable[[Array], Array]:
         """The plant's response to a force against the motion."""
         joined = replace(situation.acquisition, hold="foh")
-        return lambda force: sample(situation.plant, -force, joined)
+
+        def respond(force: Array) -> Array:
+            columns = [sample(situation.plant, -each, joined) for each in force.reshape(len(force), -1).T]
+            return np.column_stack(columns).reshape(force.shape)
+
+        return respond
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about a pole."""
@@ -171,9 +188,9 @@ class Cogging(PeriodicInPosition):
         """The periods that explain the residual best, to first order, or what moves the plant as it was recorded."""
         step = _least_difference(situation.recorded)
         span = float(np.ptp(situation.recorded))
-        guesses = waves_of_force(situation, span / COUNTS, BEST) if span > 0.0 else []
+        guesses = waves_of_force(situation, span / RECORDED_PERIODS, BEST) if span > 0.0 else []
         if not guesses:
-            waves = best_periods(situation, cls.seen(situation))
+            waves = best_periods(situation, cls.seen(situation), SIMULATED_PERIODS)
             guesses = [dict(zip(("amplitude", "period", "phase"), wave, strict=True)) for wave in waves]
         largest = situation.largest("signal")
         for guess in guesses:
@@ -246,7 +263,7 @@ class EncoderEccentricity(PeriodicInPosition):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain the residual best, to first order."""
         step = _least_difference(situation.recorded)
-        for amplitude, period, phase in best_periods(situation, cls.seen(situation)):
+        for amplitude, period, phase in best_periods(situation, cls.seen(situation), READ_PERIODS):
             # What quantisation adds repeats along the way, too.
             if period > STEPS_PER_PERIOD * step:
                 yield cls(amplitude=min(amplitude, situation.largest("position")), period=period, phase=phase)

@@ -8,7 +8,8 @@ recording says is judged by simulations.
 
 from __future__ import annotations
 
-from math import atan2, hypot, pi
+from functools import lru_cache
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -26,53 +27,9 @@ MOST_POLES = 3
 TURNED_ROUND = 0.05
 # A wave that is worth a guess leaves less than this share of what is left without it.
 MOST_LEFT = 0.8
-# Rows that are looked at.
-MOST_ROWS = 20_000
-
-
-class EquationAtRecordedPositions:
-    """The plant's equation with the recorded positions in it, filtered, and a wave of the position beside.
-
-    Parameters
-    ----------
-    situation : Situation
-    cut_off : float
-        Edge of the low-pass filter as a share of half the frame rate.
-    """
-
-    def __init__(self, situation: Situation, cut_off: float) -> None:
-        from scipy.signal import butter
-
-        situation = situation.until(MOST_ROWS)
-        self._sections = butter(FILTER_ORDER, cut_off, output="sos")
-        self._position = situation.recorded
-        period = situation.acquisition.period
-        derivatives = [self._filtered(self._position)]
-        for _ in range(len(situation.plant.denominator) - 1):
-            derivatives.append(np.gradient(derivatives[-1], period))
-        speed = derivatives[1]
-        slow = TURNED_ROUND * float(np.sqrt(np.mean(speed**2))) or 1.0
-        friction = self._filtered(np.tanh(speed / slow))
-        table = np.column_stack([np.ones(len(speed)), friction, *derivatives])
-        self._basis = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))[0]
-        command = self._filtered(situation.signal if situation.command is None else situation.command)
-        self._left = command - self._basis @ (self._basis.T @ command)
-
-    def _filtered(self, values: Array) -> Array:
-        from scipy.signal import sosfiltfilt
-
-        filtered: Array = sosfiltfilt(self._sections, values)
-        return filtered
-
-    def wave(self, period: float) -> tuple[float, float, float]:
-        """Share of the rest that a wave of a period leaves, its amplitude, and its phase at zero."""
-        angle = 2.0 * pi * self._position / period
-        pair = np.column_stack([self._filtered(np.sin(angle)), self._filtered(np.cos(angle))])
-        pair -= self._basis @ (self._basis.T @ pair)
-        (along, across), *_ = np.linalg.lstsq(pair, self._left, rcond=None)
-        left = self._left - pair @ [along, across]
-        share = float(left @ left) / max(float(self._left @ self._left), 1e-300)
-        return share, hypot(along, across), atan2(across, along)
+# Rows that are looked at, and how finely their positions count, as a share of the way.
+MOST_ROWS = 5_000
+RESOLUTION = 1e-9
 
 
 def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict[str, Any]]:
@@ -82,7 +39,7 @@ def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict
     ----------
     situation : Situation
     periods : ndarray, shape (P,)
-        Periods to try, in units of the output.
+        Periods to try, in units of the output, one after the other.
     most : int
         How many.
 
@@ -91,16 +48,76 @@ def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict
     list of dict
         ``amplitude`` in units of the input, ``period`` and ``phase``; empty where none explains a fifth of the rest.
     """
-    plant = situation.plant
-    if len(plant.denominator) - 1 not in range(1, MOST_POLES + 1) or len(situation.recorded) < 10 * FILTER_ORDER:
+    situation = situation.until(MOST_ROWS)
+    recorded, poles = situation.recorded, len(situation.plant.denominator) - 1
+    way = float(np.ptp(recorded))
+    if poles not in range(1, MOST_POLES + 1) or len(recorded) < 10 * FILTER_ORDER or way == 0.0:
         return []
-    equations = [EquationAtRecordedPositions(situation, cut_off) for cut_off in CUT_OFFS]
-    waves = min(([e.wave(float(period)) for period in periods] for e in equations), key=min)
-    shares = np.array([share for share, _, _ in waves])
+    # The equation is that of the recording, whatever the model and its zero are: it is looked at once.
+    shape = np.round((recorded - recorded[0]) / way / RESOLUTION) * RESOLUTION
+    command = situation.signal if situation.command is None else situation.command
+    signals = (shape.tobytes(), command.tobytes(), np.round(periods / way, 9).tobytes())
+    shares, amplitudes, phases = _waves(*signals, situation.acquisition.period, poles)
+    shares = shares.copy()
     found: list[dict[str, Any]] = []
     while np.min(shares) < MOST_LEFT and len(found) < most:
         i = int(np.argmin(shares))
-        _, amplitude, phase = waves[i]
-        found.append({"amplitude": amplitude, "period": float(periods[i]), "phase": phase})
+        phase = float(phases[i]) - 2.0 * pi * float(recorded[0]) / float(periods[i])
+        turned = (phase + pi) % (2.0 * pi) - pi
+        found.append({"amplitude": float(amplitudes[i]), "period": float(periods[i]), "phase": turned})
         shares[max(i - 2, 0) : i + 3] = 1.0
     return found
+
+
+@lru_cache(maxsize=8)
+def _waves(position: bytes, command: bytes, periods: bytes, period: float, poles: int) -> tuple[Array, Array, Array]:
+    """Share of the rest that a wave of each period leaves, its amplitude and phase, with the best of the filters."""
+    way, force, lengths = (np.frombuffer(values) for values in (position, command, periods))
+    found = [_filtered_waves(way, force, lengths, period, poles, cut_off) for cut_off in CUT_OFFS]
+    return min(found, key=lambda waves: float(np.min(waves[0])))
+
+
+def _filtered_waves(
+    position: Array, command: Array, periods: Array, period: float, poles: int, cut_off: float
+) -> tuple[Array, Array, Array]:
+    """The same with one filter, of all signals of the plant's equation."""
+    from scipy.signal import butter, sosfiltfilt
+
+    sections = butter(FILTER_ORDER, cut_off, output="sos")
+    angles = 2.0 * pi * position[:, None] / periods
+    signals = np.column_stack([position, command, np.sin(angles), np.cos(angles)])
+    smooth = sosfiltfilt(sections, signals, axis=0)
+    derivatives = [smooth[:, 0]]
+    for _ in range(poles):
+        derivatives.append(np.gradient(derivatives[-1], period))
+    slow = TURNED_ROUND * float(np.sqrt(np.mean(derivatives[1] ** 2))) or 1.0
+    friction = sosfiltfilt(sections, np.tanh(derivatives[1] / slow))
+    table = np.column_stack([np.ones(len(position)), friction, *derivatives])
+    basis = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))[0]
+    left = smooth[:, 1:] - basis @ (basis.T @ smooth[:, 1:])
+    return best_pairs(left[:, 0], left[:, 1 : len(periods) + 1], left[:, len(periods) + 1 :])
+
+
+def best_pairs(residual: Array, sines: Array, cosines: Array) -> tuple[Array, Array, Array]:
+    """Least squares of a residual by each pair of columns.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (N,)
+    sines, cosines : ndarray, shape (N, P)
+
+    Returns
+    -------
+    tuple of ndarray, each of shape (P,)
+        Share of the sum of squares that is left, amplitude and phase; one, zero and zero where a pair is none.
+    """
+    along, across, mixed = (np.sum(a * b, axis=0) for a, b in ((sines, sines), (cosines, cosines), (sines, cosines)))
+    with_sine, with_cosine = residual @ sines, residual @ cosines
+    determinant = along * across - mixed**2
+    singular = determinant <= 1e-12 * along * across
+    determinant = np.where(singular, 1.0, determinant)
+    first = np.where(singular, 0.0, (across * with_sine - mixed * with_cosine) / determinant)
+    second = np.where(singular, 0.0, (along * with_cosine - mixed * with_sine) / determinant)
+    gain = first * with_sine + second * with_cosine
+    left = 1.0 - gain / max(float(residual @ residual), 1e-300)
+    return left, np.hypot(first, second), np.arctan2(second, first)

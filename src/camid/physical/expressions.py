@@ -80,6 +80,9 @@ def parsed(text: str | float, names: Iterable[str]) -> symengine.Basic:
     except Exception as error:  # the parser raises RuntimeError, and others for what it does not know
         detail = " ".join(str(error).split())
         raise ValueError(f"'{written}' is not an expression" + (f" ({detail})" if detail else "")) from None
+    # Numbers of more digits than a float holds, as programs write them, are of another class.
+    long = [part for part in _parts(found) if type(part).__name__ == "RealMPFR"]
+    found = found.xreplace({part: symengine.RealDouble(float(part)) for part in long}) if long else found
     for part in _parts(found):
         kind = type(part).__name__
         if kind == "Symbol" and str(part) not in known:
