@@ -9,6 +9,7 @@ from camid.diagnosis.explanation import explanation
 from camid.diagnosis.finding import ParameterEstimate
 from camid.diagnosis.report.summary import verdict_words
 from camid.diagnosis.verdict import verdict_of
+from camid.diagnosis.weights import Comparison, Member
 from tests.support import written_diagnoses
 
 FIT = NormalisedErrors(0.684, 0.241, 0.0421, 0.0412, (24.0, 34.0))
@@ -38,6 +39,19 @@ def test_a_name_below_a_half_is_one_of_a_class():
     found = weighed(0.4, ("quadratic-drag", 0.35), ("hysteresis", 0.2), ("unlisted", 0.05))
     text = explanation("explained", [found], FIT, Location("plant"))
     assert "leaves out: one of Coulomb friction (40 %), quadratic drag (35 %) or hysteresis (20 %)." in text
+
+
+@pytest.mark.parametrize(
+    ("gap", "said"),
+    [
+        (3.0, "This recording cannot tell Coulomb friction from hysteresis."),
+        (2000.0, "Hysteresis of the catalogue fits worse, and with another law than that is not excluded (8.0 %)."),
+    ],
+)
+def test_a_rival_that_fits_worse_is_not_called_the_same(gap, said):
+    members = (Member("coulomb-friction", 0.0, 0.0), Member("hysteresis", gap, 0.01))
+    found = replace(weighed(0.91, ("hysteresis", 0.08), ("unlisted", 0.01)), comparison=Comparison(members, 0.9, 0.0))
+    assert explanation("explained", [found], FIT, Location("plant")).endswith(said)
 
 
 def test_where_most_of_the_weight_lies_outside_the_catalogue_that_comes_first():

@@ -32,6 +32,7 @@ from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeigh
 from camid.effects.stiffness import CubicStiffness, EndStop, PendulumDrivenAcross, PendulumGravity, QuadraticStiffness
 from camid.effects.two_term_springs import (
     TYPICAL_DISPLACEMENT,
+    CubicStiffnessWithFifthPower,
     CubicStiffnessWithQuadratic,
     QuadraticStiffnessWithCubic,
 )
@@ -202,6 +203,41 @@ def test_a_spring_of_two_terms_has_the_name_of_the_larger_one(quadratic, cubic):
     assert named == ["cubic-stiffness" if quadratic < cubic * TYPICAL_DISPLACEMENT * span else "quadratic-stiffness"]
 
 
+def test_a_spring_with_a_fifth_power_is_that_of_its_parts():
+    law = CubicStiffnessWithFifthPower(coefficient=2.0, fifth=-0.5)
+    at = np.array([-1.5, 0.0, 0.4, 2.0])
+    found = [law.force.at(0.0, y, 0.0, 0.0, 0.0, values=law.force_values(PLANT)) for y in at]
+    np.testing.assert_allclose(found, 2.0 * at**3 - 0.5 * at**5)
+    assert law.simplified().values == {"coefficient": 2.0}
+    assert law.is_plausible(4.0, 1.0)
+    assert not law.is_plausible(20.0, 1.0)
+    beside = CubicStiffnessWithQuadratic(coefficient=2.0, quadratic=0.1).finer(
+        SimpleNamespace(largest=lambda name: 1.0)
+    )
+    assert [type(each) for each in beside] == [CubicStiffnessWithFifthPower] * 2
+
+
+def test_an_encoder_errs_once_in_each_of_many_turns():
+    plant = TransferFunction((50.0,), (1.0, 10.0, 0.0))
+    signal = np.repeat(np.random.default_rng(4).normal(size=30) + 1.0, 50)
+    times, encoder = PERIOD * np.arange(1500), Acquisition(PERIOD, sensor="instant")
+    eccentric = EncoderEccentricity(amplitude=0.01, period=3.0, phase=1.1)
+    reading = run(Chain(plant, encoder, (eccentric,)), signal, times)
+    assert np.ptp(reading) / 3.0 > 40.0
+    table = pd.DataFrame({"t": times, "u": signal, "y": reading + 5e-4 * np.random.default_rng(5).normal(size=1500)})
+    nominal = {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": [45.0], "denominator": [1.0, 11.0, 0.0]}},
+        "sensor": {"column": "y", "kind": "instant", "offset": 0.0},
+    }
+    (found,) = camid.diagnose(table, nominal).findings
+    assert found.identifier == "encoder-eccentricity"
+    for name, value in eccentric.values.items():
+        assert found.parameters[name].value == pytest.approx(value, rel=0.05)
+
+
 @pytest.mark.parametrize("rate", [1e-3, 1.0, 1e12])
 def test_a_servo_is_started_from_any_limit(rate):
     starts = list(RateLimitedLag.starts(SimpleNamespace(signal=command(60)), rate=rate))
@@ -223,6 +259,7 @@ def test_a_law_that_leads_to_no_other_ends_no_diagnosis(monkeypatch):
 LAWS = [
     ("quadratic-stiffness", QuadraticStiffnessWithCubic(coefficient=0.35, cubic=0.1), "cubic"),
     ("cubic-stiffness", CubicStiffnessWithQuadratic(coefficient=0.5, quadratic=0.12), "quadratic"),
+    ("cubic-stiffness", CubicStiffnessWithFifthPower(coefficient=0.3, fifth=0.15), "fifth"),
     ("end-stop", HertzEndStop(position=1.0, hertz=6.0), "hertz"),
     ("dead-zone", GradualDeadZone(half_width=0.6, sharpness=2.5), "sharpness"),
     (
