@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from camid.chain.plant import TransferFunction
+from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
@@ -68,6 +69,10 @@ class ArmGravity(PendulumGravity):
     def branch(self) -> tuple[Any, ...]:
         """An arm that stands is no start for one that hangs."""
         return (*super().branch, ceil(self.values["phase"] / (0.5 * pi) - 0.5) % len(QUADRANTS))
+
+    def simplified(self) -> InputBias:
+        """A constant, which it is where the arm hardly turns."""
+        return InputBias(bias=-self.values["torque"] * sin(self.values["phase"]))
 
     def scaled(self, factor: float) -> Effect:  # type: ignore[override] # in its torque, as most laws
         """Another torque."""

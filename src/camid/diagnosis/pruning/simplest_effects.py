@@ -126,6 +126,8 @@ def _special(
     special = general.simplified()
     if special is None or any(e.identifier == special.identifier for e in model.effects):
         return decision
+    if problem.kind.unseen(type(special)) is not None:
+        return decision
     effects = list(model.effects)
     effects[known + index] = special
     fitted = fit(problem, replace(model, effects=tuple(effects)), steps=ALL_STEPS)

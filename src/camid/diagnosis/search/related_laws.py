@@ -28,6 +28,8 @@ def special_case(problem: Problem, general: Fitted, index: int, known: set[str])
     effect = model.effects[index].simplified()
     if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
         return None
+    if problem.kind.unseen(type(effect)) is not None:
+        return None
     return _in_place(problem, model, index, effect, FIRST_STEPS)
 
 
