@@ -95,7 +95,8 @@ def members_of(
             hypothesis.identifier,
             float(hypothesis.beyond(lead)),
             (hypothesis.fitted.cost - (least if sibling and least is not None else lead.fitted.cost)) / mismatch,
-            hypothesis.identifier == special and not _is_finer(hypothesis, lead),
+            # There is one law of a constant only.
+            hypothesis.identifier == special and not _is_finer(hypothesis, lead) and not _is_constant(special),
             of == lead.identifier,
             sibling,
             len(hypothesis.fitted.penalised_names) - len(lead.fitted.penalised_names),
