@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from camid.diagnosis.detection_limits import undetectable
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.effect_signals import effect_signals
 from camid.diagnosis.evidence import coefficients_of, errors_without, removed_shares, signals_of, tests_of
-from camid.diagnosis.explanation import LISTED_WEIGHT, explained, within_sentence
+from camid.diagnosis.explanation import explained, within_sentence
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations, improved_simulation, remainder_of
 from camid.diagnosis.laws.formula.account import with_words
@@ -23,7 +22,6 @@ from camid.diagnosis.setting import Setting
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
-from camid.effects.base import Effect
 from camid.fitting.covariance import effect_deviations
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
@@ -68,7 +66,7 @@ def concluded(
     verdict = verdict_of(found, bool(learned), bool(named.reasons or residue.reasons))
     location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
-    names = _spoken_of(found, final.model.effects) | {e.identifier for e in setting.nominal.effects}
+    names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
     deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
@@ -100,18 +98,6 @@ def concluded(
         warnings=_left_out(setting, found),
     )
     return replace(diagnosis, explanation=explained(diagnosis))
-
-
-def _spoken_of(found: list[Finding], effects: Sequence[Effect]) -> set[str]:
-    """Identifiers of what is found, of what it may be instead, and of its special cases, which are there as well."""
-    names = {f.identifier for f in found}
-    names |= {name for f in found for name, weight in f.alternatives if weight >= LISTED_WEIGHT}
-    for effect in effects:
-        special = effect.simplified()
-        while special is not None:
-            names.add(special.identifier)
-            special = special.simplified()
-    return names
 
 
 def _left_out(setting: Setting, found: list[Finding]) -> list[str]:

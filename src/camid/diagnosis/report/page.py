@@ -216,7 +216,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
 
     units = diagnosis.improved.units
     own = diagnosis.own_titles
-    seen, unseen = summary.sorted_undetectable(diagnosis.undetectable, own)
+    seen, unseen = summary.sorted_undetectable(summary.not_found(diagnosis), own)
     pictures = draw(diagnosis, shared=shared)
     state = diagnosis.location.state
     headings = _headings(diagnosis)

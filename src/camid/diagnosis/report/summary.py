@@ -138,6 +138,12 @@ def evidence_lines(evidence: dict[str, Any], own: Mapping[str, str] | None = Non
     return lines
 
 
+def not_found(diagnosis: Diagnosis) -> list[Undetectable]:
+    """Effects that are neither found nor what those that are may be instead."""
+    rivals = {name for f in diagnosis.findings for name, weight in f.alternatives if weight >= LISTED_WEIGHT}
+    return [u for u in diagnosis.undetectable if u.identifier not in rivals]
+
+
 def sorted_undetectable(
     undetectable: list[Undetectable], own: Mapping[str, str] | None = None
 ) -> tuple[list[Undetectable], list[Undetectable]]:
@@ -289,9 +295,10 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
             f"{percentage(fit.position[0])}, improved {percentage(fit.position[1])}",
             soft_wrap=True,
         )
-    unseen = len(diagnosis.undetectable)
+    others = not_found(diagnosis)
+    unseen = len(others)
     if unseen:
-        invisible = len(sorted_undetectable(diagnosis.undetectable)[1])
+        invisible = len(sorted_undetectable(others)[1])
         console.print(f"not found: {unseen} other effects, {invisible} of which would not have shown", soft_wrap=True)
     for path in written:
         console.print(f"written to {printable(str(path))}", soft_wrap=True)
