@@ -8,9 +8,8 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.effects.arm_gravity import ArmGravity
+from camid.effects.gravity import ArmGravity, PendulumGravity
 from camid.effects.situation import Situation
-from camid.effects.stiffness import PendulumGravity
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 

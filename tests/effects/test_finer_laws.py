@@ -18,6 +18,7 @@ from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_friction import GradualCoulombFriction, GradualStribeckFriction
 from camid.effects.gradual_saturation import GradualSaturation
+from camid.effects.gravity import PendulumDrivenAcross, PendulumGravity
 from camid.effects.harmonics import (
     CoggingWithHarmonic,
     EncoderEccentricityWithHarmonic,
@@ -29,7 +30,7 @@ from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_drift import SettlingSensorDrift
 from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
-from camid.effects.stiffness import CubicStiffness, EndStop, PendulumDrivenAcross, PendulumGravity, QuadraticStiffness
+from camid.effects.stiffness import CubicStiffness, EndStop, QuadraticStiffness
 from camid.effects.two_term_springs import (
     TYPICAL_DISPLACEMENT,
     CubicStiffnessWithFifthPower,

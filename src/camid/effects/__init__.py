@@ -2,7 +2,6 @@
 
 from camid.effects import (
     actuator,
-    arm_gravity,
     bristle_friction,
     damping,
     disturbance,
@@ -12,6 +11,7 @@ from camid.effects import (
     gradual_dead_zone,
     gradual_friction,
     gradual_saturation,
+    gravity,
     harmonics,
     hertz_contact,
     hysteresis,
@@ -45,7 +45,6 @@ __all__ = [
     "Parameter",
     "Situation",
     "actuator",
-    "arm_gravity",
     "bristle_friction",
     "compiled",
     "damping",
@@ -56,6 +55,7 @@ __all__ = [
     "gradual_dead_zone",
     "gradual_friction",
     "gradual_saturation",
+    "gravity",
     "harmonics",
     "hertz_contact",
     "hysteresis",

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
+from camid.effects.gravity import PendulumGravity
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import static_stiffness
 from camid.effects.situation import Situation
-from camid.effects.stiffness import PendulumGravity
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Forces that depend on the position alone: springs that are not linear, gravity, a stop."""
+"""Forces that depend on the position alone: springs that are not linear, and a stop."""
 
 # Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
 # ruff: noqa: D102, N805
@@ -6,16 +6,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import cos, inf, sin, sqrt
-from typing import Any, ClassVar
+from math import inf, sqrt
+from typing import ClassVar
 
 import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.gravity import PendulumGravity
 from camid.effects.parameter import Parameter
-from camid.effects.plant_force import GUESS, LEAST_FACTOR, AgainstMotion, mobility, motion_sign, static_stiffness
+from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -83,69 +84,6 @@ class QuadraticStiffness(AgainstMotion):
         level = 0.5 * situation.largest("position")
         coefficient = -8.0 * self.values["coefficient"] * motion_sign(situation.plant) * level**1.5
         return (SquareRootOutflow(coefficient=coefficient),) if coefficient > 0.0 else ()
-
-
-class PendulumGravity(Effect):
-    """Restoring force that follows the sine of the displacement, as gravity on a pendulum does."""
-
-    identifier = "pendulum-gravity"
-    place = "plant"
-    title = "Gravity on a pendulum"
-    equation = r"f = k\,(A\,\sin(y/A) - y),\quad k = 1/G(0)"
-    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
-    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
-
-    @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return values[1] * (values[0] * sin(position / values[0]) - position)
-
-    def force_values(self, plant: TransferFunction) -> list[float]:
-        """Amplitude and static stiffness."""
-        return [self.values["amplitude"], static_stiffness(plant)]
-
-    def scaled(self, factor: float) -> PendulumGravity:
-        """Another amplitude: the force is proportional to the inverse of its square while the angle is small."""
-        return self.with_vector(self.vector / sqrt(max(factor, LEAST_FACTOR)))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """From small angles to large ones; what pushes tells both apart. Without a spring it is an arm's."""
-        if static_stiffness(situation.plant) == 0.0:
-            from camid.effects.arm_gravity import ArmGravity
-
-            yield from ArmGravity.candidates(situation)
-            return
-        laws = (PendulumGravity, PendulumDrivenAcross) if np.any(situation.signal) else (PendulumGravity,)
-        for law in laws:
-            for angle in (0.15, 0.5, 1.2):
-                yield law(amplitude=situation.largest("position") / angle)
-
-
-class PendulumDrivenAcross(PendulumGravity):
-    """A pendulum that is pushed horizontally, as one is whose pivot is accelerated.
-
-    Only the part of the input along the arc moves it then, and not all of it as with a motor at the pivot.
-    """
-
-    title = "Gravity on a pendulum that is driven horizontally"
-    equation = r"f = k\,(A\,\sin(y/A) - y) + u\,(1 - \cos(y/A)),\quad k = 1/G(0)"
-    reference = "Ogata (2010), Modern Control Engineering, 5th ed., section 3.3"
-    parameters = (
-        *PendulumGravity.parameters,
-        Parameter("drive", "", "how the input pushes", choices=("horizontal",), default="horizontal"),
-    )
-
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """The same amplitude; without an input nothing tells both laws apart."""
-        if np.any(situation.signal):
-            yield cls(**values)
-
-    @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        angle = position / values[0]
-        return values[1] * (values[0] * sin(angle) - position) + signal * (1.0 - cos(angle))
 
 
 class EndStop(AgainstMotion):

@@ -1,4 +1,4 @@
-"""Gravity on an arm: its torque where no spring of the plant holds it already, as in a joint that a motor turns.
+"""Gravity on a pendulum, and on an arm.
 
 A pendulum's law is what gravity has beside the linear spring that the plant contains. A joint that is declared as an
 inertia with damping has no such spring: what is left out then is the whole torque, and where the arm hangs is another
@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from math import ceil, pi, sin, sqrt
-from typing import Any
+from math import ceil, cos, pi, sin, sqrt
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,16 +23,77 @@ from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.periodic_in_position import LARGEST_PERIOD
-from camid.effects.plant_force import GUESS, mobility, motion_sign
+from camid.effects.plant_force import GUESS, LEAST_FACTOR, mobility, motion_sign, static_stiffness
 from camid.effects.recorded_force import waves_of_force
+from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
-from camid.effects.stiffness import PendulumGravity
 
 # First guesses: angles at the largest displacement, and angles from where the arm hangs at the sensor's zero.
 ANGLES = (0.5, 1.2, 2.5)
 QUADRANTS = (0, 1, 2, 3)
 # Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
 SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
+
+
+class PendulumGravity(Effect):
+    """Restoring force that follows the sine of the displacement, as gravity on a pendulum does."""
+
+    identifier = "pendulum-gravity"
+    place = "plant"
+    title = "Gravity on a pendulum"
+    equation = r"f = k\,(A\,\sin(y/A) - y),\quad k = 1/G(0)"
+    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("amplitude", "y", "displacement A of one radian", 1e-300),)
+    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[1] * (values[0] * sin(position / values[0]) - position)
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Amplitude and static stiffness."""
+        return [self.values["amplitude"], static_stiffness(plant)]
+
+    def scaled(self, factor: float) -> PendulumGravity:
+        """Another amplitude: the force is proportional to the inverse of its square while the angle is small."""
+        return self.with_vector(self.vector / sqrt(max(factor, LEAST_FACTOR)))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """From small angles to large ones; what pushes tells both apart. Without a spring it is an arm's."""
+        if static_stiffness(situation.plant) == 0.0:
+            yield from ArmGravity.candidates(situation)
+            return
+        laws = (PendulumGravity, PendulumDrivenAcross) if np.any(situation.signal) else (PendulumGravity,)
+        for law in laws:
+            for angle in (0.15, 0.5, 1.2):
+                yield law(amplitude=situation.largest("position") / angle)
+
+
+class PendulumDrivenAcross(PendulumGravity):
+    """A pendulum that is pushed horizontally, as one is whose pivot is accelerated.
+
+    Only the part of the input along the arc moves it then, and not all of it as with a motor at the pivot.
+    """
+
+    title = "Gravity on a pendulum that is driven horizontally"
+    equation = r"f = k\,(A\,\sin(y/A) - y) + u\,(1 - \cos(y/A)),\quad k = 1/G(0)"
+    reference = "Ogata (2010), Modern Control Engineering, 5th ed., section 3.3"
+    parameters = (
+        *PendulumGravity.parameters,
+        Parameter("drive", "", "how the input pushes", choices=("horizontal",), default="horizontal"),
+    )
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """The same amplitude; without an input nothing tells both laws apart."""
+        if np.any(situation.signal):
+            yield cls(**values)
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        angle = position / values[0]
+        return values[1] * (values[0] * sin(angle) - position) + signal * (1.0 - cos(angle))
 
 
 class ArmGravity(PendulumGravity):
