@@ -45,7 +45,7 @@ def test_a_name_below_a_half_is_one_of_a_class():
     ("gap", "said"),
     [
         (3.0, "This recording cannot tell Coulomb friction from hysteresis."),
-        (2000.0, "Hysteresis of the catalogue fits worse, and with another law than that is not excluded (8.0 %)."),
+        (2000.0, "Hysteresis fits worse with the catalogue's law, and is not excluded with another one (8.0 %)."),
     ],
 )
 def test_a_rival_that_fits_worse_is_not_called_the_same(gap, said):

@@ -242,22 +242,28 @@ def _falls(fit: NormalisedErrors) -> str:
 def _indistinct(found: Sequence[Finding]) -> list[str]:
     """What the first finding with a sure name and rivals cannot be told from, and which rivals have its name alone."""
     for finding in found:
-        weights = {n: w for n, w in finding.alternatives if n != UNLISTED and w >= RIVAL_WEIGHT}
-        if finding.weight < HEADLINE_WEIGHT or not weights:
+        as_good, worse = rivals(finding)
+        if finding.weight < HEADLINE_WEIGHT or not (as_good or worse):
             continue
-        gaps = {m.identifier: m.gap for m in finding.comparison.members} if finding.comparison else {}
         own = within_sentence(finding.title)
-        as_good = [name for name in weights if gaps.get(name, 0.0) - gaps.get(finding.identifier, 0.0) < FITS_WORSE]
-        worse = [name for name in weights if name not in as_good]
         said = [f"This recording cannot tell {own} from {_either(as_good)}."] if as_good else []
         if worse:
-            share = _share(sum(weights[name] for name in worse), 2)
+            share = _share(sum(w for n, w in finding.alternatives if n in worse), 2)
             said.append(
-                f"{_either(worse, capital=True)} of the catalogue fits worse, and with another law than that is not "
-                f"excluded ({share})."
+                f"{_either(worse, capital=True)} fits worse with the catalogue's law, and is not excluded with another "
+                f"one ({share})."
             )
         return said
     return []
+
+
+def rivals(finding: Finding) -> tuple[list[str], list[str]]:
+    """Identifiers of rivals of a name that fit about as well, and of those that fit worse with the catalogue's law."""
+    names = [n for n, weight in finding.alternatives if n != UNLISTED and weight >= RIVAL_WEIGHT]
+    gaps = {m.identifier: m.gap for m in finding.comparison.members} if finding.comparison else {}
+    own = gaps.get(finding.identifier, 0.0)
+    worse = [name for name in names if gaps.get(name, 0.0) - own >= FITS_WORSE]
+    return [name for name in names if name not in worse], worse
 
 
 def _either(names: Sequence[str], capital: bool = False) -> str:

@@ -203,6 +203,7 @@ def _findings(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                 "parameters": _parameter_rows(finding),
                 "evidence": summary.evidence_lines(finding.evidence, diagnosis.own_titles),
                 "members": members,
+                "stands_alone": summary.stands_alone(finding),
             }
         )
     return found
@@ -249,7 +250,6 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
         "recordings": [number_text.printable(name) for name in diagnosis.recordings],
         "rows": len(diagnosis.signals.time),
         "structure_below": STRUCTURE_BELOW,
-        "likely": summary.LIKELY,
         "headline_weight": HEADLINE_WEIGHT,
         "number": number_text.number,
         "plain": number_text.plain,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Undetectable
 from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
-from camid.diagnosis.explanation import LISTED_WEIGHT, carries_over, wrong_coefficients
+from camid.diagnosis.explanation import LISTED_WEIGHT, carries_over, rivals, wrong_coefficients
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
@@ -140,8 +140,8 @@ def evidence_lines(evidence: dict[str, Any], own: Mapping[str, str] | None = Non
 
 def not_found(diagnosis: Diagnosis) -> list[Undetectable]:
     """Effects that are neither found nor what those that are may be instead."""
-    rivals = {name for f in diagnosis.findings for name, weight in f.alternatives if weight >= LISTED_WEIGHT}
-    return [u for u in diagnosis.undetectable if u.identifier not in rivals]
+    alternatives = {name for f in diagnosis.findings for name, weight in f.alternatives if weight >= LISTED_WEIGHT}
+    return [u for u in diagnosis.undetectable if u.identifier not in alternatives]
 
 
 def sorted_undetectable(
@@ -227,12 +227,18 @@ def _table_of_coefficients(diagnosis: Diagnosis) -> Table:
     return table
 
 
+def stands_alone(finding: Finding) -> bool:
+    """Whether the alternatives to a name are remote, or all fit worse with the catalogue's law."""
+    as_good, worse = rivals(finding)
+    return finding.weight >= LIKELY or bool(worse and not as_good)
+
+
 def finding_lines(finding: Finding, own_titles: Mapping[str, str]) -> list[str]:
     """What a name cannot be told from, whether the improved simulation holds it, and what would decide."""
     lines = []
     others = alternatives_text(finding, own_titles)
     if others:
-        relation = "not excluded:" if finding.weight >= LIKELY else "cannot be told apart from:"
+        relation = "not excluded:" if stands_alone(finding) else "cannot be told apart from:"
         lines.append(f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}")
     if not finding.simulated:
         lines.append(f"  {NOT_SIMULATED}")
