@@ -199,6 +199,14 @@ def measuring(body):
     return with_method("sensor", "measure(self, motion, start, end)", body)
 
 
+def carrying(body):
+    return with_method("sensor", "carry(self, motion)", body)
+
+
+def opening(body):
+    return with_method("sensor", "windows(self, motion, start, end)", body)
+
+
 def actuating(body):
     return with_method("actuator", "transform(self, start, end, step)", body)
 
@@ -230,6 +238,9 @@ def actuating(body):
         (observing("return None"), "def observe", "'observe' returns the shape () for 800 rows"),
         (observing("return output / 0.0"), "def observe", "'observe' returns what is no finite number"),
         (observing("raise ValueError('never')"), "never", "ValueError: never"),
+        (carrying("return None"), "def carry", "'carry' returns nothing"),
+        (opening("return start"), "def windows", "'windows' returns a ndarray"),
+        (measuring("return 'x'"), "def measure", "'measure' returns"),
         (actuating("return start"), "def transform", "'transform' returns a ndarray"),
         (actuating("return start, end[:5]"), "def transform", "'transform' returns the shape (5,)"),
         (actuating("raise ValueError('never')"), "never", "ValueError: never"),

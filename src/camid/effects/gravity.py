@@ -132,7 +132,7 @@ class ArmGravity(PendulumGravity):
         return (*super().branch, ceil(self.values["phase"] / (0.5 * pi) - 0.5) % len(QUADRANTS))
 
     def simplified(self) -> InputBias:
-        """A constant, which it is where the arm hardly turns."""
+        """A constant, which it is where the arm hardly turns; a fit finds its sign, which is that of the plant, too."""
         return InputBias(bias=-self.values["torque"] * sin(self.values["phase"]))
 
     def scaled(self, factor: float) -> Effect:  # type: ignore[override] # in its torque, as most laws
@@ -149,8 +149,10 @@ class ArmGravity(PendulumGravity):
         """As the recorded motion shows it; else from small angles to large ones, from each quarter of a turn."""
         periods = 2.0 * pi * situation.largest("recorded") / SEEN_ANGLES
         found = waves_of_force(situation, periods, BEST)
+        # The torque counts with the sign of the plant's gain.
+        turned = 0.0 if motion_sign(situation.plant) > 0.0 else pi
         for wave in found:
-            yield cls(amplitude=wave["period"] / (2.0 * pi), torque=wave["amplitude"], phase=wave["phase"])
+            yield cls(amplitude=wave["period"] / (2.0 * pi), torque=wave["amplitude"], phase=wave["phase"] + turned)
         if found:
             return
         torque, largest = GUESS * situation.largest("signal"), situation.largest("position")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from camid.chain.acquisition import Acquisition
+from camid.chain.motion import Motion
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.own_effect_form import COMPILED, line_of
@@ -56,6 +57,7 @@ def tried_guesses(kind: type[Effect], situation: Situation) -> list[Effect]:
         for name in COMPILED:
             _try_compiled(guess, name, values, situation)
         _try_signals(guess, situation)
+        _try_motion(guess, situation)
         _try_declarations(guess, situation)
     return guesses
 
@@ -156,6 +158,27 @@ def _try_signals(guess: Effect, situation: Situation) -> None:
             raise _wrong(kind, name, f"returns the shape {shape} for {count} rows", f"return the shape ({count},)")
         if not np.all(np.isfinite(np.asarray(signal, dtype=float))):
             raise _wrong(kind, name, "returns what is no finite number", EVERYWHERE)
+
+
+def _try_motion(guess: Effect, situation: Situation) -> None:
+    """Try what a guess makes of a motion before the camera, and of its exposures."""
+    kind, count, step = type(guess), len(situation.time), situation.acquisition.period
+    position, velocity = situation.position.copy(), situation.velocity.copy()
+    integral = step * np.concatenate([[0.0], np.cumsum(0.5 * (position[1:] + position[:-1]))])
+    start = float(situation.time[0])
+    motion = Motion(start, step, position, velocity, integral, velocity[1:], np.zeros(0), np.zeros((0, 3)))
+    carried = guess.carry(motion)
+    if not isinstance(carried, Motion):
+        raise _wrong(kind, "carry", f"returns {_named(carried)}", "return a Motion")
+    opened = np.asarray(start + step * np.arange(count), dtype=np.float64)
+    windows = guess.windows(carried, opened, opened + step)
+    if not isinstance(windows, tuple) or len(windows) != 2 or any(np.shape(each) != (count,) for each in windows):
+        raise _wrong(
+            kind, "windows", f"returns {_named(windows)}", f"return start and end, each of the shape ({count},)"
+        )
+    measured = guess.measure(carried, *windows)
+    if measured is not None and (np.shape(measured) != (count,) or np.asarray(measured).dtype.kind not in "fiu"):
+        raise _wrong(kind, "measure", f"returns {_named(measured)}", f"return numbers of the shape ({count},), or None")
 
 
 def _try_declarations(guess: Effect, situation: Situation) -> None:

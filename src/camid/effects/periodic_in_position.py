@@ -18,7 +18,7 @@ from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
-from camid.effects.recorded_force import best_pairs, waves_of_force
+from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -96,10 +96,8 @@ class WaveRegression:
         return gains * shown, amplitudes * shown, phases * shown
 
 
-def best_periods(
-    situation: Situation, respond: Callable[[Array], Array], counts: Array
-) -> list[tuple[float, float, float]]:
-    """Sinusoids of the position whose response explains the residual best: (amplitude, period, phase), the best first.
+def best_periods(situation: Situation, respond: Callable[[Array], Array], counts: Array) -> list[dict[str, float]]:
+    """Amplitude, period and phase of sinusoids of the position whose response explains the residual best, in order.
 
     Parameters
     ----------
@@ -114,14 +112,7 @@ def best_periods(
     if regression is None or regression.fails:
         return []
     gains, amplitudes, phases = regression.at(span / counts)
-    found = []
-    for _ in range(BEST):
-        i = int(np.argmax(gains))
-        if gains[i] <= 0.0:
-            break
-        found.append((float(amplitudes[i]), span / float(counts[i]), float(phases[i])))
-        gains[max(i - 2, 0) : i + 3] = 0.0
-    return found
+    return best_waves(gains, 0.0, BEST, amplitudes, span / counts, phases)
 
 
 def _least_difference(values: Array) -> float:
@@ -136,7 +127,7 @@ class PeriodicInPosition(Effect):
 
     @staticmethod
     def seen(situation: Situation) -> Callable[[Array], Array]:
-        """What becomes of such a signal along the motion, shape (N,), in the recorded output."""
+        """What becomes of such signals along the motion, shape (N,) or (N, c), in the recorded output."""
         raise NotImplementedError
 
     def is_plausible(self, span: float, duration: float) -> bool:
@@ -189,9 +180,7 @@ class Cogging(PeriodicInPosition):
         step = _least_difference(situation.recorded)
         span = float(np.ptp(situation.recorded))
         guesses = waves_of_force(situation, span / RECORDED_PERIODS, BEST) if span > 0.0 else []
-        if not guesses:
-            waves = best_periods(situation, cls.seen(situation), SIMULATED_PERIODS)
-            guesses = [dict(zip(("amplitude", "period", "phase"), wave, strict=True)) for wave in waves]
+        guesses = guesses or best_periods(situation, cls.seen(situation), SIMULATED_PERIODS)
         largest = situation.largest("signal")
         for guess in guesses:
             if guess["period"] > STEPS_PER_PERIOD_OF_A_FORCE * step:
@@ -263,7 +252,8 @@ class EncoderEccentricity(PeriodicInPosition):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain the residual best, to first order."""
         step = _least_difference(situation.recorded)
-        for amplitude, period, phase in best_periods(situation, cls.seen(situation), READ_PERIODS):
+        largest = situation.largest("position")
+        for guess in best_periods(situation, cls.seen(situation), READ_PERIODS):
             # What quantisation adds repeats along the way, too.
-            if period > STEPS_PER_PERIOD * step:
-                yield cls(amplitude=min(amplitude, situation.largest("position")), period=period, phase=phase)
+            if guess["period"] > STEPS_PER_PERIOD * step:
+                yield cls(**{**guess, "amplitude": min(guess["amplitude"], largest)})

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import pi
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +31,7 @@ MOST_ROWS = 5_000
 RESOLUTION = 1e-9
 
 
-def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict[str, Any]]:
+def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict[str, float]]:
     """Waves of the position that explain much of the command which moves the plant as recorded, the best first.
 
     Parameters
@@ -58,14 +57,35 @@ def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict
     command = situation.signal if situation.command is None else situation.command
     signals = (shape.tobytes(), command.tobytes(), np.round(periods / way, 9).tobytes())
     shares, amplitudes, phases = _waves(*signals, situation.acquisition.period, poles)
-    shares = shares.copy()
-    found: list[dict[str, Any]] = []
-    while np.min(shares) < MOST_LEFT and len(found) < most:
-        i = int(np.argmin(shares))
-        phase = float(phases[i]) - 2.0 * pi * float(recorded[0]) / float(periods[i])
-        turned = (phase + pi) % (2.0 * pi) - pi
-        found.append({"amplitude": float(amplitudes[i]), "period": float(periods[i]), "phase": turned})
-        shares[max(i - 2, 0) : i + 3] = 1.0
+    at_zero = (phases - 2.0 * pi * recorded[0] / periods + pi) % (2.0 * pi) - pi
+    return best_waves(1.0 - shares, 1.0 - MOST_LEFT, most, amplitudes, periods, at_zero)
+
+
+def best_waves(
+    gains: Array, least: float, most: int, amplitudes: Array, periods: Array, phases: Array
+) -> list[dict[str, float]]:
+    """The waves of the largest gains, none beside another one, the best first.
+
+    Parameters
+    ----------
+    gains, amplitudes, periods, phases : ndarray, shape (P,)
+        Of waves, one after the other.
+    least : float
+        Gain that each of them exceeds.
+    most : int
+        How many.
+
+    Returns
+    -------
+    list of dict
+        ``amplitude``, ``period`` and ``phase``.
+    """
+    gains = gains.copy()
+    found: list[dict[str, float]] = []
+    while np.max(gains) > least and len(found) < most:
+        i = int(np.argmax(gains))
+        found.append({"amplitude": float(amplitudes[i]), "period": float(periods[i]), "phase": float(phases[i])})
+        gains[max(i - 2, 0) : i + 3] = least
     return found
 
 
