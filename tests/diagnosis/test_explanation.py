@@ -30,6 +30,25 @@ def test_a_number_smaller_than_its_deviation_is_called_not_determined(value, dev
     assert f"Coulomb friction {said}." in explanation("explained", [found], FIT, Location("plant"))
 
 
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        (
+            {"coefficient": ParameterEstimate("gain", None, ""), "rate": ParameterEstimate(-0.012, 1e-4, "1/s")},
+            "(gain; rate −0.01200 ± 0.00010 1/s; 88 %)",
+        ),
+        (
+            {"rate": ParameterEstimate(150.0, 1e13, "u/s"), "time_constant": ParameterEstimate(0.04, 1e-4, "s")},
+            "(time constant 0.04000 ± 0.00010 s; 88 %)",
+        ),
+    ],
+)
+def test_the_first_number_that_is_determined_leads(parameters, said):
+    """What it is of stands before it."""
+    found = replace(written_diagnoses.finding(), parameters=parameters)
+    assert f"Coulomb friction {said}." in explanation("explained", [found], FIT, Location("plant"))
+
+
 def weighed(weight, *alternatives):
     """Coulomb friction with a weight."""
     return replace(written_diagnoses.finding(), weight=weight, alternatives=list(alternatives))

@@ -4,7 +4,7 @@ import numpy as np
 
 from camid.diagnosis.residual.noise_recognition import depends_on_position
 from tests.diagnosis.test_noise_of_uneven_rows import fitted_to
-from tests.support.mass_on_spring import record
+from tests.support.mass_on_spring import effect, record
 
 NOISE = 0.005
 
@@ -37,3 +37,13 @@ def test_one_far_reading_where_the_motion_is_far_says_nothing():
         return values
 
     assert p_value(noise) > 1e-2
+
+
+def test_readings_at_a_limit_say_nothing():
+    """They carry no noise, and are where the motion is far."""
+    table = record(count=600, noise=0.0)
+    reading = table["y"].to_numpy() + NOISE * np.random.default_rng(7).standard_normal(600)
+    limit = float(np.quantile(np.abs(reading), 0.8))
+    clipped = table.assign(y=np.clip(reading, -limit, limit))
+    problem, fitted = fitted_to(clipped, effect("clipping", low=-limit, high=limit))
+    assert depends_on_position(problem, fitted) > 1e-3

@@ -29,12 +29,12 @@ def jittered(*effects, jitter, seed, noise=NOISE, count=COUNT, command_seed=1):
     return tables[0].assign(y=output)
 
 
-def fitted_to(table):
-    """The simulation without an effect, re-estimated, and its problem."""
+def fitted_to(table, *effects):
+    """The simulation with some effects, re-estimated, and its problem."""
     believed = load_simulation(simulation())
     recordings, experiments, _ = experiments_of([table], believed, None)
     problem = problem_of(believed, structure_of(believed), recordings, experiments)
-    return problem, problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+    return problem, problem.kind.refit(problem, problem.with_initial_states(model_of(problem, list(effects))))
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])

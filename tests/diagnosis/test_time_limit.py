@@ -111,3 +111,13 @@ def test_what_is_left_of_the_effort_is_shared_out():
     unbounded = Watch(effort=None)
     unbounded.count(work, 0)
     assert unbounded.allowance(3) == float("inf")
+
+
+def test_a_search_in_more_recordings_ends_no_sooner():
+    """Each fit takes longer there."""
+    work = Work()
+    work.add_run(0)
+    one, two = Watch(effort=1.0), Watch(effort=1.0)
+    one.count(work, 1000)
+    two.count(work, 1000, 2)
+    assert two.allowance(1) - one.allowance(1) == pytest.approx(OVERTIME * WORK)

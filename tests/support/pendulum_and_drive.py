@@ -58,13 +58,17 @@ def _angles(natural_frequency, damping, rest, angle, friction, load, period, cou
     return rows
 
 
-def disc(*, friction, delay, bias, count, period=0.02, noise=0.003, seed=0):
+LEVELS = (-0.7, -0.45, -0.1, 0.2, 0.5, 0.7)
+
+
+def disc(*, friction=0.0, delay=0.0, bias=0.0, count, period=0.02, noise=0.003, seed=0, levels=LEVELS, held=10):
     """An unbalanced disc on a motor, its heavy side down at rest; columns t, u, y.
 
-    A torque of one turns it as far as gravity does at a right angle. ``delay`` is that of the input, in seconds.
+    A torque of one turns it as far as gravity does at a right angle. ``delay`` is that of the input, in seconds, and
+    ``held`` the frames between two of its levels.
     """
     random = np.random.default_rng(np.random.SeedSequence(seed))
-    signal = np.repeat(random.choice([-0.7, -0.45, -0.1, 0.2, 0.5, 0.7], count // 10 + 1), 10)[:count]
+    signal = np.repeat(random.choice(levels, count // held + 1), held)[:count]
     y, v, step = 0.0, 0.0, period / SUBSTEPS
     angles = np.empty(count)
     for k in range(count):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location, NormalisedErrors
-from camid.diagnosis.finding import Finding
+from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
@@ -292,19 +292,28 @@ def _estimate(coefficient: Coefficient) -> str:
 
 
 def _details(finding: Finding) -> str:
-    """The leading parameter and the weight."""
+    """What it is of, the leading parameter, one that is determined where there is such, and the weight."""
     parts = [] if finding.weight >= 0.995 else [_share(finding.weight, 2)]
-    for name, parameter in finding.parameters.items():
-        words = name.replace("_", " ")
-        if isinstance(parameter.value, float):
-            deviation = parameter.standard_deviation
-            estimate = with_deviation(parameter.value, deviation, parameter.unit)
-            shown = f"about {plain(parameter.value, unit=parameter.unit)}" if deviation is None else estimate
-            if deviation is not None and abs(parameter.value) < deviation:
-                shown = f"not determined, {estimate}"
-            parts.insert(0, f"{words} {shown.replace(SPACE, ' ')}")
-            break
-        if isinstance(parameter.value, str):
-            parts.insert(0, parameter.value)
-            break
+    numbers = {name: p for name, p in finding.parameters.items() if isinstance(p.value, float)}
+    leading = next((name for name, p in numbers.items() if _is_determined(p)), next(iter(numbers), None))
+    if leading is not None:
+        parts.insert(0, f"{leading.replace('_', ' ')} {_shown(numbers[leading])}")
+    first = next(iter(finding.parameters.values()), None)
+    if first is not None and isinstance(first.value, str):
+        parts.insert(0, first.value)
     return f" ({'; '.join(parts)})" if parts else ""
+
+
+def _is_determined(parameter: ParameterEstimate) -> bool:
+    """Whether a number is larger than its standard deviation."""
+    deviation = parameter.standard_deviation
+    return deviation is None or abs(float(parameter.value)) >= deviation
+
+
+def _shown(parameter: ParameterEstimate) -> str:
+    """A number with its standard deviation, unit and, where that is so, the remark that it is not determined."""
+    value, deviation = float(parameter.value), parameter.standard_deviation
+    if deviation is None:
+        return f"about {plain(value, unit=parameter.unit)}".replace(SPACE, " ")
+    shown = with_deviation(value, deviation, parameter.unit).replace(SPACE, " ")
+    return shown if _is_determined(parameter) else f"not determined, {shown}"

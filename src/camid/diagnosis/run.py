@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.pruning.simplest_effects import simplest, without_effect
-from camid.diagnosis.pruning.weak_effects import without_weak
+from camid.diagnosis.pruning.weak_effects import faded, without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residual.uneven_noise import relative_noise
@@ -101,13 +102,23 @@ def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.Pl
         return before, Decision(base, base)
     # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
     start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-
-    def leaves_structure(found: Decision) -> bool:
-        return bool(residue_of(setting, found, found.fitted, before).reasons)
-
+    leaves_structure = partial(_effects_leave_structure, setting, before)
     return before, select_effects(
         problem, base, setting.screened, watch, start, setting.searches, leaves_structure=leaves_structure
     )
+
+
+def _effects_leave_structure(setting: Setting, before: list[mismatch_location.PlaceTest], found: Decision) -> bool:
+    """Whether the effects of a decision leave more than noise, or one of them only makes up for others' laws."""
+    if residue_of(setting, found, found.fitted, before).reasons:
+        return True
+    settled = setting.problem.kind.refit(setting.problem, found.fitted.model)
+    return bool(_wandered(setting, settled.model))
+
+
+def _wandered(setting: Setting, model: Model) -> set[int]:
+    """Which effects of a model have been stretched to values that are not possible, until they are something else."""
+    return implausible(setting.problem, model) - set(range(setting.known))
 
 
 def _leaves_colour(decision: Decision) -> bool:
@@ -152,9 +163,9 @@ def _simplified(
         if residue.reasons:
             decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
-        wandered = implausible(problem, decision.fitted.model) - set(range(setting.known))
-        if wandered:
-            place = min(wandered) - setting.known
+        gone = _wandered(setting, decision.fitted.model) or faded(problem, decision.fitted, setting.known)
+        if gone:
+            place = min(gone) - setting.known
             fewer = without_effect(problem, decision, setting.known, place, watch)
             return _simplified(setting, fewer, before, watch)
     if not residue.reasons:

@@ -17,7 +17,8 @@ Item = TypeVar("Item")
 TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
-# Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, and for each row in addition.
+# Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, for each recording and for
+# each row in addition: with more recordings each fit takes longer, and the search for names should not end sooner.
 WORK, WORK_OF_ROW = 10.0, 2.5e-3
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
@@ -58,10 +59,10 @@ class Watch(Account):
     _spent: bool = field(default=False, init=False)
     _late: bool = field(default=False, init=False)
 
-    def count(self, work: Work, rows: int) -> None:
+    def count(self, work: Work, rows: int, recordings: int = 1) -> None:
         """Bound the work that is counted, in a diagnosis of so many rows."""
         self._work = work
-        self._bound = (self.effort or 0.0) * (WORK + WORK_OF_ROW * rows)
+        self._bound = (self.effort or 0.0) * (WORK * recordings + WORK_OF_ROW * rows)
 
     @property
     def done(self) -> float:

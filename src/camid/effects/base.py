@@ -7,7 +7,7 @@ docs/adding_an_effect.md shows how one is added.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -269,6 +269,17 @@ class Effect:
         ``situation`` is that of the fitted model which holds this one.
         """
         return ()
+
+    @classmethod
+    def with_plant(
+        cls, situation: Situation, constants: Mapping[str, float]
+    ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
+        """A first guess with the plant and its constants beside which it holds; None where those estimated are near.
+
+        A plant that was estimated without the effect may be so far from the one with it that no fit finds the way, in
+        a valley of numbers that make up for each other. ``constants`` are what is estimated beside its coefficients.
+        """
+        return None
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:

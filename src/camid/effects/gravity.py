@@ -35,6 +35,12 @@ QUADRANTS = (0, 1, 2, 3)
 SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
 
 
+# Way in turns from which a pendulum has turned over, what a simulation without gravity leaves then, as a share of the
+# motion, and angles at the largest displacement of one that has.
+LEAST_TURNED_OVER, LEAST_LEFT = 0.75, 0.1
+TURNED_ANGLES = np.arange(2.5, 80.0, 0.5)
+
+
 class PendulumGravity(Effect):
     """Restoring force that follows the sine of the displacement, as gravity on a pendulum does."""
 
@@ -60,7 +66,10 @@ class PendulumGravity(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """From small angles to large ones; what pushes tells both apart. Without a spring it is an arm's."""
+        """From small angles to large ones; what pushes tells both apart. Without a spring it is an arm's.
+
+        One that has turned over shows in the recorded motion: a simulation without gravity may be anywhere.
+        """
         if static_stiffness(situation.plant) == 0.0:
             yield from ArmGravity.candidates(situation)
             return
@@ -68,6 +77,12 @@ class PendulumGravity(Effect):
         for law in laws:
             for angle in (0.15, 0.5, 1.2):
                 yield law(amplitude=situation.largest("position") / angle)
+        left = np.std(situation.recorded - situation.position)
+        if np.any(situation.signal) and left > LEAST_LEFT * np.std(situation.recorded):
+            periods = 2.0 * pi * situation.largest("recorded") / TURNED_ANGLES
+            for wave in waves_of_force(situation, periods, BEST):
+                if np.ptp(situation.recorded) > LEAST_TURNED_OVER * wave["period"]:
+                    yield cls(amplitude=wave["period"] / (2.0 * pi))
 
 
 class PendulumDrivenAcross(PendulumGravity):

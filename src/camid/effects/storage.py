@@ -23,7 +23,7 @@ H = g(y) + ẏ/b = g(x) + s e/k is known, and the force of outflow and edge toge
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import sqrt
 from typing import Any, ClassVar
 
@@ -63,6 +63,9 @@ FASTEST_TRICKLE = 30.0
 BEYOND = 1.001
 # Steps to the level that belongs to an outflow.
 NEWTON_STEPS = 4
+# Constant of a plant that is the reading at its zero, and the least share of the root, and of what is in proportion, in
+# the slope of an outflow.
+ZERO, LEAST_ROOT = "offset", 0.05
 # A level, in any unit, whose square is still a number.
 NO_LEVEL = 1e-150
 NO_STORAGE = (
@@ -207,6 +210,30 @@ class SquareRootOutflow(_Storage, AgainstMotion):
             for share in (GUESS, 0.3):
                 coefficient = share * situation.largest("signal") / sqrt(situation.largest("position"))
                 yield cls(coefficient=coefficient, below=below)
+
+    @classmethod
+    def with_plant(
+        cls, situation: Situation, constants: Mapping[str, float]
+    ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
+        """Of a single storage, the law that has the estimated plant for its tangent at the mean level.
+
+        A storage is empty where its sensor reads zero. Where that was estimated, the zero of the tangent says which
+        share of the outflow's slope is the root's, and else that is a half.
+        """
+        rates = [1.0 / constant for constant in time_constants(situation.plant)]
+        level = float(np.mean(situation.recorded[situation.used]))
+        if len(rates) != 1 or np.min(situation.recorded[situation.used]) < 0.0 or level <= 0.0:
+            return None
+        gain, rate, signal = situation.plant.monic.numerator[0], rates[0], float(np.mean(situation.signal))
+        if ZERO in constants:
+            share = min(max(-constants[ZERO] / level, LEAST_ROOT), 1.0 - LEAST_ROOT)
+        else:
+            share, rate = 0.5, gain * signal / (1.5 * level)
+        if rate <= 0.0:
+            return None
+        plant = TransferFunction((gain,), (1.0, (1.0 - share) * rate))
+        effect = cls(coefficient=2.0 * sqrt(level) * share * rate / abs(gain), below="none")
+        return effect, plant, dict.fromkeys(constants.keys() & {ZERO}, 0.0)
 
 
 class Overflow(_Storage):

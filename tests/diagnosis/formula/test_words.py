@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camid.diagnosis.laws.formula.words import described, loop_area, missing_from, parity
+from camid.diagnosis.laws.formula.words import described, held_by_coefficients, loop_area, missing_from, parity
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+from camid.simulation.declared_units import IN_U_AND_Y
 from tests.diagnosis.formula.test_search import linearised
 
 
@@ -53,6 +54,24 @@ def test_thresholds_and_slopes():
 def test_what_numbers_mean(form, parameters, says):
     words = described(linearised(np.sin), "position", Formula(form, "f(y) = …", parameters), None)
     assert says in "; ".join(words)
+
+
+@pytest.mark.parametrize(
+    ("variables", "expression", "slope", "says"),
+    [
+        ("input", "u' = u + a·dead_zone(u, c)", 1.0004, "it is u' = a·dead_zone(u, c)"),
+        ("input", "u' = u + a·u³", 0.25, "it is u' = 0.75·u + a·u³"),
+        ("position", "f(y) = a·y² + b·y³", 0.16, "hold a straight part of 0.16 u/y of it already"),
+        ("position", "f(y) = a·y² + b·y³", 1e-4, ""),
+    ],
+)
+def test_what_the_coefficients_hold_of_a_formula(variables, expression, slope, says):
+    """With all of a dead zone's straight part in the gain, what is left of the signal itself is nothing."""
+    points = np.linspace(-1.0, 1.0, 5)
+    law = Formula("…", expression, {}, held={"slope": slope}, points=points.tolist(), values=(points**3).tolist())
+    part = LearnedPart("…", "plant", "…", variables, [], [], [], "y", "u", 9.0, 0.5)
+    words = held_by_coefficients(law, part, IN_U_AND_Y)
+    assert words == [] if says == "" else says in words[0]
 
 
 def test_power():

@@ -13,7 +13,7 @@ from camid.diagnosis.residual.uneven_noise import LARGEST_P_VALUE, standard_devi
 from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
 from camid.effects.base import Effect
-from camid.effects.noise import tail
+from camid.effects.noise import Quantisation, tail
 from camid.effects.recognition import Recognition
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
@@ -26,6 +26,8 @@ SUSPECT_P_VALUE = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE_RATIO = 4.0
 SAME_RESONANCE = 0.2
+# Share of the variance that is left from which it is that of a lattice, and readings that a limit has to recur in.
+MOSTLY_ROUNDING, FEWEST_AT_A_LIMIT = 0.5, 5
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bool_]]]:
@@ -69,7 +71,8 @@ def recognised_noise(
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
     for identifier, effect in sorted(known_effects().items()):
-        if effect.colours_noise and identifier not in known and len(final.noise.whitening) > 1:
+        possible = effect.colours_noise and problem.kind.unseen(effect) is None and not _is_rounding(situation, found)
+        if possible and identifier not in known and len(final.noise.whitening) > 1:
             p_value = problem.whiteness(final.residual, final.sensitivities)
             if p_value < LARGEST_P_VALUE:
                 found.append(_coloured(effect, problem, final, p_value))
@@ -100,6 +103,12 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
 
 
+def _is_rounding(situation: Situation, found: Sequence[Recognition]) -> bool:
+    """Whether most of what is left is the rounding to a lattice, which has the colour that the motion gives it."""
+    step = max((r.effect.values["step"] for r in found if isinstance(r.effect, Quantisation)), default=0.0)
+    return step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2))
+
+
 def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: float) -> Recognition:
     """The autoregression of the residual, with standard deviations of its coefficients (Ljung 1999, section 9.4)."""
     coefficients = -final.noise.whitening[1:]
@@ -117,15 +126,26 @@ def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: floa
 def depends_on_position(problem: Problem, final: Fitted) -> float:
     """P-value of a variance of the noise that does not change with the position.
 
-    Spearman's rank correlation (1904, Am. J. Psychol. 15, 72-101) of the squares of both: a score in the values
-    themselves hangs on the few rows that are far out, and its tails are then not those of a Gaussian. Of equal values
-    a later one ranks higher; scipy.stats, which would share ranks out, takes longer to load than a diagnosis.
+    Readings at a limit say nothing of it. Spearman's rank correlation (1904, Am. J. Psychol. 15, 72-101) of the squares
+    of both: a score in the values themselves hangs on the few rows that are far out, and its tails are then not those
+    of a Gaussian. Of equal values a later one ranks higher; scipy.stats, which would share ranks out, takes longer to
+    load than a diagnosis.
     """
     situation = problem.situation(final.model)
-    squares = (situation.residual[situation.used] ** 2, situation.position[situation.used] ** 2)
+    rows = situation.used & ~_at_a_limit(situation.recorded)
+    squares = (situation.residual[rows] ** 2, situation.position[rows] ** 2)
     residual, position = (np.argsort(np.argsort(s, kind="stable"), kind="stable") for s in squares)
     correlation = float(np.corrcoef(residual, position)[0, 1])
     return min(2.0 * tail(abs(correlation) * np.sqrt(len(residual) - 1.0)), 1.0)
+
+
+def _at_a_limit(recorded: Array) -> NDArray[np.bool_]:
+    """Readings at a limit of what reads them, shape (N,): the largest or least where it recurs. They have no noise."""
+    rows = np.zeros(len(recorded), bool)
+    for end in (np.min(recorded), np.max(recorded)):
+        here = recorded == end
+        rows |= here & (np.count_nonzero(here) >= FEWEST_AT_A_LIMIT)
+    return rows
 
 
 def force_like(problem: Problem, final: Fitted) -> bool:

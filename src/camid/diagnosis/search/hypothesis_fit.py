@@ -12,9 +12,9 @@ from camid.fitting.problem import Problem
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
 ALL_STEPS = 30
-# How often derivatives are computed anew in a fit; more often where all is linear: updates of them mislead along the
-# valleys in which coefficients and further linear dynamics make up for each other, and nothing has to be integrated.
-REFRESHES, REFRESHES_LINEAR = 3, 10
+# How often derivatives are computed anew in a fit: updates of them mislead along the valleys in which numbers make up
+# for each other. Without an input a fit seldom follows the motion anyway, and more of them are begun instead.
+REFRESHES, REFRESHES_OVER_TIME = 10, 3
 # Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
 TOLERANCE = 1e-6
 
@@ -44,9 +44,10 @@ def fitted_hypothesis(
         None where the fit fails or ends at values that are not possible.
     """
     if is_linear(problem, start):
-        steps, refreshes = ALL_STEPS, REFRESHES_LINEAR
+        steps, refreshes = ALL_STEPS, REFRESHES
     else:
-        refreshes = 0 if base else REFRESHES
+        often = REFRESHES_OVER_TIME if problem.kind.phases_add_up else REFRESHES
+        refreshes = 0 if base else often
     try:
         result = fit(
             problem, start, steps=steps, base=base, refreshes=refreshes, finest=base is None, tolerance=TOLERANCE

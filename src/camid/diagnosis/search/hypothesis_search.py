@@ -12,7 +12,7 @@ import numpy as np
 from camid.diagnosis.search.hypotheses_over_time import raced
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
-from camid.diagnosis.search.models_around import models_around
+from camid.diagnosis.search.models_around import models_around, models_with_plants
 from camid.diagnosis.search.related_laws import finer_laws, plainer_law, possible_relatives, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
@@ -39,8 +39,9 @@ MOST_FURTHER_SHAPES, NEARLY = 6, 0.1
 STEPS_FROM_SMALL = 16
 # Candidates that chance explains with this probability are not fitted.
 MOST_CHANCE = 0.1
-# Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly.
-LARGEST_CRITERION_GAP = 50.0
+# Hypotheses whose criterion exceeds the best by more than this are not fitted thoroughly, unless their first fits,
+# which end where they may, explain this share of what the best one explains.
+LARGEST_CRITERION_GAP, MUCH_EXPLAINED = 50.0, 0.5
 MOST_THOROUGH = 6
 
 
@@ -98,7 +99,7 @@ def hypotheses(
     What is far behind an ``incumbent`` after a first fit is not fitted thoroughly.
     """
     starts = _shortlist(problem, screened, effort)
-    elsewhere = list(others)
+    elsewhere = [*others, *models_with_plants(problem, base)]
     if nominal is not None and not watch.no_time_for("starts from other coefficients"):
         elsewhere += _starts_elsewhere(problem, nominal, screened)
 
@@ -110,7 +111,8 @@ def hypotheses(
     first += _in_batches(from_model, _beside_better_coefficients(problem, base, starts, elsewhere, first), watch)
     first += _simpler(problem, base, first)
     in_other_minima = partial(_fitted_from, problem, watch, "other shapes of", ALL_STEPS)
-    first += _in_batches(in_other_minima, _relatives(problem, base, first), watch)
+    related = _relatives(problem, base, first)
+    first += _in_batches(in_other_minima, [*related, *_screened_of(base.model, related, screened, first)], watch)
     ranked = best_of_each(first)
     further = _further_shapes(base.model, screened, starts, ranked[0]) if ranked else []
     ranked = best_of_each([*ranked, *_in_batches(in_other_minima, further, watch)])
@@ -125,7 +127,10 @@ def hypotheses(
     finer += _in_batches(in_other_minima, _relatives(problem, base, finer), watch)
     ranked = best_of_each([*found, *finer])
     plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects)) if ranked else None
-    return ranked if plainer is None else best_of_each([*ranked, plainer])
+    if plainer is None or plainer.beyond(ranked[0]) >= 0.0:
+        return ranked
+    # Where more detail has come to nothing, that of another kind was begun from there, and may not have been found.
+    return best_of_each([*ranked, plainer, *finer_laws(problem, [plainer])])
 
 
 def _in_batches(
@@ -263,7 +268,8 @@ def _near_the_best(
         return []
     best = ranked[0] if incumbent is None else in_order([ranked[0], incumbent])[0]
     largest_gap = max(LARGEST_CRITERION_GAP, effort.gap_share * base.criterion_beyond(best.fitted))
-    return [h for h in ranked[:MOST_THOROUGH] if h.beyond(best) <= largest_gap]
+    enough = base.cost - MUCH_EXPLAINED * (base.cost - best.fitted.cost)
+    return [h for h in ranked[:MOST_THOROUGH] if h.beyond(best) <= largest_gap or h.fitted.cost <= enough]
 
 
 def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedEffect]) -> list[Effect]:
@@ -301,6 +307,21 @@ def _relatives(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> 
             relatives = possible_relatives(problem, model, len(model.effects) - 1)
             models += [replace(model, effects=(*model.effects[:-1], relative)) for relative in relatives]
     return models
+
+
+def _screened_of(
+    base: Model, related: Sequence[Model], screened: Sequence[ScreenedEffect], fitted: Sequence[Hypothesis]
+) -> list[Model]:
+    """Related effects of which nothing was fitted, beside the base as the screening suggests them.
+
+    The coefficients beside what they are related to may be none for them.
+    """
+    missing = {m.effects[-1].identifier for m in related} - {h.identifier for h in fitted}
+    likeliest: dict[str, Model] = {}
+    for candidate in screened:
+        if candidate.effect.identifier in missing:
+            likeliest.setdefault(candidate.effect.identifier, base.plus(_start_of(candidate)))
+    return list(likeliest.values())
 
 
 def _start_of(candidate: ScreenedEffect) -> Effect:

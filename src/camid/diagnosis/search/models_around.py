@@ -13,6 +13,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.effects import known_effects
+from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
@@ -63,6 +65,30 @@ def models_around(problem: Problem, nominal: Model) -> list[Model]:
             (float(error @ error), len(judged), problem.kind.with_coefficients(model, _scaled(problem, model, gain)))
         )
     return [model for _, _, model in sorted(judged, key=lambda item: item[:2])[:KEPT]]
+
+
+def models_with_plants(problem: Problem, base: Fitted) -> list[Model]:
+    """A model with each effect that says itself beside which plant it holds, in addition to those of a base.
+
+    Parameters
+    ----------
+    problem : Problem
+    base : Fitted
+        Whose coefficients were estimated without the effect.
+    """
+    views, found = problem.situations(base.model), []
+    present = {effect.identifier for effect in base.model.effects}
+    for identifier, kind in sorted(known_effects().items()):
+        if identifier in present or problem.kind.unseen(kind) is not None or kind.invisible(views.of(kind)) is not None:
+            continue
+        guess = kind.with_plant(views.of(kind), base.model.constants)
+        if guess is None:
+            continue
+        effect, plant, constants = guess
+        model = replace(base.model.plus(effect), constants={**base.model.constants, **constants}, initial=())
+        coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
+        found.append(problem.with_initial_states(problem.kind.with_coefficients(model, coefficients)))
+    return found
 
 
 def _scaled(problem: Problem, model: Model, gain: float) -> Array:

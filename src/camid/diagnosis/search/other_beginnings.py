@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from camid.diagnosis.search.decision import Decision, Searches
-from camid.diagnosis.search.forward_selection import with_added_effects
+from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.plant_with_effects import Model
@@ -55,10 +55,10 @@ def with_other_beginnings(
     -------
     Decision
         The same where it leaves noise, or where a law of it seems inexact, which is learned; without an input other
-        effects may seem so.
+        effects may seem so, and where more is left than inexact laws leave.
     """
     over_time = problem.kind.phases_add_up
-    if not decision.rivals or (decision.interrupted and not over_time):
+    if not decision.rivals or (decision.interrupted and not over_time and not _leaves_much(decision)):
         return decision
     several = over_time and len(decision.rivals) > 1
     if not (several or leaves_structure(decision)):
@@ -86,6 +86,11 @@ def with_other_beginnings(
         if not leaves_structure(decision):
             break
     return decision
+
+
+def _leaves_much(decision: Decision) -> bool:
+    """Whether more of the mismatch is left than laws leave that are not exact."""
+    return decision.fitted.cost > LAW_ERROR * decision.base.cost
 
 
 def _is_out_of_phase(problem: Problem, decision: Decision) -> bool:

@@ -261,11 +261,12 @@ def screen(problem: Problem, base: Fitted, signatures: Signatures | None = None)
 
     roughly = {key: judge(listed[key], change) for key, change in known.items()}
     likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
-    fresh = [key for key in listed if key not in known or key in likely]
+    # What a constant does beside a plant that is linear an offset does, too, and beside other effects something else.
+    fresh = [key for key in listed if key not in known or key in likely or listed[key].is_constant]
     results = side_by_side(partial(_simulated, problem, base, judge, kept), [listed[key] for key in fresh])
     found = [(key, result) for key, result in zip(fresh, results, strict=True) if result]
     judged = [screened for _, (screened, _) in found]
-    judged += [rough for key, rough in roughly.items() if key not in likely]
+    judged += [rough for key, rough in roughly.items() if key not in fresh]
     judged = side_by_side(partial(_resized, problem, base, judge), judged)
     if signatures is not None and kept:
         signatures.keep(problem, base, {k: (listed[k], change) for k, (_, change) in found if change is not None})

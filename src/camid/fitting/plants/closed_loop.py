@@ -65,6 +65,9 @@ class ClosedLoop(PlantKind):
     why_hidden: ClassVar[str] = (
         "in a closed loop the control signal reflects the plant; the controller has its own sensor"
     )
+    why_coloured: ClassVar[str] = (
+        "the controller answers to the noise of its sensor, so that the control that is left has a colour of its own"
+    )
 
     @property
     def phases_add_up(self) -> bool:
@@ -154,7 +157,9 @@ class ClosedLoop(PlantKind):
         return position
 
     def unseen(self, effect: type[Effect]) -> str | None:
-        """Nothing of the camera, and of what is declared of it."""
+        """Nothing of the camera, and of what is declared of it; nor a colour of the noise, which the loop gives it."""
+        if effect.colours_noise:
+            return self.why_coloured
         behind = effect.carry is not Effect.carry
         hidden = effect.place in self.hidden_places or effect.corrects_declaration or behind
         return self.why_hidden if hidden else None

@@ -16,7 +16,7 @@ from camid.diagnosis.laws.formula.choice import LARGEST_ERROR, Choice, chosen, e
 from camid.diagnosis.laws.formula.groups import Group, groups_of, values_of
 from camid.diagnosis.laws.formula.in_place import in_place
 from camid.diagnosis.laws.formula.text import formula_of, unit_text
-from camid.diagnosis.laws.formula.words import described, loop_area, missing_from
+from camid.diagnosis.laws.formula.words import described, held_by_coefficients, loop_area, missing_from
 from camid.diagnosis.learned_part import Curve, Formula, LearnedPart, Quantity
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.verdict import learned_parts
@@ -150,6 +150,7 @@ def _with_formula(
     words += _loop(problem, decision, part, units)
     if formulas and choice.best is not None:
         words += _origin(choice.best, part, units) + _constant(choice.best, units)
+        words += [] if formula is None else held_by_coefficients(formula_shown(formula, part, units), part, units)
     if formula is not None and formula.replaces:
         words.append(f"the formula stands for {' and '.join(formula.replaces)}, too, which only resembled it")
     if len(formulas) > 1:

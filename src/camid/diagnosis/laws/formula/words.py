@@ -7,11 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.laws.formula.text import symbol_of
+from camid.diagnosis.laws.formula.text import NOTATION, symbol_of, unit_text
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.fitting.linearised_law import LinearisedLaw
 from camid.fitting.smoothness import smooth_curve
 from camid.number_text import SPACE, number, plain, with_deviation
+from camid.simulation.declared_units import DeclaredUnits
 
 Array = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ LEAST_SIDE = 0.3
 LEAST_GAIN = 2.0
 # Forms of straight pieces.
 PIECEWISE = {"kink", "dead zone", "two kinks", "absolute value"}
+# Straight part of a formula, as a share of what is left of it, from which it is worth a word.
+LEAST_HELD = 0.01
 # Standard deviations from which the largest difference of curve and formula is named.
 SIGNIFICANT = 2.0
 
@@ -124,6 +127,30 @@ def _slopes(formula: Formula) -> str:
         f"slope {number(float(np.median(slopes[: max(len(slopes) // 12, 1)])))} at the lower end, "
         f"{number(float(np.median(slopes[-max(len(slopes) // 12, 1) :])))} at the upper one; change {change}"
     )
+
+
+def held_by_coefficients(formula: Formula, part: LearnedPart, units: DeclaredUnits) -> list[str]:
+    """What the plant's coefficients, as they stand, hold of a formula already, in a few words; empty where it is none.
+
+    Parameters
+    ----------
+    formula : Formula
+        In declared units.
+    part : LearnedPart
+        The law whose formula it is.
+    units : DeclaredUnits
+    """
+    slope = formula.held.get("slope", 0.0)
+    if abs(slope) * float(np.ptp(formula.points or [0.0])) <= LEAST_HELD * float(np.ptp(formula.values or [0.0])):
+        return []
+    symbol, _, heights, over = NOTATION[part.variables]
+    before, signal, form = formula.expression.partition(f" = {symbol} + ")
+    if signal:
+        # The signal goes on beside what is bent of it, and the straight part is the plant's gain.
+        left = "" if abs(1.0 - slope) < LEAST_HELD else f"{plain(1.0 - slope, 3)}·{symbol} + "
+        return [f"beside the coefficients as they stand it is {before} = {left}{form}".replace(SPACE, " ")]
+    shown = plain(slope, 3, units.text(unit_text(heights, over, 1.0)))
+    return [f"the coefficients, as they stand, hold a straight part of {shown} of it already".replace(SPACE, " ")]
 
 
 def missing_from(form: Formula, part: LearnedPart, explained: float) -> str:
