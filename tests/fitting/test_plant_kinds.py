@@ -66,7 +66,7 @@ def test_a_closed_loop_shows_nothing_of_the_camera_nor_of_what_hangs_behind_the_
     loop, plant = kind_of(simulation(LINEAR, controller=CONTROLLER), []), kind_of(simulation(LINEAR), [])
     hidden = {name for name, effect in known_effects().items() if loop.unseen(effect)}
     camera = {e.identifier for e in known_effects().values() if e.place == "sensor"}
-    assert hidden == camera | {"input-hold", "output-backlash"}
+    assert hidden == camera | {"input-hold", "output-backlash", "coloured-noise"}
     assert not any(plant.unseen(effect) for effect in known_effects().values())
 
 
