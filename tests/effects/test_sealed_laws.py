@@ -24,6 +24,7 @@ ERRORS = {
     "overflow": 2e-2,
     "encoder-eccentricity": 1e-4,
     "output-backlash": 5e-3,
+    "input-quantisation": 1e-4,
 }
 FRAMES = 300
 

@@ -73,6 +73,7 @@ IDENTITIES = [
     "overflow",
     "encoder-eccentricity",
     "output-backlash",
+    "input-quantisation",
 ]
 
 

@@ -57,6 +57,10 @@ class Effect:
         Identifiers of effects that together are exactly this one, so that no input and output tells them apart.
     acts_on_reading : bool
         Of an effect at the sensor, whether it acts on what is read, offset included, and not on the position.
+    size_is_shape : bool
+        Whether another size of it is another pattern, so that a guess is begun in the size in which it was screened.
+    jumps_by : str, optional
+        Parameter by which the output jumps, so that no derivative says how well it is determined.
     is_constant : bool
         Whether it adds a constant to a signal: what declares it leaves no such constant to be estimated.
     linear_dynamics : bool
@@ -117,6 +121,8 @@ class Effect:
     linear_dynamics: ClassVar[bool] = False
     keeps_hold: ClassVar[bool] = False
     acts_on_reading: ClassVar[bool] = False
+    size_is_shape: ClassVar[bool] = False
+    jumps_by: ClassVar[str | None] = None
     is_constant: ClassVar[bool] = False
     noise_like: ClassVar[bool] = False
     transforms_by_compiled_code: ClassVar[bool] = False

@@ -19,6 +19,7 @@ from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
 from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
+from camid.effects.residual_regression import LEAST_LEFT, ResidualRegression
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -34,13 +35,8 @@ READ_PERIODS = np.concatenate([SIMULATED_PERIODS, np.arange(30.0, 120.0, 0.5)])
 LARGEST_PERIOD = 0.6
 # Slope of an encoder's error from which it is none: from one on the reading turns round while the shaft goes on.
 LARGEST_SLOPE = 0.9
-# Rows that are looked at, evenly spread over so many from the begin of a recording on, and the best periods that become
-# first guesses.
-MOST_ROWS = 2000
-MOST_SIMULATED = 30_000
+# The best periods that become first guesses.
 BEST = 3
-# Share of a regressor beside the others, and of the residual, below which nothing is left of it.
-LEAST_LEFT = 1e-9
 # Sinusoids that are looked at together.
 TOGETHER = 32
 # A period of an encoder's error holds more steps of its readings than this, and that of a force more than this: a
@@ -49,34 +45,8 @@ STEPS_PER_PERIOD = 5.0
 STEPS_PER_PERIOD_OF_A_FORCE = 2.0
 
 
-class WaveRegression:
-    """Sinusoids of the position whose response explains the residual of a situation, to first order.
-
-    The residual is regressed on the responses to sine and cosine, beside what the plant's coefficients can do: no
-    simulation of the whole chain is needed.
-
-    Parameters
-    ----------
-    situation : Situation
-    respond : callable
-        What becomes of signals along the motion, shape (N,) or (N, c), in the recorded output, of the same shape.
-    """
-
-    def __init__(self, situation: Situation, respond: Callable[[Array], Array]) -> None:
-        situation = situation.until(MOST_SIMULATED)
-        rows = np.flatnonzero(situation.used)
-        self._rows = rows[:: max(len(rows) // MOST_ROWS, 1)]
-        self._position, self._respond = situation.position, respond
-        others = [np.ones(len(self._position)), self._position, situation.signal, situation.velocity]
-        responses = [respond(other)[self._rows] for other in others]
-        table = np.column_stack([*responses, self._position[self._rows], np.ones(len(self._rows))])
-        self.fails = not np.all(np.isfinite(table))
-        if self.fails:
-            return
-        basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))
-        self._basis = basis[:, np.abs(np.diag(triangle)) > LEAST_LEFT]
-        residual = situation.residual[self._rows]
-        self._residual = residual - self._basis @ (self._basis.T @ residual)
+class WaveRegression(ResidualRegression):
+    """Sinusoids of the position whose response explains the residual of a situation, to first order."""
 
     def at(self, periods: Array) -> tuple[Array, Array, Array]:
         """Gain, and the amplitude and phase at zero of sinusoids with some periods, shape (P,); zero where unseen."""
@@ -85,14 +55,10 @@ class WaveRegression:
         return gains, amplitudes, phases
 
     def _some(self, periods: Array) -> tuple[Array, Array, Array]:
-        angles = 2.0 * pi * self._position[:, None] / periods
-        left, shown = [], np.ones(len(periods), bool)
-        for wave in (np.sin(angles), np.cos(angles)):
-            seen = self._respond(wave)[self._rows]
-            left.append(seen - self._basis @ (self._basis.T @ seen))
-            shown &= np.linalg.norm(left[-1], axis=0) > LEAST_LEFT * np.linalg.norm(seen, axis=0)
-        shares, amplitudes, phases = best_pairs(self._residual, *left)
-        gains = (1.0 - shares) * float(self._residual @ self._residual)
+        angles = 2.0 * pi * self.situation.position[:, None] / periods
+        (sines, sines_show), (cosines, cosines_show) = (self.left(wave) for wave in (np.sin(angles), np.cos(angles)))
+        shares, amplitudes, phases = best_pairs(self.residual, sines, cosines)
+        gains, shown = (1.0 - shares) * float(self.residual @ self.residual), sines_show & cosines_show
         return gains * shown, amplitudes * shown, phases * shown
 
 
@@ -103,7 +69,7 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array], counts
     ----------
     situation : Situation
     respond : callable
-        See :class:`WaveRegression`.
+        See :class:`camid.effects.residual_regression.ResidualRegression`.
     counts : ndarray, shape (P,)
         Periods that the range of the motion may hold.
     """

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.fitting.step_profile import jumping_places, with_jumps
 from camid.identification.autoregression import coloured
 from camid.side_by_side import in_threads
 
@@ -35,11 +36,23 @@ def covariance_of(fitted: Fitted) -> Array:
     ----------
     fitted : Fitted
     """
-    local = _from_derivatives(fitted, fitted.sensitivities)
+    jumping = jumping_places(fitted)
+    kept = np.setdiff1d(np.arange(len(fitted.packing.names)), list(jumping))
+    found = np.zeros((len(fitted.packing.names),) * 2)
+    found[np.ix_(kept, kept)] = _without_jumps(fitted, kept)
+    return with_jumps(fitted, found, jumping)
+
+
+def _without_jumps(fitted: Fitted, kept: NDArray[np.int64]) -> Array:
+    """Covariance of some of the packed parameters, by derivatives and secants, the others being known."""
+    local = _from_derivatives(fitted, fitted.sensitivities[:, kept])
     if not any(effect.numeric() for effect in fitted.model.effects):
         return local
-    deviations = np.sqrt(np.maximum(np.diag(local), 0.0))
-    wide = np.sqrt(np.maximum(np.diag(_from_derivatives(fitted, _secants(fitted, deviations))), 0.0))
+    deviations = np.full(len(fitted.packing.names), np.inf)
+    deviations[kept] = np.sqrt(np.maximum(np.diag(local), 0.0))
+    secants = _secants(fitted, deviations)[:, kept]
+    wide = np.sqrt(np.maximum(np.diag(_from_derivatives(fitted, secants)), 0.0))
+    deviations = deviations[kept]
     # Of a number that is hardly determined the secants say nothing, and the point is all there is.
     known = (deviations > 0.0) & np.isfinite(deviations) & np.isfinite(wide)
     growth = np.ones(len(deviations))

@@ -74,7 +74,7 @@ def _entrants(part: Problem, base: Fitted) -> list[Model]:
     found = []
     for candidate in (c for known in shapes.values() for c in known):
         try:
-            found.append(base.model.plus(candidate.effect.scaled(candidate.factor or 1.0)))
+            found.append(base.model.plus(candidate.start))
         except ValueError:
             found.append(base.model.plus(candidate.effect))
     return found

@@ -164,7 +164,7 @@ def _fitted_first(problem: Problem, watch: Watch, base: Fitted, candidate: Scree
     """
     if watch.no_time_for(candidate.effect.identifier):
         return None
-    effect = _start_of(candidate)
+    effect = candidate.start
     found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), FIRST_STEPS, base)
     if (found is None or found.fitted.cost >= base.cost) and effect.numeric():
         small = base.model.plus(candidate.effect)
@@ -222,7 +222,7 @@ def _beside_better_coefficients(
         return []
     found: dict[str, Model] = {}
     for candidate in screened:
-        effect = _start_of(candidate)
+        effect = candidate.start
         if effect.identifier not in tried and len(found) < MOST_BESIDE_BETTER:
             beside = best.model.without(len(base.model.effects))
             found.setdefault(effect.identifier, beside.plus(effect))
@@ -251,7 +251,7 @@ def _further_shapes(
     shapes = [c for c in screened if c.effect.identifier == identifier]
     if not shapes or not shapes[0].effect.linear_dynamics or len(shapes[0].effect.vector) < 2:
         return []
-    known = [_start_of(c) for c in tried if c.effect.identifier == identifier]
+    known = [c.start for c in tried if c.effect.identifier == identifier]
     further: list[Effect] = []
     for candidate in shapes:
         new = not any(alike(candidate.effect, k) for k in [*known, *further])
@@ -282,7 +282,7 @@ def _from_nominal(problem: Problem, nominal: Model, screened: Sequence[ScreenedE
     for candidate in screen(problem, evaluate(problem, nominal)):
         if candidate.effect.identifier not in present and len(effects) < MOST_FROM_NOMINAL:
             present.add(candidate.effect.identifier)
-            effects.append(_start_of(candidate))
+            effects.append(candidate.start)
     return effects
 
 
@@ -320,13 +320,8 @@ def _screened_of(
     likeliest: dict[str, Model] = {}
     for candidate in screened:
         if candidate.effect.identifier in missing:
-            likeliest.setdefault(candidate.effect.identifier, base.plus(_start_of(candidate)))
+            likeliest.setdefault(candidate.effect.identifier, base.plus(candidate.start))
     return list(likeliest.values())
-
-
-def _start_of(candidate: ScreenedEffect) -> Effect:
-    """The effect in the size that the screening suggests."""
-    return candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
 
 
 def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: SearchEffort) -> list[ScreenedEffect]:
@@ -344,6 +339,6 @@ def _shortlist(problem: Problem, screened: Sequence[ScreenedEffect], effort: Sea
             known = shapes.setdefault(candidate.effect.identifier, [])
             # No fit leads from one branch to another, so that each has its start.
             new = candidate.effect.branch not in {k.effect.branch for k in known}
-            if new and not any(alike(_start_of(candidate), _start_of(k)) for k in known):
+            if new and not any(alike(candidate.start, k.start) for k in known):
                 known.append(candidate)
     return [c for known in list(shapes.values())[: effort.effects] for c in known]

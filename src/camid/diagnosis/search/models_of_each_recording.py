@@ -68,6 +68,6 @@ def _likeliest(screened: Sequence[ScreenedEffect]) -> list[Effect]:
     for candidate in screened:
         if len(found) == EFFECTS:
             break
-        effect = candidate.effect.scaled(candidate.factor) if candidate.factor else candidate.effect
+        effect = candidate.start
         found.setdefault(effect.identifier, effect)
     return list(found.values())

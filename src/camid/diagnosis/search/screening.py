@@ -75,6 +75,11 @@ class ScreenedEffect:
     factor: float
     visible: float
 
+    @property
+    def start(self) -> Effect:
+        """The effect as a fit begins with it: in the size that fits best to first order."""
+        return self.effect.scaled(self.factor) if self.factor and not self.effect.size_is_shape else self.effect
+
 
 def trials(effect: type[Effect], problem: Problem) -> float:
     """How many different effects a search for this one amounts to."""
@@ -304,6 +309,8 @@ def _resized(
 
 def _other_size(screened: ScreenedEffect, count: int) -> float | None:
     """The factor by which another size of a guess may say more; None where it says what it can."""
+    if screened.effect.size_is_shape:
+        return None
     if screened.gain >= LEAST_GAIN and screened.factor > 0.0:
         return None if 1.0 / OTHER_SIZE < screened.factor < OTHER_SIZE else screened.factor
     # What changes the output by more than all that is missing may do so to either side.

@@ -1,0 +1,111 @@
+"""Coarse steps of the command: a converter or a pulse width of few bits, or few speeds that a drive knows."""
+
+# Compiled parts are functions in a class body: they have no self, and Compiled lists their arguments.
+# ruff: noqa: D102, N805
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import floor
+from typing import ClassVar
+
+import numpy as np
+
+from camid.chain.exact import sample
+from camid.effects.actuator import LEAST_FACTOR, at_both_ends, levels
+from camid.effects.base import Array, Effect
+from camid.effects.compiled_part import compiled
+from camid.effects.parameter import Parameter
+from camid.effects.residual_regression import ResidualRegression
+from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
+
+# Steps that the largest command may hold, one after the other: a fit finds one from half a step of the largest away.
+COUNTS = np.arange(0.6, 20.0, 0.2)
+BEST, FEWEST_LEVELS = 2, 3
+# Steps about one that was fitted, as shares of it, and the sum of squares, as a share, below which one is worth a fit.
+NEARLY, LEAST_FALL = np.linspace(0.97, 1.03, 121), 0.999
+
+
+class InputQuantisation(Effect):
+    """A command that is rounded to steps."""
+
+    identifier = "input-quantisation"
+    place = "actuator"
+    title = "Quantisation of the command"
+    equation = r"u' = q\,\mathrm{round}(u/q)"
+    reference = "Franklin, Powell & Workman (1998), Digital Control of Dynamic Systems, 3rd ed., chapter 10"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("step", "u", "step q of the command", 1e-300),)
+    separated_by = (SeparatingExperiment.MANY_LEVELS,)
+    strength = "step"
+    trials = "frequencies"
+    keeps_hold = True
+    size_is_shape = True
+    jumps_by = "step"
+
+    @compiled
+    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] * floor(signal / values[0] + 0.5)
+
+    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
+        """Round to the nearest step."""
+        size = self.values["step"]
+        return at_both_ends(lambda u: size * np.floor(u / size + 0.5), start, end)
+
+    def scaled(self, factor: float) -> InputQuantisation:
+        """Other steps."""
+        return self.with_vector(self.vector * max(factor, LEAST_FACTOR))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """The steps whose response explains the residual best, to first order."""
+        regression = _regression(situation)
+        if regression.fails:
+            return
+        steps = situation.largest("signal") / COUNTS
+        signal = regression.situation.signal[:, None]
+        left, shown = regression.left(_rounded(signal, steps) - signal)
+        products = np.where(shown, regression.residual @ left, 0.0)
+        gains = np.maximum(products, 0.0) ** 2 / np.maximum(np.sum(left**2, axis=0), 1e-300)
+        for _ in range(BEST):
+            best = int(np.argmax(gains))
+            if gains[best] <= 0.0:
+                return
+            yield cls(step=float(steps[best]))
+            gains[max(best - 2, 0) : best + 3] = 0.0
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Steps of nearly the same size that round some commands the other way, to which no derivative leads."""
+        regression = _regression(situation)
+        if regression.fails:
+            return ()
+        steps = self.values["step"] * NEARLY
+        signal = regression.situation.signal[:, None]
+        left, _ = regression.left(_rounded(signal, steps) - _rounded(signal, np.array([self.values["step"]])))
+        costs = np.sum((regression.residual[:, None] - left) ** 2, axis=0)
+        best = int(np.argmin(costs))
+        worth = costs[best] < LEAST_FALL * float(regression.residual @ regression.residual)
+        return (InputQuantisation(step=float(steps[best])),) if worth else ()
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """An input of few levels shows nothing of it that is not another curve."""
+        if situation.acquisition.hold == "zoh" and levels(situation.signal) < FEWEST_LEVELS:
+            return "the input has two absolute values at most, for which steps of the command are another curve"
+        return None
+
+
+def _rounded(signal: Array, steps: Array) -> Array:
+    """A command, shape (N, 1), rounded to steps, shape (c,): (N, c)."""
+    return np.asarray(steps * np.floor(signal / steps + 0.5))
+
+
+def _regression(situation: Situation) -> ResidualRegression:
+    """What responses to changes of the command explain of a residual."""
+
+    def respond(signals: Array) -> Array:
+        columns = signals.reshape(len(signals), -1).T
+        seen = [sample(situation.plant, each, situation.acquisition) for each in columns]
+        return np.column_stack(seen).reshape(signals.shape)
+
+    return ResidualRegression(situation, respond)

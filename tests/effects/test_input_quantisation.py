@@ -1,0 +1,83 @@
+"""Coarse steps of the command: what they do, how they are guessed and found, and what hides them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.signal import cont2discrete, lfilter
+
+import camid
+from camid.chain.acquisition import Acquisition
+from camid.chain.plant import TransferFunction
+from camid.effects.input_quantisation import InputQuantisation
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
+
+PERIOD, ROWS = 0.02, 1500
+NUMERATOR, DENOMINATOR = [92.0], [1.0, 2.4, 110.0]
+BELIEVED = {
+    "schema": 1,
+    "time": {"column": "t"},
+    "input": {"column": "u", "hold": "zoh"},
+    "plant": {"transfer_function": {"numerator": [100.0], "denominator": [1.0, 2.0, 100.0]}},
+    "sensor": {"column": "y", "kind": "instant"},
+}
+
+
+def command(seed, held=6, levels=None):
+    """Levels anywhere within ± 2, or some of them, each held for a while."""
+    random = np.random.default_rng([55, seed])
+    count = ROWS // held
+    drawn = random.uniform(-2.0, 2.0, count) if levels is None else random.choice(levels, count)
+    return np.repeat(drawn, held)
+
+
+def moved(force):
+    """Positions of a mass on a spring under forces that are held, by another program."""
+    numerator, denominator, _ = cont2discrete((NUMERATOR, DENOMINATOR), PERIOD, method="zoh")
+    return lfilter(numerator.ravel(), denominator, force)
+
+
+def recording(seed, step, **options):
+    """With commands rounded to steps, and noise of half a per cent."""
+    signal = command(seed, **options)
+    output = moved(step * np.round(signal / step))
+    noise = 0.005 * np.std(output) * np.random.default_rng([56, seed]).standard_normal(ROWS)
+    return pd.DataFrame({"t": PERIOD * np.arange(ROWS), "u": signal, "y": output + noise})
+
+
+def test_the_command_is_rounded():
+    signal = command(0)
+    chain = Chain(
+        TransferFunction(tuple(NUMERATOR), tuple(DENOMINATOR)),
+        Acquisition(PERIOD, sensor="instant"),
+        (InputQuantisation(step=0.3),),
+    )
+    found = run(chain, signal, PERIOD * np.arange(ROWS))
+    expected = moved(0.3 * np.round(signal / 0.3))
+    np.testing.assert_allclose(found, expected, atol=1e-9 * np.std(expected))
+
+
+def test_smaller_steps_do_less_in_proportion():
+    signal = command(0, held=1)
+    errors = []
+    for factor in (1.0, 0.1, 0.01):
+        rounded, _ = InputQuantisation(step=0.4).scaled(factor).transform(signal, signal, PERIOD)
+        errors.append(np.std(rounded - signal) / factor)
+    np.testing.assert_allclose(errors, 0.4 / np.sqrt(12.0), rtol=0.05)
+
+
+@pytest.mark.parametrize(("seed", "step"), [(1, 0.25), (2, 0.6), (3, 1.7)])
+def test_steps_of_a_command_are_found(seed, step):
+    diagnosis = camid.diagnose(recording(seed, step), BELIEVED)
+    (found,) = diagnosis.findings
+    assert (found.identifier, diagnosis.verdict) == ("input-quantisation", "explained")
+    # Between two jumps the step and the plant's gain make up for each other, and both are no surer than that.
+    estimate, gain = found.parameters["step"], diagnosis.coefficients[0]
+    assert abs(estimate.value - step) < 4.0 * estimate.standard_deviation < 0.05 * step
+    assert abs(gain.improved - NUMERATOR[0]) < 4.0 * gain.improved_deviation < 0.05 * NUMERATOR[0]
+
+
+def test_an_input_of_two_sizes_does_not_show_them():
+    diagnosis = camid.diagnose(recording(4, 0.7, levels=[-1.4, -0.6, 0.6, 1.4]), BELIEVED)
+    (hidden,) = [u for u in diagnosis.undetectable if u.identifier == "input-quantisation"]
+    assert "two absolute values at most" in hidden.reason
