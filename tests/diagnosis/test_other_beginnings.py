@@ -11,13 +11,27 @@ from camid.diagnosis.watch import Watch
 
 
 @pytest.mark.parametrize(
-    ("left", "interrupted", "asked"), [(0.03, True, False), (0.2, True, True), (0.03, False, True)]
+    ("left", "noise", "interrupted", "asked"),
+    [(0.03, 0.0, True, False), (0.2, 0.0, True, True), (0.2, 0.19, True, False), (0.03, 0.0, False, True)],
 )
-def test_what_leaves_more_than_an_inexact_law_is_no_inexact_law(left, interrupted, asked):
+def test_what_leaves_more_than_an_inexact_law_is_no_inexact_law(left, noise, interrupted, asked):
     """A search that ended where a law seemed to be inexact is begun otherwise if a fifth of the mismatch is left."""
-    base, fitted = (SimpleNamespace(cost=cost, model=SimpleNamespace(effects=())) for cost in (1.0, left))
+    problem = SimpleNamespace(
+        kind=SimpleNamespace(phases_add_up=False),
+        recorded=np.ones(3),
+        whitened=lambda residual, whitening: np.sqrt([noise]),
+    )
+    base, fitted = (
+        SimpleNamespace(
+            cost=cost,
+            model=SimpleNamespace(effects=()),
+            problem=problem,
+            residual=np.sqrt([cost]),
+            noise=SimpleNamespace(whitening=np.ones(1)),
+        )
+        for cost in (1.0, left)
+    )
     decision = Decision(base, fitted, rivals=[[]], interrupted=interrupted)
-    problem = SimpleNamespace(kind=SimpleNamespace(phases_add_up=False), recorded=np.ones(3))
     seen = []
 
     def leaves_structure(found):

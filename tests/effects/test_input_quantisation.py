@@ -11,6 +11,8 @@ from camid.chain.plant import TransferFunction
 from camid.effects.input_quantisation import InputQuantisation
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
+from tests.diagnosis.test_noise_of_uneven_rows import fitted_to
+from tests.support.mass_on_spring import effect, record
 
 PERIOD, ROWS = 0.02, 1500
 NUMERATOR, DENOMINATOR = [92.0], [1.0, 2.4, 110.0]
@@ -81,3 +83,22 @@ def test_an_input_of_two_sizes_does_not_show_them():
     diagnosis = camid.diagnose(recording(4, 0.7, levels=[-1.4, -0.6, 0.6, 1.4]), BELIEVED)
     (hidden,) = [u for u in diagnosis.undetectable if u.identifier == "input-quantisation"]
     assert "two absolute values at most" in hidden.reason
+
+
+def test_steps_that_round_alike_are_no_surer_than_they_are_apart():
+    """Of three sizes of the command all steps from 0.68 to 1.13 make the same, and the gain makes up for the rest."""
+    signal = command(6, levels=[-1.7, -1.0, -0.3, 0.3, 1.0, 1.7])
+    coarse = effect("input-quantisation", step=0.9)
+    _, fitted = fitted_to(record(coarse, signal=signal, count=ROWS), coarse)
+    place = fitted.packing.names.index("0 step")
+    gain = fitted.packing.names.index("coefficient 0")
+    step, numerator = (float(np.sqrt(fitted.covariance[i, i])) for i in (place, gain))
+    assert 0.08 < step / 0.9 < 0.3
+    assert 0.08 < numerator / fitted.model.coefficients[0] < 0.3
+
+
+@pytest.mark.parametrize("sizes", [[0.45, 0.9, 1.35], [-0.45, -0.9, -1.35]])
+def test_halves_are_rounded_away_from_zero(sizes):
+    signal = np.array(sizes)
+    rounded, _ = InputQuantisation(step=0.9).transform(signal, signal, PERIOD)
+    np.testing.assert_allclose(rounded, np.sign(signal) * [0.9, 0.9, 1.8])

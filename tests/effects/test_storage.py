@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.effects import known_effects
+from camid.effects import Situation, known_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 
@@ -83,3 +83,29 @@ def test_the_height_of_an_edge_changes_the_motion_smoothly(signal):
     change = np.max(np.abs(motions[-1] - motions[0]))
     assert change > 1e-3
     assert np.max(np.abs(np.diff(motions, 3, axis=0))) < 1e-3 * change
+
+
+def test_the_law_begins_beside_the_plant_whose_tangent_it_is():
+    """The estimated plant goes on straight from the mean level to an outflow of nothing, below the empty tank."""
+    gain, linear, outflow, level = 0.004, 0.03, 8.0, 0.12
+    rate = linear + 0.5 * gain * outflow / np.sqrt(level)
+    begins = level - (linear * level + gain * outflow * np.sqrt(level)) / rate
+    reading = level + 0.01 * np.sin(np.arange(200.0))
+    nothing = np.zeros(200)
+    situation = Situation(
+        PERIOD * np.arange(200.0),
+        np.ones(200),
+        reading - begins,
+        nothing,
+        nothing,
+        nothing,
+        TransferFunction((gain,), (1.0, rate)),
+        Acquisition(period=PERIOD, hold="zoh", sensor="instant"),
+        np.ones(200, bool),
+    )
+    law = known_effects()["square-root-outflow"]
+    effect, plant, constants = law.with_plant(situation, {"offset": begins})
+    assert effect.values["coefficient"] == pytest.approx(outflow, rel=0.01)
+    assert plant.monic.denominator[1] == pytest.approx(linear, rel=0.01)
+    assert constants == {"offset": 0.0}
+    assert law.with_plant(situation, {"offset": begins - 1.0}) is None

@@ -9,7 +9,7 @@ from camid.diagnosis.evidence import errors
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
-from camid.diagnosis.residual.noise_recognition import recognised_noise
+from camid.diagnosis.residual.noise_recognition import colours, recognised_noise
 from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left
 from camid.diagnosis.residual.uneven_noise import uneven_spread
 from camid.diagnosis.search.decision import Decision
@@ -58,7 +58,10 @@ def residue_of(setting: Setting, decision: Decision, final: Fitted, before: list
     spread = uneven_spread(problem, final, [effect for effect, _ in noise_effects])
     known = spread is None and final is decision.base
     after = before if known else places(problem, final, spread)
-    reasons = reasons_for_structure(problem, final, after, setting.judging, {f.identifier for f in found})
+    # A loop, and a lattice, give what is left a colour, too, which is no name and may still be that of a misfit.
+    colour = colours(problem, final, {effect.identifier for effect in setting.nominal.effects})
+    recognised = {f.identifier for f in found} | set(colour)
+    reasons = reasons_for_structure(problem, final, after, setting.judging, recognised)
     if reasons:  # what looks like jitter, outliers or colour may be the structure
         found = [f for f in found if known_effects()[f.identifier].shows_in_values]
         noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in found}]

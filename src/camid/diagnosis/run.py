@@ -17,7 +17,7 @@ from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.pruning.simplest_effects import simplest, without_effect
-from camid.diagnosis.pruning.weak_effects import faded, without_weak
+from camid.diagnosis.pruning.weak_effects import without_faded, without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residual.uneven_noise import relative_noise
@@ -112,6 +112,8 @@ def _effects_leave_structure(setting: Setting, before: list[mismatch_location.Pl
     """Whether the effects of a decision leave more than noise, or one of them only makes up for others' laws."""
     if residue_of(setting, found, found.fitted, before).reasons:
         return True
+    if all(type(e).is_plausible is Effect.is_plausible for e in found.fitted.model.effects):
+        return False
     settled = setting.problem.kind.refit(setting.problem, found.fitted.model)
     return bool(_wandered(setting, settled.model))
 
@@ -163,10 +165,13 @@ def _simplified(
         if residue.reasons:
             decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
-        gone = _wandered(setting, decision.fitted.model) or faded(problem, decision.fitted, setting.known)
-        if gone:
-            place = min(gone) - setting.known
+        wandered = _wandered(setting, decision.fitted.model)
+        if wandered:
+            place = min(wandered) - setting.known
             fewer = without_effect(problem, decision, setting.known, place, watch)
+        else:
+            fewer = without_faded(problem, decision, setting.known, watch)
+        if fewer is not decision:
             return _simplified(setting, fewer, before, watch)
     if not residue.reasons:
         return decision, residue_of(setting, decision, decision.fitted, before)

@@ -20,6 +20,8 @@ EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, for each recording and for
 # each row in addition: with more recordings each fit takes longer, and the search for names should not end sooner.
 WORK, WORK_OF_ROW = 10.0, 2.5e-3
+# Recordings at most that count so: of many each says less, and the time limit stays.
+MOST_RECORDINGS = 4
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
 # The same that formulas may take in all: what is learned says little without one.
@@ -62,7 +64,7 @@ class Watch(Account):
     def count(self, work: Work, rows: int, recordings: int = 1) -> None:
         """Bound the work that is counted, in a diagnosis of so many rows."""
         self._work = work
-        self._bound = (self.effort or 0.0) * (WORK * recordings + WORK_OF_ROW * rows)
+        self._bound = (self.effort or 0.0) * (WORK * min(recordings, MOST_RECORDINGS) + WORK_OF_ROW * rows)
 
     @property
     def done(self) -> float:

@@ -283,7 +283,8 @@ class Effect:
         """A first guess with the plant and its constants beside which it holds; None where those estimated are near.
 
         A plant that was estimated without the effect may be so far from the one with it that no fit finds the way, in
-        a valley of numbers that make up for each other. ``constants`` are what is estimated beside its coefficients.
+        a valley of numbers that make up for each other. ``constants`` are those that are estimated beside its
+        coefficients, and positions of the situation count from the zero that was.
         """
         return None
 

@@ -33,11 +33,9 @@ ANGLES = (0.5, 1.2, 2.5)
 QUADRANTS = (0, 1, 2, 3)
 # Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
 SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
-
-
 # Way in turns from which a pendulum has turned over, what a simulation without gravity leaves then, as a share of the
 # motion, and angles at the largest displacement of one that has.
-LEAST_TURNED_OVER, LEAST_LEFT = 0.75, 0.1
+LEAST_TURNED_OVER, FOLLOWED = 0.75, 0.1
 TURNED_ANGLES = np.arange(2.5, 80.0, 0.5)
 
 
@@ -77,11 +75,13 @@ class PendulumGravity(Effect):
         for law in laws:
             for angle in (0.15, 0.5, 1.2):
                 yield law(amplitude=situation.largest("position") / angle)
-        left = np.std(situation.recorded - situation.position)
-        if np.any(situation.signal) and left > LEAST_LEFT * np.std(situation.recorded):
-            periods = 2.0 * pi * situation.largest("recorded") / TURNED_ANGLES
+        recorded = situation.recorded[situation.used]
+        left = np.std(recorded - situation.position[situation.used]) if len(recorded) else 0.0
+        # A simulation that has run away follows nothing, either.
+        if np.any(situation.signal) and not left <= FOLLOWED * np.std(recorded):
+            periods = 2.0 * pi * float(np.max(np.abs(recorded))) / TURNED_ANGLES
             for wave in waves_of_force(situation, periods, BEST):
-                if np.ptp(situation.recorded) > LEAST_TURNED_OVER * wave["period"]:
+                if np.ptp(recorded) > LEAST_TURNED_OVER * wave["period"]:
                     yield cls(amplitude=wave["period"] / (2.0 * pi))
 
 

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import floor
+from math import copysign
 from typing import ClassVar
 
 import numpy as np
@@ -22,6 +22,7 @@ from camid.effects.situation import Situation
 
 # Steps that the largest command may hold, one after the other: a fit finds one from half a step of the largest away.
 COUNTS = np.arange(0.6, 20.0, 0.2)
+COUNTS_IN_A_LOOP = (1.2, 2.5, 5.0, 10.0)
 BEST, FEWEST_LEVELS = 2, 3
 # Steps about one that was fitted, as shares of it, and the sum of squares, as a share, below which one is worth a fit.
 NEARLY, LEAST_FALL = np.linspace(0.97, 1.03, 121), 0.999
@@ -45,12 +46,12 @@ class InputQuantisation(Effect):
 
     @compiled
     def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return values[0] * floor(signal / values[0] + 0.5)
+        return copysign(values[0] * np.floor(abs(signal) / values[0] + 0.5), signal)
 
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """Round to the nearest step."""
         size = self.values["step"]
-        return at_both_ends(lambda u: size * np.floor(u / size + 0.5), start, end)
+        return at_both_ends(lambda u: _rounded(u, size), start, end)
 
     def scaled(self, factor: float) -> InputQuantisation:
         """Other steps."""
@@ -58,7 +59,10 @@ class InputQuantisation(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The steps whose response explains the residual best, to first order."""
+        """The steps whose response explains the residual best, to first order; of a loop, some sizes."""
+        if situation.command is not None:
+            yield from (cls(step=situation.largest("command") / count) for count in COUNTS_IN_A_LOOP)
+            return
         regression = _regression(situation)
         if regression.fails:
             return
@@ -77,7 +81,7 @@ class InputQuantisation(Effect):
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """Steps of nearly the same size that round some commands the other way, to which no derivative leads."""
         regression = _regression(situation)
-        if regression.fails:
+        if situation.command is not None or regression.fails:
             return ()
         steps = self.values["step"] * NEARLY
         signal = regression.situation.signal[:, None]
@@ -95,9 +99,9 @@ class InputQuantisation(Effect):
         return None
 
 
-def _rounded(signal: Array, steps: Array) -> Array:
-    """A command, shape (N, 1), rounded to steps, shape (c,): (N, c)."""
-    return np.asarray(steps * np.floor(signal / steps + 0.5))
+def _rounded(signal: Array, steps: Array | float) -> Array:
+    """A command, shape (N,) or (N, 1), rounded to a step, or to some, shape (c,): halves away from zero."""
+    return np.asarray(np.copysign(steps * np.floor(np.abs(signal) / steps + 0.5), signal))
 
 
 def _regression(situation: Situation) -> ResidualRegression:

@@ -19,7 +19,7 @@ from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
 from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
-from camid.effects.residual_regression import LEAST_LEFT, ResidualRegression
+from camid.effects.residual_regression import ResidualRegression
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -37,6 +37,8 @@ LARGEST_PERIOD = 0.6
 LARGEST_SLOPE = 0.9
 # The best periods that become first guesses.
 BEST = 3
+# Share of the largest value within which two are the same.
+SAME_VALUE = 1e-9
 # Sinusoids that are looked at together.
 TOGETHER = 32
 # A period of an encoder's error holds more steps of its readings than this, and that of a force more than this: a
@@ -84,7 +86,7 @@ def best_periods(situation: Situation, respond: Callable[[Array], Array], counts
 def _least_difference(values: Array) -> float:
     """Step of a lattice on which values lie: the least difference of two that differ beyond rounding, else 0."""
     differences = np.diff(np.unique(values))
-    differences = differences[differences > LEAST_LEFT * float(np.max(np.abs(values), initial=0.0))]
+    differences = differences[differences > SAME_VALUE * float(np.max(np.abs(values), initial=0.0))]
     return float(np.min(differences, initial=np.inf)) if len(differences) else 0.0
 
 

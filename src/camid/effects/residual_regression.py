@@ -45,6 +45,7 @@ class ResidualRegression:
         responses = [respond(other)[self._rows] for other in others]
         table = np.column_stack([*responses, situation.position[self._rows], np.ones(len(self._rows))])
         self.fails = not np.all(np.isfinite(table))
+        self.residual = np.zeros(len(self._rows))
         if self.fails:
             return
         basis, triangle = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))

@@ -66,6 +66,8 @@ NEWTON_STEPS = 4
 # Constant of a plant that is the reading at its zero, and the least share of the root, and of what is in proportion, in
 # the slope of an outflow.
 ZERO, LEAST_ROOT = "offset", 0.05
+# Share of the readings that noise may put below an empty storage.
+NOISY_ROWS = 0.02
 # A level, in any unit, whose square is still a number.
 NO_LEVEL = 1e-150
 NO_STORAGE = (
@@ -221,14 +223,16 @@ class SquareRootOutflow(_Storage, AgainstMotion):
         share of the outflow's slope is the root's, and else that is a half.
         """
         rates = [1.0 / constant for constant in time_constants(situation.plant)]
-        level = float(np.mean(situation.recorded[situation.used]))
-        if len(rates) != 1 or np.min(situation.recorded[situation.used]) < 0.0 or level <= 0.0:
+        reading = situation.recorded[situation.used] + constants.get(ZERO, 0.0)
+        level = float(np.mean(reading))
+        if len(rates) != 1 or np.quantile(reading, NOISY_ROWS) < 0.0 or level <= 0.0:
             return None
-        gain, rate, signal = situation.plant.monic.numerator[0], rates[0], float(np.mean(situation.signal))
+        gain, rate = situation.plant.monic.numerator[0], rates[0]
         if ZERO in constants:
             share = min(max(-constants[ZERO] / level, LEAST_ROOT), 1.0 - LEAST_ROOT)
         else:
-            share, rate = 0.5, gain * signal / (1.5 * level)
+            share = 0.5
+            rate = gain * float(np.mean(situation.signal[situation.used])) / ((1.0 + share) * level)
         if rate <= 0.0:
             return None
         plant = TransferFunction((gain,), (1.0, (1.0 - share) * rate))

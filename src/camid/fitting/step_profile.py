@@ -1,27 +1,27 @@
 """How well a recording determines a number by which the output moves in jumps: steps to which a command is rounded.
 
 Between two jumps the number and the plant's gain make up for each other, so that no derivative says anything of it;
-beyond them some commands are rounded the other way. The profile of the likelihood, with all else estimated beside it,
-says both (Bates & Watts 1988, Nonlinear Regression Analysis and Its Applications, section 6.1).
+beyond them some commands are rounded the other way.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from camid.fitting.likelihood_profile import LikelihoodProfile, root_mean_square
 
 if TYPE_CHECKING:
     from camid.fitting.fit import Fitted
 
 Array = NDArray[np.float64]
 
-# Parts of the number in which its profile goes on, and how many of them at most to either side.
-SHARE, MOST = 5e-4, 120
-# Twice the fall of the log likelihood from which on a number and those beyond it are left out.
-IMPOSSIBLE = 30.0
+# Distances from the estimate, as shares of it: the profile begins finely, and ends where it is another number.
+SHARES = 5e-4 * (1.12 ** np.arange(1.0, 61.0) - 1.0) / 0.12
+# Of the estimate, what is no longer it below, and the least deviation.
+LOWEST, LEAST = 0.95, 2.5e-4
 
 
 def jumping_places(fitted: Fitted) -> dict[int, int]:
@@ -42,53 +42,26 @@ def with_jumps(fitted: Fitted, covariance: Array, jumping: dict[int, int]) -> Ar
         Their places, and the indices of their effects.
     """
     for place, index in jumping.items():
-        basis, back = _beside(fitted, place)
-        deviation = _deviation(fitted, index, basis)
-        ends = [_simulated(fitted, index, side * deviation) for side in (-1.0, 1.0)]
+        profile = LikelihoodProfile(fitted, index, str(fitted.model.effects[index].jumps_by))
+        deviation = _deviation(profile)
+        if deviation == 0.0:
+            continue
         # The others make up for what it does over its deviation; at a point its derivative may be a jump's.
-        moved = np.insert(-back @ (basis.T @ (ends[1] - ends[0])) / (2.0 * deviation), place, 1.0)
+        reach = min(deviation, LOWEST * abs(profile.estimate))
+        change = profile.output(reach) - profile.output(-reach)
+        moved = np.insert(profile.others(change) / (2.0 * reach), place, 1.0)
         covariance = covariance + deviation**2 * np.outer(moved, moved)
     return covariance
 
 
-def _beside(fitted: Fitted, place: int) -> tuple[Array, Array]:
-    """Basis of what all other numbers do, shape (M, r), and what they are for its coordinates, shape (p - 1, r)."""
-    table = np.delete(fitted.sensitivities, place, axis=1)
-    lengths = np.where((norms := np.linalg.norm(table, axis=0)) > 0.0, norms, 1.0)
-    left, sizes, right = np.linalg.svd(table / lengths, full_matrices=False)
-    kept = sizes > 1e-9 * sizes[0]
-    return left[:, kept], right[kept].T / sizes[kept] / lengths[:, None]
-
-
-def _simulated(fitted: Fitted, index: int, distance: float) -> Array:
-    """Output on the fitted rows with a number by which it jumps moved by a distance."""
-    effect = fitted.model.effects[index]
-    name = str(effect.jumps_by)
-    moved = type(effect)(**{**effect.values, name: float(effect.values[name]) + distance})
-    effects = (*fitted.model.effects[:index], moved, *fitted.model.effects[index + 1 :])
-    return fitted.problem.simulate_fitted(replace(fitted.model, effects=effects))
-
-
-def _deviation(fitted: Fitted, index: int, basis: Array) -> float:
+def _deviation(profile: LikelihoodProfile) -> float:
     """Root mean square distance from the estimate of what the profile leaves possible."""
-    count, effect = len(fitted.residual), fitted.model.effects[index]
-    estimate = float(effect.values[str(effect.jumps_by)])
-
-    def size(distance: float) -> float:
-        rows = fitted.problem.output - _simulated(fitted, index, distance)
-        rows = rows - basis @ (basis.T @ rows)
-        return float(rows @ rows)
-
-    least = max(size(0.0), 1e-300)
-    distances, falls = [0.0], [0.0]
+    size = abs(profile.estimate)
+    distances, falls, widths = [np.zeros(1)], [np.zeros(1)], [np.array([SHARES[0] * size])]
     for side in (-1.0, 1.0):
-        for turn in range(1, MOST + 1):
-            distance = side * turn * SHARE * estimate
-            fall = count * float(np.log(max(size(distance), 1e-300) / least))
-            if not fall < IMPOSSIBLE:
-                break
-            distances.append(distance)
-            falls.append(fall)
-    weights = np.exp(-0.5 * (np.array(falls) - min(falls)))
-    # A profile that ends at once leaves half a part open.
-    return max(float(np.sqrt(weights @ np.square(distances) / np.sum(weights))), 0.5 * SHARE * estimate)
+        shares = SHARES[SHARES < LOWEST] if side * profile.estimate < 0.0 else SHARES
+        found, fallen = profile.falls((side * shares * size).tolist())
+        distances.append(found)
+        falls.append(fallen)
+        widths.append(np.diff(shares, prepend=0.0)[: len(found)] * size)
+    return max(root_mean_square(*(np.concatenate(each) for each in (distances, falls, widths))), LEAST * size)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import log
 
 from camid.diagnosis.pruning.simplest_effects import without_effect
@@ -10,7 +11,7 @@ from camid.diagnosis.search.false_alarms import STRONG_EVIDENCE
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.watch import Watch
-from camid.fitting.fit import Fitted, fit
+from camid.fitting.fit import fit
 from camid.fitting.problem import Problem
 
 
@@ -37,8 +38,8 @@ def without_weak(problem: Problem, decision: Decision, known: int, watch: Watch)
     return decision
 
 
-def faded(problem: Problem, fitted: Fitted, known: int) -> set[int]:
-    """Which effects of a model that was fitted to the end have no strong evidence any more.
+def without_faded(problem: Problem, decision: Decision, known: int, watch: Watch) -> Decision:
+    """The decision without an effect that has no strong evidence any more, now that its model is fitted to the end.
 
     The search compares fits that end as soon as they can be ranked. Only an effect whose size, in standard deviations,
     would be none by itself (Wald's test) is left out to see what the others make of it.
@@ -46,25 +47,32 @@ def faded(problem: Problem, fitted: Fitted, known: int) -> set[int]:
     Parameters
     ----------
     problem : Problem
-    fitted : Fitted
-        One in another metric than that of least squares was put to the test in its own.
+    decision : Decision
+        One in another metric than that of least squares was put to the test in its own, and stays.
     known : int
         How many of the model's effects the nominal simulation holds already.
+    watch : Watch
+
+    Returns
+    -------
+    Decision
+        The same where all effects hold; the others have to be put to the test again where one does not.
     """
-    found: set[int] = set()
-    if fitted.weighted:
-        return found
-    names, covariance = fitted.packing.names, fitted.covariance
+    fitted = decision.fitted
+    if fitted.weighted or watch.no_time_for("effects that the last fit has left without evidence", needed=True):
+        return decision
     enough = STRONG_EVIDENCE + log(len(fitted.residual))
-    for index, effect in enumerate(fitted.model.effects[known:], known):
-        name = f"{index} {effect.strength}"
-        if name not in names:
+    for place, effect in enumerate(fitted.model.effects[known:]):
+        name = f"{known + place} {effect.strength}"
+        if name not in fitted.packing.names:
             continue
-        place = names.index(name)
-        if effect.values[str(effect.strength)] ** 2 >= enough * covariance[place, place]:
+        number = fitted.packing.names.index(name)
+        if effect.values[str(effect.strength)] ** 2 >= enough * fitted.covariance[number, number]:
             continue
-        without = fit(problem, fitted.model.without(index), steps=ALL_STEPS)
+        again = fit(problem, fitted.model.without(known + place), steps=ALL_STEPS)
+        without = min((again, decision.without[place]), key=lambda each: each.cost)
         own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
         if own.beyond(Hypothesis("", without)) > -STRONG_EVIDENCE:
-            found.add(index)
-    return found
+            left = [*decision.without[:place], without, *decision.without[place + 1 :]]
+            return without_effect(problem, replace(decision, without=left), known, place, watch)
+    return decision

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -70,15 +70,31 @@ def recognised_noise(
                 found += [recognition] if recognition.named else []
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
-    for identifier, effect in sorted(known_effects().items()):
-        possible = effect.colours_noise and problem.kind.unseen(effect) is None and not _is_rounding(situation, found)
-        if possible and identifier not in known and len(final.noise.whitening) > 1:
+    rounding = _is_rounding(situation, [*declared, *(r.effect for r in found)])
+    for identifier in () if rounding else colours(problem, final, known):
+        effect = known_effects()[identifier]
+        if problem.kind.unseen(effect) is None:
             p_value = problem.whiteness(final.residual, final.sensitivities)
-            if p_value < LARGEST_P_VALUE:
-                found.append(_coloured(effect, problem, final, p_value))
+            found.append(_coloured(effect, problem, final, p_value))
     findings = [recognised(r) for r in found]
     effects: list[tuple[Effect, dict[str, float | None]]] = [(r.effect, dict(r.standard_deviations)) for r in found]
     return findings, [*((e, {}) for e in declared if e.noise_like), *effects]
+
+
+def colours(problem: Problem, final: Fitted, known: Collection[str]) -> list[str]:
+    """Effects that would give what is left its colour, by their identifiers; none where it has none.
+
+    Parameters
+    ----------
+    problem : Problem
+    final : Fitted
+    known : collection of str
+        Effects that are declared already.
+    """
+    if len(final.noise.whitening) == 1:
+        return []
+    kinds = [i for i, effect in sorted(known_effects().items()) if effect.colours_noise and i not in known]
+    return kinds if kinds and problem.whiteness(final.residual, final.sensitivities) < LARGEST_P_VALUE else []
 
 
 def _where_motion_is_finite(situation: Situation) -> Situation:
@@ -103,9 +119,9 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
 
 
-def _is_rounding(situation: Situation, found: Sequence[Recognition]) -> bool:
+def _is_rounding(situation: Situation, effects: Sequence[Effect]) -> bool:
     """Whether most of what is left is the rounding to a lattice, which has the colour that the motion gives it."""
-    step = max((r.effect.values["step"] for r in found if isinstance(r.effect, Quantisation)), default=0.0)
+    step = max((effect.values["step"] for effect in effects if isinstance(effect, Quantisation)), default=0.0)
     return step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2))
 
 
@@ -132,18 +148,21 @@ def depends_on_position(problem: Problem, final: Fitted) -> float:
     load than a diagnosis.
     """
     situation = problem.situation(final.model)
-    rows = situation.used & ~_at_a_limit(situation.recorded)
+    compared = situation.recorded if situation.command is None else situation.command
+    rows = situation.used & ~_at_a_limit(compared, situation.used)
+    if np.count_nonzero(rows) < FEWEST_AT_A_LIMIT:
+        return 1.0
     squares = (situation.residual[rows] ** 2, situation.position[rows] ** 2)
     residual, position = (np.argsort(np.argsort(s, kind="stable"), kind="stable") for s in squares)
     correlation = float(np.corrcoef(residual, position)[0, 1])
     return min(2.0 * tail(abs(correlation) * np.sqrt(len(residual) - 1.0)), 1.0)
 
 
-def _at_a_limit(recorded: Array) -> NDArray[np.bool_]:
+def _at_a_limit(recorded: Array, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Readings at a limit of what reads them, shape (N,): the largest or least where it recurs. They have no noise."""
     rows = np.zeros(len(recorded), bool)
-    for end in (np.min(recorded), np.max(recorded)):
-        here = recorded == end
+    for end in (np.min(recorded[used], initial=np.inf), np.max(recorded[used], initial=-np.inf)):
+        here = used & (recorded == end)
         rows |= here & (np.count_nonzero(here) >= FEWEST_AT_A_LIMIT)
     return rows
 

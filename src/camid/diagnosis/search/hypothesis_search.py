@@ -99,13 +99,15 @@ def hypotheses(
     What is far behind an ``incumbent`` after a first fit is not fitted thoroughly.
     """
     starts = _shortlist(problem, screened, effort)
-    elsewhere = [*others, *models_with_plants(problem, base)]
+    elsewhere = list(others)
     if nominal is not None and not watch.no_time_for("starts from other coefficients"):
         elsewhere += _starts_elsewhere(problem, nominal, screened)
 
     from_model = partial(_fitted_from, problem, watch, "other starts of", FIRST_STEPS)
     first = _in_batches(partial(_fitted_first, problem, watch, base), starts, watch)
     first += _in_batches(from_model, elsewhere, watch)
+    of_plants = models_with_plants(problem, base, (c.effect.identifier for c in screened))
+    first += _in_batches(from_model, of_plants, watch)
     if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
         first += _in_batches(from_model, raced(problem, nominal), watch)
     first += _in_batches(from_model, _beside_better_coefficients(problem, base, starts, elsewhere, first), watch)
@@ -119,7 +121,7 @@ def hypotheses(
     near = _near_the_best(ranked, base, effort, incumbent)
     watch.take_stock(NAMES)
     thorough = side_by_side(partial(_fitted_thoroughly, problem, watch), near)
-    found = in_order([*thorough, *ranked[len(near) :]])
+    found = in_order([*thorough, *(h for h in ranked if not any(h is chosen for chosen in near))])
     watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
         return found
@@ -129,6 +131,9 @@ def hypotheses(
     plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects)) if ranked else None
     if plainer is None or plainer.beyond(ranked[0]) >= 0.0:
         return ranked
+    watch.take_stock(NAMES)
+    if watch.no_time_for("finer laws"):
+        return best_of_each([*ranked, plainer])
     # Where more detail has come to nothing, that of another kind was begun from there, and may not have been found.
     return best_of_each([*ranked, plainer, *finer_laws(problem, [plainer])])
 

@@ -7,6 +7,7 @@ than that, and each plant is judged by how well its output with the effect follo
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
 
@@ -67,7 +68,7 @@ def models_around(problem: Problem, nominal: Model) -> list[Model]:
     return [model for _, _, model in sorted(judged, key=lambda item: item[:2])[:KEPT]]
 
 
-def models_with_plants(problem: Problem, base: Fitted) -> list[Model]:
+def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str]) -> list[Model]:
     """A model with each effect that says itself beside which plant it holds, in addition to those of a base.
 
     Parameters
@@ -75,19 +76,33 @@ def models_with_plants(problem: Problem, base: Fitted) -> list[Model]:
     problem : Problem
     base : Fitted
         Whose coefficients were estimated without the effect.
+    identifiers : iterable of str
+        Of the effects that are looked for.
+
+    Returns
+    -------
+    list of Model
+        Coefficients that are not free are those of the base; none of a plant that is not made from coefficients.
     """
     views, found = problem.situations(base.model), []
-    present = {effect.identifier for effect in base.model.effects}
-    for identifier, kind in sorted(known_effects().items()):
-        if identifier in present or problem.kind.unseen(kind) is not None or kind.invisible(views.of(kind)) is not None:
+    free = {constant.name for constant in problem.kind.free_constants()}
+    estimated = {name: value for name, value in base.model.constants.items() if name in free}
+    for identifier in sorted(set(identifiers)):
+        kind = known_effects()[identifier]
+        try:
+            guess = kind.with_plant(views.of(kind), estimated)
+            if guess is None:
+                continue
+            effect, plant, constants = guess
+            coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
+            kept = ~problem.structure.free
+            coefficients[kept] = base.model.coefficients[kept]
+            model = replace(base.model.plus(effect), constants={**base.model.constants, **constants}, initial=())
+            moved = problem.kind.with_coefficients(model, coefficients)
+            if np.array_equal(moved.coefficients, coefficients):
+                found.append(problem.with_initial_states(moved))
+        except (ValueError, ArithmeticError):
             continue
-        guess = kind.with_plant(views.of(kind), base.model.constants)
-        if guess is None:
-            continue
-        effect, plant, constants = guess
-        model = replace(base.model.plus(effect), constants={**base.model.constants, **constants}, initial=())
-        coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
-        found.append(problem.with_initial_states(problem.kind.with_coefficients(model, coefficients)))
     return found
 
 

@@ -54,8 +54,8 @@ def with_other_beginnings(
     Returns
     -------
     Decision
-        The same where it leaves noise, or where a law of it seems inexact, which is learned; without an input other
-        effects may seem so, and where more is left than inexact laws leave.
+        The same where it leaves noise, or where a law of it seems inexact, which is learned; but not without an input,
+        where other effects may seem so, nor where more is left than inexact laws leave.
     """
     over_time = problem.kind.phases_add_up
     if not decision.rivals or (decision.interrupted and not over_time and not _leaves_much(decision)):
@@ -89,8 +89,12 @@ def with_other_beginnings(
 
 
 def _leaves_much(decision: Decision) -> bool:
-    """Whether more of the mismatch is left than laws leave that are not exact."""
-    return decision.fitted.cost > LAW_ERROR * decision.base.cost
+    """Whether more of the mismatch is left than laws leave that are not exact, both without the noise."""
+    fitted = decision.fitted
+    # What the past of a residual does not tell is noise, or too little to matter.
+    innovations = fitted.problem.whitened(fitted.residual, fitted.noise.whitening)
+    noise = min(float(innovations @ innovations), fitted.cost)
+    return fitted.cost - noise > LAW_ERROR * (decision.base.cost - noise)
 
 
 def _is_out_of_phase(problem: Problem, decision: Decision) -> bool:

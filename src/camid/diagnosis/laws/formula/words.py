@@ -24,7 +24,7 @@ LEAST_SIDE = 0.3
 LEAST_GAIN = 2.0
 # Forms of straight pieces.
 PIECEWISE = {"kink", "dead zone", "two kinks", "absolute value"}
-# Straight part of a formula, as a share of what is left of it, from which it is worth a word.
+# Straight part of a formula, as a share of what is left of it, from which it is worth a word, and of the signal itself.
 LEAST_HELD = 0.05
 # Standard deviations from which the largest difference of curve and formula is named.
 SIGNIFICANT = 2.0
