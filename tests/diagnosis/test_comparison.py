@@ -99,7 +99,7 @@ def test_a_general_law_has_prior_odds_against_it():
 
 def test_a_general_law_takes_the_place_of_its_special_case():
     """Friction that falls with the speed, of which Coulomb's is found first, by the generator of the sealed proof."""
-    case = plan(777, 72)[46]
+    case = plan(778, 72)[23]
     assert case.effects == ("stribeck-friction",)
     concealed = make(case)
     diagnosis = camid.diagnose(concealed.recording, concealed.simulation)

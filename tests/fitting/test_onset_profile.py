@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from camid.fitting import onset_profile
+from camid.fitting import likelihood_profile, onset_profile
 
 
 class Onset:
@@ -20,7 +20,7 @@ def test_an_onset_is_as_uncertain_as_its_likelihood_has_maxima(monkeypatch, maxi
         return -2.0 * np.log(sum(np.exp(-0.5 * ((time - 5.0 - m) / 0.1) ** 2) for m in maxima))
 
     fitted = one_onset(fall)
-    monkeypatch.setattr(onset_profile, "replace", lambda model, **new: new["effects"][0].values["time"])
+    monkeypatch.setattr(likelihood_profile, "replace", lambda model, **new: new["effects"][0].values["time"])
     (found,) = onset_profile.onset_deviations(fitted).values()
     assert found == pytest.approx(expected, rel=0.08)
 

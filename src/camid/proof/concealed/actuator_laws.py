@@ -7,12 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from camid.proof.concealed import vector_layout as s
-from camid.proof.concealed.input_path import Curve, curve, held, play, refined, slew
-from camid.proof.concealed.machine_integrator import Segments
+from camid.proof.concealed.input_path import Curve, curve, play, slew
 from camid.proof.concealed.plant_laws import Parameters, built_in
-from camid.proof.concealed.rig_setup import Context, Effect, InputMap, Setup
-
-PULSES = 6  # of the modulated command in a frame
+from camid.proof.concealed.rig_setup import Context, Effect, Setup
 
 
 def _static(
@@ -166,36 +163,10 @@ def input_hold(generator: np.random.Generator, context: Context, alternative: bo
 
 
 def input_quantisation(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A command rounded to few levels; or given as pulses of the full voltage, whose number of widths is limited."""
+    """A command rounded to few levels."""
+    peak = context.peak
 
-    def apply(setup: Setup, strength: float) -> None:
-        step = strength * context.peak
+    def maps(strength: float) -> Curve:
+        return lambda u: strength * peak * np.rint(u / (strength * peak))
 
-        def rounded(u: np.ndarray) -> np.ndarray:
-            return step * np.rint(u / step)
-
-        function: Curve = rounded
-        setup.input_maps.append(curve(function))
-        if alternative:
-            setup.input_maps.append(_pulse_width(2.5 * context.peak, PULSES))
-
-    law = "pulse-width-modulation" if alternative else "catalogue"
-    return Effect("input-quantisation", "actuator", law, apply, lambda g: {"step": g * context.peak}, 0.1, 1.5)
-
-
-def _pulse_width(full: float, pulses: int) -> InputMap:
-    """Each held value as pulses of the full voltage that have the same area."""
-
-    def apply(segments: Segments, period: float) -> Segments:
-        fine = refined(segments, period)
-        length = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2]) / pulses
-        rise = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
-        level = np.repeat(fine.value, pulses)
-        duty = np.clip(np.abs(level) / full, 0.0, 0.999)
-        start = np.stack((rise, rise + duty * np.repeat(length, pulses)), axis=1)
-        value = np.stack((full * np.sign(level), np.zeros(len(duty))), axis=1)
-        kept = np.ones_like(start, dtype=bool)
-        kept[:, 0] = duty > 0.0
-        return held(start[kept], value[kept])
-
-    return apply
+    return _static("input-quantisation", "catalogue", maps, lambda g: {"step": g * peak}, 0.1, 1.5)
