@@ -43,19 +43,18 @@ def with_jumps(fitted: Fitted, covariance: Array, jumping: dict[int, int]) -> Ar
     """
     for place, index in jumping.items():
         profile = LikelihoodProfile(fitted, index, str(fitted.model.effects[index].jumps_by))
-        deviation = _deviation(profile)
+        deviation, nearest = _deviation(profile)
         if deviation == 0.0:
             continue
-        # The others make up for what it does over its deviation; at a point its derivative may be a jump's.
-        reach = min(deviation, LOWEST * abs(profile.estimate))
-        change = profile.output(reach) - profile.output(-reach)
-        moved = np.insert(profile.others(change) / (2.0 * reach), place, 1.0)
+        # The others make up for what it does between two jumps; a derivative at a point may be that of a jump.
+        change = profile.output(nearest) - profile.output(0.0)
+        moved = np.insert(profile.others(change) / nearest, place, 1.0)
         covariance = covariance + deviation**2 * np.outer(moved, moved)
     return covariance
 
 
-def _deviation(profile: LikelihoodProfile) -> float:
-    """Root mean square distance from the estimate of what the profile leaves possible."""
+def _deviation(profile: LikelihoodProfile) -> tuple[float, float]:
+    """Root mean square distance from the estimate of what the profile leaves possible, and the likeliest distance."""
     size = abs(profile.estimate)
     distances, falls, widths = [np.zeros(1)], [np.zeros(1)], [np.array([SHARES[0] * size])]
     for side in (-1.0, 1.0):
@@ -64,4 +63,6 @@ def _deviation(profile: LikelihoodProfile) -> float:
         distances.append(found)
         falls.append(fallen)
         widths.append(np.diff(shares, prepend=0.0)[: len(found)] * size)
-    return max(root_mean_square(*(np.concatenate(each) for each in (distances, falls, widths))), LEAST * size)
+    every, fallen, wide = (np.concatenate(each) for each in (distances, falls, widths))
+    nearest = float(every[1 + np.argmin(fallen[1:])]) if len(every) > 1 else SHARES[0] * size
+    return max(root_mean_square(every, fallen, wide), LEAST * size), nearest
