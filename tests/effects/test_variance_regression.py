@@ -1,9 +1,11 @@
 """The regression of the noise's variance on the square of a speed or a position."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from camid.effects.noise import variance_regression
+from camid.effects.variance_regression import scatters_from_frame_to_frame, variance_regression
 
 BASE, SLOPE = 4.0, 0.25
 
@@ -33,3 +35,16 @@ def test_units_change_nothing(unit):
 def test_a_regressor_that_never_changes_says_nothing():
     square, _ = uneven_noise()
     assert variance_regression(square, np.full(len(square), 0.3))[:2] == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("scatters", [True, False])
+def test_an_error_that_goes_on_does_not_scatter_from_frame_to_frame(scatters):
+    """Coefficients that err do so most in fast motion, over many frames; times that scatter do it frame by frame."""
+    random = np.random.default_rng(9)
+    time = 0.01 * np.arange(2000)
+    velocity = np.where(time < 10.0, 0.2, 2.0) * np.cos(2.0 * time)
+    error = random.standard_normal(2000) if scatters else np.sin(1.3 * time)
+    residual = random.standard_normal(2000) + 0.6 * velocity * error
+    everything = np.ones(2000, bool)
+    assert variance_regression(residual**2, velocity**2)[3] > 4.0
+    assert scatters_from_frame_to_frame(SimpleNamespace(residual=residual, velocity=velocity), everything) == scatters

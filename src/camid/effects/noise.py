@@ -14,6 +14,7 @@ from camid.effects.parameter import Parameter
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
+from camid.effects.variance_regression import FEWEST_ROWS, scatters_from_frame_to_frame, variance_regression
 
 # A lattice whose rounding error has less than this share of the residual's variance does not matter.
 NEGLIGIBLE_ROUNDING = 0.02
@@ -39,8 +40,6 @@ FINE_PRINT = 0.02
 MOST_DEVIATIONS = 6.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
 CERTAIN_PROBABILITY = 1e-4
-# Residuals fewer than these show no spread.
-FEWEST_ROWS = 8
 
 
 def lattice_step(values: Array) -> float | None:
@@ -324,7 +323,7 @@ class TimestampJitter(Effect):
         speed, position = situation.velocity[usable] ** 2, situation.position[usable] ** 2
         gain, jitter, deviation, score = variance_regression(square, speed)
         other = variance_regression(square, position)
-        if jitter <= 0.0 or other[0] > gain:
+        if jitter <= 0.0 or other[0] > gain or not scatters_from_frame_to_frame(situation, usable):
             return None
         timing = sqrt(jitter)
         spoiled = np.zeros(len(situation.time), bool)
@@ -339,35 +338,6 @@ class TimestampJitter(Effect):
         """What the times do to the mean of what is read: σ²/2 times its second derivative."""
         second = np.gradient(np.gradient(situation.position)) / situation.acquisition.period**2
         return np.asarray(0.5 * self.values["std"] ** 2 * second)
-
-
-def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
-    """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
-    mean = float(np.mean(square))
-    unit = float(np.mean(regressor))
-    if mean <= 0.0 or float(np.ptp(regressor)) == 0.0:
-        return 0.0, 0.0, 1.0, 0.0
-    # In units in which both columns below are near one: beside squares of large speeds the constant would be lost in
-    # rounding.
-    regressor = regressor / unit
-    centred = regressor - np.mean(regressor)
-    # Fourth moments as they are, so that heavy tails are not taken for a dependence.
-    excess = square / mean - 1.0
-    score = float(centred @ excess / sqrt(float(np.mean(excess**2)) * float(centred @ centred)))
-    base, slope = mean, 0.0
-    information = np.eye(2)
-    for _ in range(30):  # Fisher scoring for the two variances
-        variance = np.maximum(base + slope * regressor, 1e-3 * mean)
-        basis = np.column_stack([np.ones_like(regressor), regressor]) / variance[:, None]
-        information = 0.5 * basis.T @ basis
-        step = np.linalg.lstsq(information, 0.5 * basis.T @ (square / variance - 1.0), rcond=None)[0]
-        base, slope = max(base + step[0], 1e-3 * mean), max(slope + step[1], 0.0)
-        if np.max(np.abs(step)) < 1e-6 * mean:
-            break
-    variance = np.maximum(base + slope * regressor, 1e-3 * mean)
-    gain = 0.5 * float(len(square) * (log(mean) + 1.0) - np.sum(np.log(variance) + square / variance))
-    deviation = float(np.sqrt(max(np.linalg.pinv(information)[1, 1], 0.0)))
-    return gain, float(slope) / unit, deviation / unit, score
 
 
 class ColouredNoise(Effect):
