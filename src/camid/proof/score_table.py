@@ -67,10 +67,11 @@ def recovered_shares(index: int, recordings: Path, held_out: Path, diagnoses: Pa
     dict
         For each held-out recording the NRMSE of the refitted nominal simulation (``refitted_…``), of improved.yaml
         (``improved_…``) and of the noise-free output (``floor_…``), and ``share_…`` = (refitted − improved) /
-        (refitted − floor); NaN where the refitted simulation leaves nothing to gain.
+        (refitted − floor); NaN where the refitted simulation leaves nothing to gain. Frames that were exposed before
+        the recording do not count where the initial state is estimated: nobody knows of the motion then.
     """
     from camid.commands.identify import identify
-    from camid.commands.simulate import simulate
+    from camid.commands.simulate import rows_compared, simulate
 
     folder = recordings / str(index)
     try:
@@ -81,13 +82,18 @@ def recovered_shares(index: int, recordings: Path, held_out: Path, diagnoses: Pa
     found: dict[str, float] = {}
     for name in HELD_OUT:
         table = pd.read_csv(held_out / str(index) / f"{name}.csv")
-        recorded = table["y"].to_numpy(float)
-        errors = {"floor": nrmse(table["clean"].to_numpy(float), recorded)}
+        rows, simulated = np.ones(len(table), bool), {"floor": table["clean"].to_numpy(float)}
         for which, model in models.items():
             try:
-                errors[which] = nrmse(simulate(table, model)["simulated"].to_numpy(float), recorded)
+                run = simulate(table, model)
             except InputError:  # a model that cannot be run on new data is infinitely wrong there
-                errors[which] = np.inf
+                simulated[which] = np.full(len(table), np.inf)
+                continue
+            simulated[which] = run["simulated"].to_numpy(float)
+            if which == "refitted":
+                rows = rows_compared(refitted, run)
+        recorded = table["y"].to_numpy(float)
+        errors = {which: nrmse(output[rows], recorded[rows]) for which, output in simulated.items()}
         found |= {f"{which}_{name}": error for which, error in errors.items()}
         avoidable = errors["refitted"] - errors["floor"]
         worthwhile = avoidable > SMALLEST_GAIN * errors["floor"]
