@@ -9,9 +9,7 @@ from camid.diagnosis.pruning.simplest_effects import without_effect
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.false_alarms import STRONG_EVIDENCE
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
-from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.watch import Watch
-from camid.fitting.fit import fit
 from camid.fitting.problem import Problem
 
 
@@ -69,7 +67,8 @@ def without_faded(problem: Problem, decision: Decision, known: int, watch: Watch
         number = fitted.packing.names.index(name)
         if effect.values[str(effect.strength)] ** 2 >= enough * fitted.covariance[number, number]:
             continue
-        again = fit(problem, fitted.model.without(known + place), steps=ALL_STEPS)
+        # What it did may be what the initial states do, which a fit from here need not find.
+        again = problem.kind.refit(problem, fitted.model.without(known + place))
         without = min((again, decision.without[place]), key=lambda each: each.cost)
         own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
         if own.beyond(Hypothesis("", without)) > -STRONG_EVIDENCE:
