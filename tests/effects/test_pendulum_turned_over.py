@@ -18,6 +18,7 @@ def disc(seed):
     return rigs.disc(count=1200, levels=LEVELS, held=12, noise=0.05, seed=seed)
 
 
+# The disc of seed 1 turns by 84 rad, beyond the largest angle that is asked of.
 @pytest.mark.parametrize("seed", [0, 2, 3])
 def test_the_recorded_motion_says_what_a_turn_is(seed):
     table = disc(seed)

@@ -62,7 +62,7 @@ class Watch(Account):
     _late: bool = field(default=False, init=False)
 
     def count(self, work: Work, rows: int, recordings: int = 1) -> None:
-        """Bound the work that is counted, in a diagnosis of so many rows."""
+        """Bound the work that is counted, in a diagnosis of so many rows of so many recordings that are fitted."""
         self._work = work
         self._bound = (self.effort or 0.0) * (WORK * min(recordings, MOST_RECORDINGS) + WORK_OF_ROW * rows)
 

@@ -1,8 +1,9 @@
-"""Starts all around a nominal model, for effects without which re-estimated coefficients mean nothing.
+"""Starts beside other plants, for effects without which re-estimated coefficients mean nothing.
 
 A sensor without sign makes the plant of best fit one that stands still in the middle of what it reads. From
 coefficients that are off by a half no fit finds the way back, so the poles of the nominal plant are moved over more
-than that, and each plant is judged by how well its output with the effect follows the recording.
+than that, and each plant is judged by how well its output with the effect follows the recording. Other effects say
+themselves beside which plant they hold, as an outflow does whose tangent the estimated plant is.
 """
 
 from __future__ import annotations

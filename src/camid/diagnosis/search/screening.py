@@ -77,7 +77,7 @@ class ScreenedEffect:
 
     @property
     def start(self) -> Effect:
-        """The effect as a fit begins with it: in the size that fits best to first order."""
+        """The effect as a fit begins with it: in the size that fits best to first order, where it has one."""
         return self.effect.scaled(self.factor) if self.factor and not self.effect.size_is_shape else self.effect
 
 
