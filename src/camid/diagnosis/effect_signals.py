@@ -100,7 +100,7 @@ def _force(problem: Problem, model: Model, index: int, position: Array, velocity
     chain = problem.chain(model, 0)
     if effect.force is not None or effect.friction_level is not None:
         motion = (problem.times[0], position, velocity, experiment.signal)
-        return force_along(effect.beside(chain.effects), chain.plant, motion)
+        return force_along(effect.beside(chain.effects, chain.acquisition.period), chain.plant, motion)
     if type(effect).transform is not Effect.transform:
         signal = np.asarray(experiment.signal, float)
         start, _ = effect.transform(signal, signal, problem.acquisition.period)

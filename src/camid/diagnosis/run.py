@@ -25,6 +25,7 @@ from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
+from camid.diagnosis.search.related_laws import settled_laws
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects import known_effects
@@ -163,7 +164,13 @@ def _simplified(
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
     if decision.rivals:
         if residue.reasons:
-            decision = simplest(problem, in_least_squares(problem, decision), setting.known, residue.places, watch)
+            decision = in_least_squares(problem, decision)
+            watch.take_stock(LAWS)
+            if not watch.no_time_for("finer laws"):
+                decision = replace(decision, fitted=settled_laws(problem, decision.fitted, setting.known))
+                residue = residue_of(setting, decision, decision.fitted, before)
+        if residue.reasons:
+            decision = simplest(problem, decision, setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
         wandered = _wandered(setting, decision.fitted.model)
         if wandered:

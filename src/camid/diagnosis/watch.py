@@ -82,6 +82,10 @@ class Watch(Account):
         if self.effort is not None and self._work is not None:
             self._spent = self.done + ahead >= share * self._bound
 
+    def has_done(self, share: float) -> bool:
+        """Whether a share of the work is done; not while other threads simulate."""
+        return self.effort is not None and self._work is not None and self.done >= share * self._bound
+
     def batches(self, items: Sequence[Item]) -> Iterator[Sequence[Item]]:
         """A few items at a time, before each of which stock is taken."""
         for first in range(0, len(items), BATCH):

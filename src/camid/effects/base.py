@@ -313,8 +313,8 @@ class Effect:
 
     # -- what the effect does; a class overrides what it needs -----------------------------------------------------
 
-    def beside(self, others: Sequence[Effect]) -> Effect:
-        """The same effect as it acts beside all those of a chain; itself where they change nothing of it."""
+    def beside(self, others: Sequence[Effect], period: float) -> Effect:
+        """The same effect as it acts in a chain, beside all its effects, with a sampling period in s; or itself."""
         return self
 
     def force_values(self, plant: TransferFunction) -> list[float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import pi, sqrt
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class ExtraMode(Effect):
     drawn_against = "frequency"
     equation = r"y = \frac{\omega_1^2}{s^2 + 2\xi_1\omega_1 s + \omega_1^2}\;G(s)\,u"
     reference = "Laroche & Delavigne, equations (25) and (26)"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("natural_frequency", "rad/s", "natural frequency ω₁", 1e-300),
         Parameter("damping", "", "damping ratio ξ₁", 0.0, 5.0),
     )
@@ -79,6 +80,45 @@ class ExtraMode(Effect):
             yield cls(natural_frequency=float(frequency), damping=0.4)
         for frequency in _of_lines(situation, limit):
             yield cls(natural_frequency=frequency, damping=LIGHT)
+
+
+class ModeDampedBetween(ExtraMode):
+    """A mode in series whose damper lies beside its spring, as a belt or a shaft has it.
+
+    The speed of what is driven comes through the damper, which adds a zero; the paper's mode is damped against rest.
+    """
+
+    title = "Neglected flexible mode, damped by its spring"
+    equation = r"y = \frac{\omega_1^2\,(1 + T s)}{s^2 + 2\xi_1\omega_1 s + \omega_1^2}\;G(s)\,u"
+    reference = "Spong (1987), J. Dyn. Syst. Meas. Control 109, 310-319"
+    parameters = (
+        *ExtraMode.parameters,
+        Parameter("lead", "s", "time constant T = damping over stiffness of what lies between", 0.0),
+    )
+
+    def after_plant(self) -> TransferFunction | None:
+        """The mode, with a static gain of one."""
+        mode = second_order(1.0, self.values["natural_frequency"], self.values["damping"])
+        return TransferFunction((self.values["lead"] * mode.numerator[0], mode.numerator[0]), mode.denominator)
+
+    def scaled(self, factor: float) -> ModeDampedBetween:
+        """Both terms of the mode's denominator, and the lead."""
+        root = sqrt(max(factor, LEAST_FACTOR))
+        return self.with_vector(self.vector * np.array([1.0 / root, root, factor]))
+
+    def simplified(self) -> ExtraMode:
+        """The same, damped against rest."""
+        return ExtraMode(natural_frequency=self.values["natural_frequency"], damping=self.values["damping"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """With all of the damping between the two."""
+        yield cls(**{"lead": 2.0 * values["damping"] / values["natural_frequency"], **values})
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is begun from the mode that is damped against rest."""
+        return iter(())
 
 
 class ParallelMode(Effect):

@@ -7,7 +7,9 @@ the readings have it. Where they say that no outlier lies near, as none does of 
 
 Noise may have heavy tails itself, and then nothing struck it: a Student distribution (Lange, Little & Taylor 1989, J.
 Am. Stat. Assoc. 84, 881-896), or a generalised normal one from Laplacian to Gaussian. The evidence, by Bayes's
-criterion, says which of the two it is: outliers or tails.
+criterion, says which of the two it is: outliers or tails. What strikes readings of a distribution so wide that it has
+no third moment comes on top of the noise, so that the near readings are still the noise's: the sum of a normal and a
+Student distribution is asked too.
 """
 
 from __future__ import annotations
@@ -35,6 +37,12 @@ STEP = 1e-4
 # Degrees of freedom of a Student distribution: of Cauchy's, below which its third moment is infinite, so that outliers
 # struck it and it is no noise of a sensor, and from which it is a Gaussian one.
 CAUCHY, STRUCK, GAUSSIAN = 1.0, 3.0, 1e3
+# Bins of the absolute values, over their inverse hyperbolic sine, in which the sum of two distributions is evaluated.
+BINS = 300
+# Logarithms of the precision over which a Student distribution is a mixture of normal ones.
+PRECISIONS = np.linspace(-18.0, 4.0, 56)
+# Logarithm of how much narrower or wider than the median either part of such a sum may be.
+SPREAD_OF_PARTS = 6.0
 
 
 @dataclass(frozen=True)
@@ -87,6 +95,7 @@ def outlier_share(values: Array, far: NDArray[np.bool_], spread: float) -> Outli
         _criterion(mixture, len(free), sizes),
         _criterion(hollow, len(start), sizes),
         _criterion_of_student(sizes, CAUCHY, STRUCK),
+        _criterion_of_sum(sizes, CAUCHY, STRUCK),
     )
     evidence = 0.5 * (_criterion_of_heavy_tails(sizes) - struck)
     if singular or 0 not in free or hollow - mixture > HOLLOW:
@@ -107,9 +116,31 @@ def _criterion_of_student(sizes: Array, least: float, largest: float) -> float:
 
 
 def _criterion_of_heavy_tails(sizes: Array) -> float:
-    """Bayes's criterion of the likelier of two kinds of noise with heavy tails."""
+    """Bayes's criterion of the likeliest of three kinds of noise with heavy tails."""
     normal = _criterion_of(_log_density_of_generalised_normal, sizes, LEAST_EXPONENT, log(2.0))
-    return min(normal, _criterion_of_student(sizes, STRUCK, GAUSSIAN))
+    return min(normal, _criterion_of_student(sizes, STRUCK, GAUSSIAN), _criterion_of_sum(sizes, STRUCK, GAUSSIAN))
+
+
+def _criterion_of_sum(sizes: Array, least: float, largest: float) -> float:
+    """Bayes's criterion of normal noise and a Student distribution with degrees of freedom within these, added."""
+    scale = np.arcsinh(sizes)
+    counts, edges = np.histogram(scale, BINS)
+    centres = np.sinh(0.5 * (edges[1:] + edges[:-1]))
+    # Sums within bins: the means of the squares, where readings are dense, hold more than the bins' centres.
+    held = counts > 0
+    squares = np.histogram(scale, BINS, weights=sizes**2)[0]
+    centres[held] = np.sqrt(squares[held] / counts[held])
+    counts, centres = counts[held], centres[held]
+
+    def density(vector_sizes: Array, vector: Array) -> Array:
+        return counts * _log_density_of_sum(vector_sizes, vector)
+
+    width = log(float(np.median(sizes)))
+    start = np.array([width, width - log(2.0), log(least) + 0.3 * log(largest / least)])
+    low = np.array([width - SPREAD_OF_PARTS, width - SPREAD_OF_PARTS, log(least)])
+    high = np.array([width + SPREAD_OF_PARTS, width + SPREAD_OF_PARTS, log(largest)])
+    found = _likeliest(partial(density, centres), start, low, high)
+    return _criterion(float(np.sum(density(centres, found))), len(start), sizes)
 
 
 def _criterion_of(law: Callable[[Array, Array], Array], sizes: Array, least: float, largest: float) -> float:
@@ -165,6 +196,21 @@ def _log_density_of_student(sizes: Array, vector: Array) -> Array:
     wide, freedom = vector[0], np.exp(vector[1])
     constant = gammaln(0.5 * (freedom + 1.0)) - gammaln(0.5 * freedom) - 0.5 * log(0.25 * pi * freedom) - wide
     return np.asarray(constant - 0.5 * (freedom + 1.0) * np.log1p((sizes / np.exp(wide)) ** 2 / freedom))
+
+
+def _log_density_of_sum(sizes: Array, vector: Array) -> Array:
+    """Logarithm of the density of absolute values of a normal and a Student distribution, added, shape (n,).
+
+    ``vector`` holds the logarithms of both widths and of the degrees of freedom. A Student distribution is a mixture
+    of normal ones over their precision.
+    """
+    from scipy.special import log_softmax, logsumexp
+
+    normal, student, freedom = np.exp(vector)
+    share = log_softmax(0.5 * freedom * (PRECISIONS - np.exp(PRECISIONS)))
+    variance = normal**2 + student**2 * np.exp(-PRECISIONS)
+    height = share - 0.5 * np.log(variance) + 0.5 * log(2.0 / pi)
+    return np.asarray(logsumexp(height - 0.5 * sizes[:, None] ** 2 / variance, axis=1))
 
 
 def _log_likelihood_of_hollow(sizes: Array, far: NDArray[np.bool_]) -> float:

@@ -61,7 +61,7 @@ class OverflowOverWeir(Overflow):
         steepness = 1.5 * self.values["weir"] * sqrt(STEEPEST_AT * abs(self.values["height"]))
         return STEP_SHARE * abs(plant.monic.numerator[0]) * steepness if plant.order == 1 else 0.0
 
-    def beside(self, others: Sequence[Effect]) -> OverflowOverWeir:
+    def beside(self, others: Sequence[Effect], period: float) -> OverflowOverWeir:
         """No other outflow changes what flows over the edge."""
         return self
 

@@ -144,11 +144,12 @@ class Cogging(PeriodicInPosition):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The periods that explain the residual best, to first order, or what moves the plant as it was recorded."""
+        """The periods that explain best what moves the plant as it was recorded, and the residual, to first order."""
         step = _least_difference(situation.recorded)
         span = float(np.ptp(situation.recorded))
         guesses = waves_of_force(situation, span / RECORDED_PERIODS, BEST) if span > 0.0 else []
-        guesses = guesses or best_periods(situation, cls.seen(situation), SIMULATED_PERIODS)
+        # In few rows, or noisy ones, waves of the recorded motion are chance.
+        guesses += best_periods(situation, cls.seen(situation), SIMULATED_PERIODS)
         largest = situation.largest("signal")
         for guess in guesses:
             if guess["period"] > STEPS_PER_PERIOD_OF_A_FORCE * step:

@@ -57,8 +57,8 @@ STEP_SHARE = 0.125
 # Rate of a single storage at its edge, in its own ones, by which steps lose no more than an edge of REACHED.
 RATE_OF_SINGLE = 16.0
 # Speed of the outflow near the empty storage, in rates of the storage, above which it is in proportion to the level:
-# a trickle is not turbulent.
-FASTEST_TRICKLE = 30.0
+# a trickle is not turbulent. A single storage may lose nothing in proportion: then so many in a sampling period.
+FASTEST_TRICKLE, TRICKLE_IN_A_PERIOD = 30.0, 2.0
 # An edge this much beyond the motion, in the largest displacement, does nothing.
 BEYOND = 1.001
 # Steps to the level that belongs to an outflow.
@@ -158,11 +158,18 @@ class SquareRootOutflow(_Storage, AgainstMotion):
     )
     separated_by = (SeparatingExperiment.HELD_POSITIONS,)
     strength = "coefficient"
+    _period: float | None = None
 
     def __init__(self, **values: Any) -> None:
         super().__init__(**values)
         # The level of the upper of two storages follows from the speed of the lower one's.
         self.uses_velocity = self.values["below"] != "none"
+
+    def beside(self, others: Sequence[Effect], period: float) -> SquareRootOutflow:
+        """In a chain with a sampling period."""
+        found = type(self)(**self.values)
+        found._period = period
+        return found
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
@@ -183,11 +190,26 @@ class SquareRootOutflow(_Storage, AgainstMotion):
         of the stiffness.
         """
         stiffness, constants = static_stiffness(plant), time_constants(plant)
-        excess, trickle = self.shape(plant)
         if self.values["below"] == "none" or len(constants) < 2:
-            return [0.0, self.values["coefficient"], trickle, motion_sign(plant), 0.0, 0.0]
+            return [0.0, self.values["coefficient"], self._trickle(plant), motion_sign(plant), 0.0, 0.0]
+        excess, trickle = self.shape(plant)
         lower, upper = constants if self.values["below"] == "fast" else constants[::-1]
         return [1.0, excess, trickle, stiffness, lower, upper]
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """A tank that nothing leaves in proportion to its level may have an outflow, too."""
+        monic = situation.plant.monic
+        fills = monic.order == 1 and len(monic.numerator) == 1 and monic.denominator[-1] == 0.0
+        return None if fills else super().invisible(situation)
+
+    def _trickle(self, plant: TransferFunction) -> float:
+        """Level of a trickle of a single storage."""
+        own = FASTEST_TRICKLE * float(np.max(np.abs(plant.poles()), initial=0.0))
+        fastest = own if self._period is None else own + TRICKLE_IN_A_PERIOD / self._period
+        if fastest == 0.0:
+            return NO_LEVEL
+        return (abs(plant.monic.numerator[0]) * self.values["coefficient"] / fastest) ** 2 + NO_LEVEL
 
     def shape(self, plant: TransferFunction) -> tuple[float, float]:
         """Outflow with the root of a level of one over that in proportion, and the level of a trickle."""
@@ -324,7 +346,7 @@ class Overflow(_Storage):
     def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return position + values[1] * velocity - values[2]
 
-    def beside(self, others: Sequence[Effect]) -> Overflow:
+    def beside(self, others: Sequence[Effect], period: float) -> Overflow:
         """Beside an outflow of both storages with the square root of their level, which says how high the upper is."""
         same = [e for e in others if isinstance(e, SquareRootOutflow) and e.values["below"] == self.values["below"]]
         if not same or self.values["below"] == "none":

@@ -269,7 +269,9 @@ def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) ->
     """Addresses of the compiled parts of all effects, and their values."""
     count = len(chain.effects)
     addresses = np.zeros((5, count), np.int64)
-    numbers = [effect.beside(chain.effects).force_values(chain.plant) for effect in chain.effects]
+    numbers = [
+        effect.beside(chain.effects, chain.acquisition.period).force_values(chain.plant) for effect in chain.effects
+    ]
     values = np.zeros((count, max([FEWEST_VALUES, *(len(n) for n in numbers)])))
     for i, effect in enumerate(chain.effects):
         parts = (effect.force, effect.friction_level, effect.memory_after, effect.switch, effect.actuated)

@@ -25,8 +25,9 @@ def fitted_hypothesis(
     start: Model,
     steps: int,
     base: Fitted | None = None,
+    index: int | None = None,
 ) -> Hypothesis | None:
-    """The hypothesis of the effect that a model holds last, fitted from there.
+    """The hypothesis of an effect of a model, the last one if nothing else is said, fitted from there.
 
     Parameters
     ----------
@@ -37,6 +38,8 @@ def fitted_hypothesis(
         Evaluations at most; where all is linear always those of a thorough fit.
     base : Fitted, optional
         The model without the effect: a first fit, which takes its noise and its scales from there.
+    index : int, optional
+        Which of the model's effects it is.
 
     Returns
     -------
@@ -56,9 +59,10 @@ def fitted_hypothesis(
         return None
     if not np.isfinite(result.noise.deviance):
         return None
-    if len(start.effects) - 1 in implausible(problem, result.model):
+    place = len(start.effects) - 1 if index is None else index
+    if place in implausible(problem, result.model):
         return None
-    return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[-1]))
+    return Hypothesis(identifier, result, prior_penalty(problem, result.model.effects[place]))
 
 
 def is_linear(problem: Problem, model: Model) -> bool:

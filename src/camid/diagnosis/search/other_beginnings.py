@@ -4,6 +4,10 @@ A search that adds one effect at a time keeps the first one, and what resembles 
 either: in a recording without an input a second mode beats in the place of gravity and drag. Tests of what could
 replace it come too late, beside effects that were found for its sake. So the search is begun again with the likeliest
 of the others (a beam of a few, as in Miller 2002, Subset Selection in Regression, section 3.10).
+
+Where far more is left than laws leave that are not exact, two effects may hide each other, so that neither explains
+much alone: friction beside a saturation, in a loop. Then the search begins with those beside which a second effect
+would leave least.
 """
 
 from __future__ import annotations
@@ -16,14 +20,20 @@ import numpy as np
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
+from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+
+# A first effect, and what was screened beside it already.
+Beginning = tuple[Hypothesis, list[ScreenedEffect] | None]
 
 # By how much the criterion of what takes the place of something has to be lower.
 SWAP_MARGIN = 2.0
 # Other first effects, and the share of the mismatch that one has to explain.
 MOST_BEGINNINGS, LEAST_EXPLAINED = 2, 0.3
+# First effects of which is looked at what a second one would leave, and the share of the work that may be done by then.
+MOST_LOOKED_AT, LOOKED_AT = 8, 0.45
 # Error, as a share of the output's spread, from which a motion without an input may be out of phase.
 OUT_OF_PHASE = 0.005
 
@@ -65,24 +75,30 @@ def with_other_beginnings(
         return decision
     first = searches.beside(decision.base) or []
     others = _other_beginnings(decision, first)
-    passes: list[tuple[Model | None, list[Hypothesis]]] = [(None, others)]
+    much = not over_time and _leaves_much(decision)
+    likeliest: list[Beginning] = [(h, None) for h in others[:MOST_BEGINNINGS]]
+    beginnings = _promising(problem, others, watch) if much else likeliest
+    passes: list[tuple[Model | None, list[Beginning]]] = [(None, beginnings)]
     if over_time and nominal is not None:
-        passes.append((nominal, [*decision.rivals[0][:1], *others]))
-    for start, beginnings in passes:
+        passes.append((nominal, [*((h, None) for h in decision.rivals[0][:1]), *likeliest]))
+    for start, begins in passes:
         if start is not None and not _is_out_of_phase(problem, decision):
             break
-        for beginning in beginnings:
+        for beginning, screened in begins:
             watch.take_stock(NAMES)
             if watch.no_time_for(f"a search that begins with {beginning.identifier}"):
                 return decision
-            begun = Decision(decision.base, beginning.fitted, [first], [decision.base])
-            other = with_added_effects(problem, decision.base, searches, watch, nominal=start, begun=begun)
+            # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
+            begun = Decision(decision.base, beginning.fitted, [first], [decision.base], interrupted=much)
+            other = with_added_effects(problem, decision.base, searches, watch, screened, start, begun)
             if len(other.rivals) < 2 or not _is_likelier(problem, other, decision):  # alone they were ranked already
                 continue
             if not leaves_structure(other):
                 return other
             if _is_likelier(problem, _first_two(other), _first_two(decision)):
                 decision = other
+            if much and not _leaves_much(decision):
+                return decision
         if not leaves_structure(decision):
             break
     return decision
@@ -120,8 +136,19 @@ def _whole(problem: Problem, decision: Decision) -> Hypothesis:
 
 
 def _other_beginnings(decision: Decision, first: list[Hypothesis]) -> list[Hypothesis]:
-    """The likeliest hypotheses beside the base that explain much of the mismatch and are not in the decision."""
+    """The hypotheses beside the base that explain much of the mismatch and are not in the decision, in order."""
     present = {effect.identifier for effect in decision.fitted.model.effects}
     most = (1.0 - LEAST_EXPLAINED) * decision.base.cost
-    others = [h for h in first if h.identifier not in present and h.fitted.cost <= most]
-    return others[:MOST_BEGINNINGS]
+    return [h for h in first if h.identifier not in present and h.fitted.cost <= most]
+
+
+def _promising(problem: Problem, others: list[Hypothesis], watch: Watch) -> list[Beginning]:
+    """The beginnings beside which a second effect would leave least, to first order."""
+    looked_at: list[tuple[float, Beginning]] = []
+    for hypothesis in others[:MOST_LOOKED_AT]:
+        if len(looked_at) >= MOST_BEGINNINGS and watch.has_done(LOOKED_AT):
+            break
+        screened = screen(problem, hypothesis.fitted)
+        gain = screened[0].gain / len(hypothesis.fitted.residual) if screened else 0.0
+        looked_at.append((hypothesis.fitted.cost / (1.0 + gain), (hypothesis, screened)))
+    return [beginning for _, beginning in sorted(looked_at, key=lambda each: each[0])[:MOST_BEGINNINGS]]

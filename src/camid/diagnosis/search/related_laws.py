@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.search.screening import may_be_more_than_chance
@@ -18,6 +20,8 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.side_by_side import WORKERS, side_by_side
 
+# Share of a bound within which a number lies on it.
+AT_BOUND = 1e-3
 # Effects whose laws with more detail are fitted, and the sum of squares of the second one of them over the least one.
 MOST_REFINED, NEARLY_AS_GOOD = 2, 1.3
 
@@ -69,25 +73,74 @@ def possible_relatives(problem: Problem, model: Model, index: int) -> list[Effec
     return [each for each in relatives if each.identifier not in present and is_possible(type(each))]
 
 
-def finer_in_place(problem: Problem, fitted: Fitted) -> Fitted:
+def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bool = False) -> Fitted:
     """The model with more detail in a law that others were found beside, where that is likelier; else the same.
 
-    What a law lacks may show only when what hid it is found. The law of the effect that was found last has been tried.
+    What a law lacks may show only when what hid it is found. In a search that of the ``last`` effect has been tried.
     """
-    for identifier in [e.identifier for e in fitted.model.effects[:-1]]:
+    effects = fitted.model.effects[first:]
+    for identifier in [e.identifier for e in (effects if last else effects[:-1])]:
         index = [e.identifier for e in fitted.model.effects].index(identifier)
         effect = fitted.model.effects[index]
         laws = [law for law in _finer(problem, fitted.model, effect) if law.identifier == identifier]
-        starts = [_with_last(fitted.model, index, law) for law in laws]
-        tried = side_by_side(partial(_fitted_from, problem), _worth_a_fit(problem, fitted, starts))
+        starts = [_with_law(fitted.model, index, law) for law in laws]
         own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
+        starts = _worth_a_fit(problem, fitted, starts)
+        tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
         fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
     return fitted
+
+
+def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
+    """The model with each of its effects' laws in the detail that the others call for now that all of them are found.
+
+    Detail that went as far as it may is that of a plainer law, which is not reached so: a knee that is a corner.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+    first : int
+        The first of the effects that a search has found.
+    """
+    fitted = finer_in_place(problem, fitted, first, last=True)
+    for identifier in [effect.identifier for effect in fitted.model.effects[first:]]:
+        index = [effect.identifier for effect in fitted.model.effects].index(identifier)
+        effect = fitted.model.effects[index]
+        simple = effect.simplified()
+        if simple is not None and _is_at_bound(problem, effect, simple):
+            own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
+            plainer = _fitted_in_place(problem, index, _with_law(fitted.model, index, simple))
+            fitted = in_order([own, *([plainer] if plainer else [])])[0].fitted
+    return fitted
+
+
+def _is_at_bound(problem: Problem, effect: Effect, simple: Effect) -> bool:
+    """Whether a number that a plainer law of the same name lacks lies at a bound."""
+    if simple.identifier != effect.identifier:
+        return False
+    kept = {parameter.name for parameter in simple.parameters}
+    numbers = zip(effect.numeric(), effect.vector, effect.bounds(problem.acquisition), strict=True)
+    return any(
+        abs(value - bound) <= AT_BOUND * abs(bound)
+        for parameter, value, bounds in numbers
+        for bound in bounds
+        if parameter.name not in kept and np.isfinite(bound)
+    )
 
 
 def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps: int = ALL_STEPS) -> Hypothesis | None:
     """A law in the place of one of a model's effects, fitted from there; it stands last."""
     return fitted_hypothesis(problem, effect.identifier, _with_last(model, index, effect), steps)
+
+
+def _with_law(model: Model, index: int, law: Effect) -> Model:
+    """The model with another law of the same name: effects act in the order in which they stand."""
+    return replace(model, effects=(*model.effects[:index], law, *model.effects[index + 1 :]))
+
+
+def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
+    return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
 
 
 def _with_last(model: Model, index: int, effect: Effect) -> Model:

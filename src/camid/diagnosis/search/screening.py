@@ -114,7 +114,7 @@ def candidates(problem: Problem, base: Fitted) -> Iterator[Effect]:
         if effect.noise_like or identifier in present:
             continue
         view = views.of(effect)
-        if problem.kind.unseen(effect) is None and effect.invisible(view) is None:
+        if problem.kind.unseen_beside(effect, base.model) is None and effect.invisible(view) is None:
             yield from _possible(effect, view)
 
 

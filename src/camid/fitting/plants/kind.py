@@ -246,6 +246,11 @@ class PlantKind:
             return "the simulation says what the skew is, or that it is estimated with the plant"
         return None
 
+    def unseen_beside(self, effect: type[Effect], model: Model) -> str | None:
+        """The same beside the effects of a model: behind an actuator that bends its input a constant is another one."""
+        bent = any(e.place == "actuator" and not e.linear_dynamics and not e.is_constant for e in model.effects)
+        return None if effect is InputBias and self.bias_free and bent else self.unseen(effect)
+
     def situations(self, problem: Problem, model: Model, index: int) -> Views:
         """What first guesses need of one recording."""
         experiment = problem.experiments[index]
