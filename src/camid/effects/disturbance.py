@@ -24,6 +24,8 @@ LINES = 4
 TIMES = 3
 # Periods of a force that a recording holds at least: what has not returned may be a drift as well.
 FEWEST_PERIODS = 1.5
+# First guesses of a sinusoidal force in a loop: its phases, and its size as a share of the largest command.
+PHASES, SMALL = (0.0, 0.5 * pi, pi, 1.5 * pi), 0.02
 
 
 def force_at(situation: Situation, angular: float) -> dict[str, float]:
@@ -70,9 +72,16 @@ class PeriodicDisturbance(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The highest lines of the residual's spectrum, brought back to the plant's input."""
+        """The highest lines of the residual's spectrum, brought back to the plant's input.
+
+        In a loop the controller answers, too: there any phase is tried, small.
+        """
         for angular in highest_lines(situation, LINES):
-            yield cls(frequency=angular, **force_at(situation, angular))
+            if situation.command is None:
+                yield cls(frequency=angular, **force_at(situation, angular))
+                continue
+            for phase in PHASES:
+                yield cls(frequency=angular, amplitude=SMALL * situation.largest("command"), phase=phase)
 
 
 def _best_times(situation: Situation, response: Array) -> list[float]:

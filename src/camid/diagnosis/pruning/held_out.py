@@ -46,16 +46,20 @@ def borne_out(
         worst = int(np.argmin(evidence))
         # What inexact laws leave is no noise, and no density predicts it: there an effect has to fail altogether.
         coloured = len(fitted.noise.whitening) > 1
-        if evidence[worst] >= -REFUTED or (coloured and not _fails(problem, decision, worst, judging)):
+        if evidence[worst] >= -REFUTED or (coloured and not _fails(problem, decision, known, worst, judging)):
             break
         decision = without_effect(problem, decision, known, worst, watch)
     return decision
 
 
-def _fails(problem: Problem, decision: Decision, index: int, judging: Sequence[NDArray[np.bool_]]) -> bool:
-    """Whether squared errors on rows that were not fitted are some times larger with an effect than without it."""
+def _fails(problem: Problem, decision: Decision, known: int, index: int, judging: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether squared errors on rows that were not fitted are some times larger with an effect than without it.
+
+    What goes on with time, as a drift does, has nothing to it but that it goes on in these rows, too.
+    """
     errors, others = (problem.errors(each.model, judging) for each in (decision.fitted, decision.without[index]))
-    return not float(errors @ errors) <= FAILED_ERROR_RATIO * float(others @ others)
+    goes_on = decision.fitted.model.effects[known + index].of_one_recording
+    return not float(errors @ errors) <= (1.0 if goes_on else FAILED_ERROR_RATIO) * float(others @ others)
 
 
 def held_out_evidence(problem: Problem, fitted: Fitted, without: Fitted, judging: Sequence[NDArray[np.bool_]]) -> float:
