@@ -14,7 +14,7 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
-from camid.effects.friction import CoulombFriction, StribeckFriction
+from camid.effects.friction import AsymmetricFriction, CoulombFriction, StribeckFriction
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
 from camid.effects.situation import Situation
@@ -28,6 +28,8 @@ FASTEST = 1e3
 # speed, in standard deviations of the velocity.
 LEVELS = (0.7, 1.3)
 VELOCITIES = (1.0, 0.3)
+# First guess of half the difference of the levels in both directions, in their mean.
+UNEVEN = 0.1
 TRANSITION = Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300)
 
 
@@ -57,14 +59,68 @@ class GradualCoulombFriction(CoulombFriction):
         return CoulombFriction(force=self.values["force"])
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """Levels that fall with the speed."""
+        """Levels that are larger in one direction, or fall with the speed."""
         level, spread = self.values["force"], float(np.std(situation.velocity)) or 1.0
         low, high = (share * level for share in LEVELS)
         transition = self.values["transition"]
-        return tuple(
+        falling = (
             GradualStribeckFriction(coulomb=low, breakaway=high, velocity=share * spread, transition=transition)
             for share in VELOCITIES
         )
+        more, less = ((1.0 + uneven) * level for uneven in (UNEVEN, -UNEVEN))
+        return (GradualAsymmetricFriction(forward=more, backward=less, transition=transition), *falling)
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """Of small and of middle speeds."""
+        spread = float(np.std(situation.velocity)) or 1.0
+        yield from (cls(**values, transition=share * spread) for share in SHARES)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a friction that was found."""
+        yield from ()
+
+
+class GradualAsymmetricFriction(AsymmetricFriction):
+    """Dry friction of another size in each direction that holds nothing at rest.
+
+    Nothing of it acts on a body at rest, as a bias of the input does, so that the two are told apart.
+    """
+
+    title = "Asymmetric Coulomb friction that turns round gradually"
+    equation = r"f = f_+\tanh(\dot y/v_t)\ \ (\dot y > 0),\quad f = f_-\tanh(\dot y/v_t)\ \ (\dot y < 0)"
+    reference = GradualCoulombFriction.reference
+    parameters = (*AsymmetricFriction.parameters, TRANSITION)
+    sum_of = ()
+    friction_level = None  # type: ignore[assignment] # nothing holds the body
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        share = tanh(velocity / values[2])
+        return values[0] * share + values[1] * abs(share)
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Mean of both levels and half of their difference, with the sign of the plant's gain, and speed."""
+        sign, forward, backward = motion_sign(plant), self.values["forward"], self.values["backward"]
+        return [0.5 * sign * (forward + backward), 0.5 * sign * (forward - backward), self.values["transition"]]
+
+    def frequency(self, plant: TransferFunction) -> float:
+        """Rate at which it brings a slow body to rest."""
+        return _rate_at_rest(plant, max(self.values["forward"], self.values["backward"]), self.values["transition"])
+
+    def simplified(self) -> CoulombFriction:
+        """The same of the mean level in both directions."""
+        level = 0.5 * (self.values["forward"] + self.values["backward"])
+        return GradualCoulombFriction(force=level, transition=self.values["transition"])
+
+    def scaled(self, factor: float) -> GradualAsymmetricFriction:
+        """Both levels, scaled."""
+        return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """None."""
+        return ()
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
-from camid.diagnosis.search.forward_selection import with_added_effects
+from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.hypothesis_search import RIVALS, best_of_each, hypotheses
 from camid.diagnosis.search.other_beginnings import SWAP_MARGIN, with_other_beginnings
-from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case
+from camid.diagnosis.search.related_laws import finer_instead, plainer_law, relatives_in_place, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.fit import Fitted, evaluate, fit
@@ -82,6 +82,10 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
             ):
                 current, changed = others, True
                 break
+            detailed = _detail_instead(problem, base, own, others)
+            if detailed is not None:
+                current, changed = detailed, True
+                break
             found = searches.beside(others)
             if found is None:
                 laws = screen(problem, others, signatures=searches.signatures)
@@ -110,6 +114,21 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
         identifier = current.model.effects[index].identifier
         rivals.append([Hypothesis(identifier, current)])
     return Decision(base, current, rivals, without)
+
+
+def _detail_instead(problem: Problem, base: Fitted, own: Hypothesis, others: Fitted) -> Fitted | None:
+    """The model without an effect that explains little and with more detail in another one's law, where it is likelier.
+
+    A constant that sets in with the motion is a drift to a law of friction that is alike in both directions.
+    """
+    if others.cost - own.fitted.cost > LAW_ERROR * (base.cost - own.fitted.cost):
+        return None
+    best: Hypothesis | None = None
+    for finer, law in finer_instead(problem, others, len(base.model.effects)):
+        plain = replace(own, penalty=own.penalty + prior_penalty(problem, law))
+        if plain.beyond(finer) > SWAP_MARGIN and (best is None or best.beyond(finer) > 0.0):
+            best = finer
+    return None if best is None else best.fitted
 
 
 def with_likelier_name(

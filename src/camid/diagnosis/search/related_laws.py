@@ -91,6 +91,21 @@ def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bo
     return fitted
 
 
+def finer_instead(problem: Problem, others: Fitted, first: int) -> list[tuple[Hypothesis, Effect]]:
+    """Laws with more detail in the place of the effects of a model, fitted, each with the law that it takes it of.
+
+    They are those that may do what an effect beside them was found for.
+    """
+    found: list[tuple[Hypothesis, Effect]] = []
+    present = {effect.identifier for effect in others.model.effects}
+    for index, effect in enumerate(others.model.effects[first:], start=first):
+        laws = [e for e in _finer(problem, others.model, effect) if e.identifier not in present - {effect.identifier}]
+        starts = [_with_law(others.model, index, law) for law in laws]
+        tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+        found += [(hypothesis, effect) for hypothesis in tried if hypothesis is not None]
+    return found
+
+
 def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
     """The model with each of its effects' laws in the detail that the others call for now that all of them are found.
 
