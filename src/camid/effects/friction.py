@@ -124,11 +124,11 @@ class AsymmetricFriction(_UnevenFriction):
     title = "Asymmetric Coulomb friction"
     equation = r"f = f_+\ \ (\dot y > 0),\quad f = -f_-\ \ (\dot y < 0),\quad -f_- \leq f \leq f_+\ \mathrm{at\ rest}"
     reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("forward", "u", "friction f₊ in the motion to larger y", 0.0),
         Parameter("backward", "u", "friction f₋ in the motion to smaller y", 0.0),
     )
-    sum_of = ("coulomb-friction", "input-bias")
+    sum_of: ClassVar[tuple[str, ...]] = ("coulomb-friction", "input-bias")
     separated_by = (SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.FREE_DECAY)
 
     @compiled
