@@ -132,7 +132,7 @@ def judged_to_first_order(
         curve = _curve(problem, fitted, law)
         try:
             start = np.zeros(curve.directions.shape[1])
-            step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual, table)
+            step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual, table, finest=False)
             step = step.apart(coefficients)
         except (ValueError, ArithmeticError):
             continue
@@ -257,13 +257,22 @@ class _Step:
 
     @classmethod
     def about(
-        cls, problem: Problem, model: Model, weights: Array, curve: _Curve, left: Array, table: Array | None = None
+        cls,
+        problem: Problem,
+        model: Model,
+        weights: Array,
+        curve: _Curve,
+        left: Array,
+        table: Array | None = None,
+        *,
+        finest: bool = True,
     ) -> _Step:
         """With the derivatives by the packed numbers, where they are known.
 
-        An error of the simulation is negligible beside what is ``left``, shape (M,).
+        An error of the simulation with the ``finest`` steps is negligible beside what is ``left``, shape (M,). Others
+        do for a law that does nothing.
         """
-        pinned = problem.pinned(model, finest=True, negligible=problem.negligible(left))
+        pinned = problem.pinned(model, finest=finest, negligible=problem.negligible(left))
         packing = Packing.of(pinned, model)
         simulated = pinned.simulate_fitted(model)
         if not np.all(np.isfinite(simulated)):
@@ -271,7 +280,8 @@ class _Step:
         if table is None:
             table = sensitivities(pinned, packing, packing.pack(model), simulated)
         columns = _derivatives(pinned, model, curve, simulated)
-        residual = problem.output - simulated
+        # Of a law that does nothing what is left is known, and coarser steps are good enough for derivatives.
+        residual = problem.output - simulated if finest else left
         smooth = _smoothed(residual, table, columns, weights, curve)
         return cls(problem, pinned, model, weights, curve, packing, residual, table, columns, smooth)
 
