@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 import camid
+from camid.chain.plant import TransferFunction
 from camid.diagnosis.search import hypothesis_search
-from camid.diagnosis.search.related_laws import finer_in_place
+from camid.diagnosis.search.related_laws import finer_in_place, finer_instead, settled_laws
 from camid.diagnosis.search.screening import ScreenedEffect, may_be_more_than_chance
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.actuator import LEAST_LAG
+from camid.effects.gradual_friction import GradualAsymmetricFriction, GradualCoulombFriction
+from camid.effects.gradual_saturation import GradualSaturation
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import experiments_of
@@ -88,3 +91,46 @@ def test_a_lag_is_no_shorter_than_what_differs_from_a_delay():
     ] == pytest.approx(LEAST_LAG * PERIOD)
     assert base.model.effects[0].values["time_constant"] >= LEAST_LAG * PERIOD
     assert problem.acquisition.period == pytest.approx(PERIOD)
+
+
+def test_a_knee_that_a_fit_makes_as_sharp_as_it_may_is_a_corner():
+    """In its place: what bends a command does so before what follows it."""
+    recording = record(effect("saturation", limit=0.8), effect("input-bias", bias=0.2), noise=0.001)
+    knee = GradualSaturation(limit=0.85, sharpness=19.0)
+    problem, base = refitted(recording, knee, effect("input-bias", bias=0.1))
+    assert base.model.effects[0].values["sharpness"] == pytest.approx(20.0, abs=0.01)
+    settled = settled_laws(problem, base, 0)
+    corner, bias = settled.model.effects
+    assert (type(corner), type(bias)) == (known_effects()["saturation"], known_effects()["input-bias"])
+    assert corner.values["limit"] == pytest.approx(0.8, abs=0.003)
+    assert bias.values["bias"] == pytest.approx(0.2, abs=0.003)
+    assert settled.cost < base.cost
+
+
+def test_detail_of_one_law_may_do_what_another_effect_was_found_for():
+    uneven = GradualAsymmetricFriction(forward=0.3, backward=0.2, transition=0.4)
+    problem, base = refitted(record(uneven, noise=0.001), GradualCoulombFriction(force=0.25, transition=0.4))
+    (best, law), *_ = sorted(finer_instead(problem, base, 0), key=lambda each: each[0].fitted.cost)
+    assert type(law) is GradualCoulombFriction
+    (found,) = best.fitted.model.effects
+    np.testing.assert_allclose(found.vector, uneven.vector, rtol=0.1)
+    assert best.fitted.cost < 0.5 * base.cost
+
+
+def test_a_constant_behind_an_actuator_that_bends_its_input_is_another_one():
+    """Where a plant integrates, the constant at its input is estimated with it, and is no effect of the catalogue."""
+    table = record(plant=TransferFunction((20.0,), (1.0, 2.0, 0.0)))
+    believed = load_simulation(simulation(plant={"transfer_function": {"numerator": [19.0], "denominator": [1, 2, 0]}}))
+    recordings, experiments, _ = experiments_of([table], believed, None)
+    problem = problem_of(believed, structure_of(believed), recordings, experiments)
+    model = problem.with_initial_states(model_of(problem, []))
+    assert problem.kind.bias_free
+    for each, asked in ((None, False), ("saturation", True), ("actuator-lag", False), ("coulomb-friction", False)):
+        values = {
+            "saturation": {"limit": 0.9},
+            "actuator-lag": {"time_constant": 0.1},
+            "coulomb-friction": {"force": 0.1},
+        }
+        beside = model if each is None else model.plus(effect(each, **values[each]))
+        assert (problem.kind.unseen_beside(known_effects()["input-bias"], beside) is None) == asked
+    assert problem.kind.unseen_beside(known_effects()["delay"], model) == problem.kind.unseen(known_effects()["delay"])

@@ -1,9 +1,11 @@
 """Rows that were not fitted judge the effects found."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from camid.diagnosis.pruning.held_out import REFUTED, borne_out, held_out_evidence
+from camid.diagnosis.pruning.held_out import REFUTED, _fails, borne_out, held_out_evidence
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.watch import Watch
@@ -39,3 +41,16 @@ def test_an_effect_stays_only_if_other_rows_do_not_speak_against_it(there):
     assert (kept is decision) == there
     assert bool(kept.rivals) == there
     assert kept.fitted is (decision.fitted if there else decision.base)
+
+
+@pytest.mark.parametrize(("identifier", "fails"), [("coulomb-friction", False), ("sensor-drift", True)])
+def test_what_goes_on_with_time_has_to_go_on(identifier, fails):
+    """Twice the squared errors on other rows: of friction the law may be inexact, and of a drift nothing is left."""
+    found = effect(identifier, **({"rate": 0.1} if identifier == "sensor-drift" else {"force": 0.1}))
+    fitted, without = (
+        SimpleNamespace(model=SimpleNamespace(effects=effects, error=error))
+        for effects, error in (((found,), np.sqrt(2.0)), ((), 1.0))
+    )
+    problem = SimpleNamespace(errors=lambda model, judging: np.full(10, model.error))
+    decision = Decision(without, fitted, [[Hypothesis(identifier, fitted)]], [without])
+    assert _fails(problem, decision, 0, 0, []) == fails

@@ -5,7 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from camid.diagnosis.search import other_beginnings
 from camid.diagnosis.search.decision import Decision, Searches
+from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.other_beginnings import with_other_beginnings
 from camid.diagnosis.watch import Watch
 
@@ -40,3 +42,19 @@ def test_what_leaves_more_than_an_inexact_law_is_no_inexact_law(left, noise, int
 
     assert with_other_beginnings(problem, decision, Searches(), Watch(), leaves_structure) is decision
     assert bool(seen) == asked
+
+
+def test_a_search_begins_with_that_beside_which_a_second_effect_would_leave_least(monkeypatch):
+    """The one that explains most alone may hide another, and the one that explains least may have it beside it."""
+    costs = {"backlash": 0.2, "saturation": 0.5, "coulomb-friction": 0.6, "delay": 0.65}
+    gains = {"backlash": 20.0, "saturation": 900.0, "coulomb-friction": 5000.0, "delay": 0.0}
+    others = [Hypothesis(name, SimpleNamespace(cost=cost, residual=np.ones(100))) for name, cost in costs.items()]
+    names = {id(h.fitted): h.identifier for h in others}
+    monkeypatch.setattr(
+        other_beginnings, "screen", lambda problem, fitted: [SimpleNamespace(gain=gains[names[id(fitted)]])]
+    )
+    begins = other_beginnings._promising(None, others, Watch())
+    assert [hypothesis.identifier for hypothesis, _ in begins] == ["coulomb-friction", "saturation"]
+    spent = Watch(effort=1.0)
+    spent.count(SimpleNamespace(seconds=1e9), 1000)
+    assert [h.identifier for h, _ in other_beginnings._promising(None, others, spent)] == ["saturation", "backlash"]

@@ -16,7 +16,11 @@ from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
 from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
-from camid.effects.gradual_friction import GradualCoulombFriction, GradualStribeckFriction
+from camid.effects.gradual_friction import (
+    GradualAsymmetricFriction,
+    GradualCoulombFriction,
+    GradualStribeckFriction,
+)
 from camid.effects.gradual_saturation import GradualSaturation
 from camid.effects.gravity import PendulumDrivenAcross, PendulumGravity
 from camid.effects.harmonics import (
@@ -25,6 +29,7 @@ from camid.effects.harmonics import (
     PeriodicDisturbanceWithHarmonic,
 )
 from camid.effects.hertz_contact import HertzEndStop
+from camid.effects.modes import ExtraMode, ModeDampedBetween
 from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_drift import SettlingSensorDrift
@@ -393,3 +398,31 @@ def test_stribeck_friction_falls_as_the_speed_grows():
     assert StribeckFriction(coulomb=0.2, **levels).is_plausible(1.0, 1.0)
     assert not StribeckFriction(coulomb=0.4, **levels).is_plausible(1.0, 1.0)
     assert not StribeckBristleFriction(coulomb=0.4, presliding=0.1, **levels).is_plausible(1.0, 1.0)
+
+
+def test_a_mode_that_its_spring_damps_passes_on_the_speed_of_what_is_driven():
+    """A load m on a spring k with a damper c beside it: m ẍ = k (y − x) + c (ẏ − ẋ)."""
+    mass, stiffness, damping = 0.3, 400.0, 2.0
+    rate, share = np.sqrt(stiffness / mass), 0.5 * damping / np.sqrt(stiffness * mass)
+    law = ModeDampedBetween(natural_frequency=rate, damping=share, lead=damping / stiffness)
+    (series,) = PLANT.numerator
+    first, second = PLANT.denominator, np.array([mass, damping, stiffness])
+    whole = TransferFunction(tuple(series * np.array([damping, stiffness])), tuple(np.polymul(first, second)))
+    np.testing.assert_allclose(output(law), sample(whole, command(300), CAMERA), atol=1e-9)
+    plain = ExtraMode(natural_frequency=rate, damping=share)
+    np.testing.assert_allclose(output(law.with_vector(np.array([rate, share, 0.0]))), output(plain), atol=1e-9)
+    assert next(ModeDampedBetween.starts(None, **plain.values)).values["lead"] == pytest.approx(damping / stiffness)
+    np.testing.assert_allclose(law.simplified().vector, plain.vector)
+
+
+@pytest.mark.parametrize("gain", [1.0, -1.0])
+def test_friction_that_is_uneven_and_turns_round_gradually(gain):
+    plant = TransferFunction(tuple(gain * np.array(PLANT.numerator)), PLANT.denominator)
+    law = GradualAsymmetricFriction(forward=0.5, backward=0.3, transition=0.4)
+    values = law.force_values(plant)
+    for speed, level in ((2.0, 0.5), (-2.0, 0.3), (0.1, 0.5), (-0.1, 0.3), (0.0, 0.0)):
+        force = law.force.at(0.0, 0.0, speed, 0.0, 0.0, values=values)
+        assert gain * force == pytest.approx(level * np.tanh(speed / 0.4))
+    even = GradualAsymmetricFriction(forward=0.4, backward=0.4, transition=0.4)
+    np.testing.assert_allclose(output(even), output(even.simplified()), atol=1e-12)
+    assert even.simplified().values == {"force": 0.4, "transition": 0.4}

@@ -56,6 +56,9 @@ NOISES = {
     "heavy": lambda generator, count: generator.standard_t(4.0, count),
     "Laplacian": lambda generator, count: generator.laplace(size=count),
     "logistic": lambda generator, count: generator.logistic(size=count),
+    "heavy on top of Gaussian": lambda generator, count: (
+        generator.normal(size=count) + generator.standard_t(6.0, count)
+    ),
 }
 
 
@@ -88,3 +91,10 @@ def test_outliers_are_told_from_heavy_tails(shape):
 def test_tails_that_no_noise_of_a_sensor_has_are_outliers():
     """A Student distribution of two degrees of freedom has no variance."""
     assert np.all(evidences(lambda generator: generator.standard_t(2.0, 3000)) > LEAST_EVIDENCE)
+
+
+@pytest.mark.parametrize("size", [0.5, 1.0])
+def test_tails_on_top_of_the_noise_are_outliers(size):
+    """What lies near is the noise's, so that a Student distribution alone has lighter tails than these."""
+    found = evidences(lambda generator: generator.normal(size=8000) + size * generator.standard_t(2.0, 8000))
+    assert np.mean(found > LEAST_EVIDENCE) > 0.8

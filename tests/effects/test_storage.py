@@ -109,3 +109,25 @@ def test_the_law_begins_beside_the_plant_whose_tangent_it_is():
     assert plant.monic.denominator[1] == pytest.approx(linear, rel=0.01)
     assert constants == {"offset": 0.0}
     assert law.with_plant(situation, {"offset": begins - 1.0}) is None
+
+
+@pytest.mark.parametrize("linear", [0.0, 1e-4, 0.02])
+def test_a_tank_need_not_lose_anything_in_proportion_to_its_level(linear):
+    """It runs empty between: ḣ = a u − c √h − r h."""
+    rate, outflow, period = 0.05, 6.0, 0.1
+    signal = np.repeat([3.0, 0.0, 2.0, 0.0], 250)
+
+    def slope(_, level, given):
+        return rate * (given - outflow * np.sqrt(np.maximum(level, 0.0))) - linear * level
+
+    level, expected = np.zeros(1), []
+    for given in signal:
+        expected.append(level[0])
+        found = solve_ivp(slope, (0.0, period), level, "LSODA", args=(given,), rtol=1e-8, atol=1e-10)
+        level = np.maximum(found.y[:, -1], 0.0)
+    effect = known_effects()["square-root-outflow"](coefficient=outflow)
+    plant = TransferFunction((rate,), (1.0, linear))
+    chain = Chain(plant, Acquisition(period=period, hold="zoh", sensor="instant"), (effect,))
+    found = run(chain, signal, period * np.arange(len(signal)))
+    assert max(expected) > 0.2
+    np.testing.assert_allclose(found, expected, atol=1e-4)

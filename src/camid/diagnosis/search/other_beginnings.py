@@ -25,14 +25,14 @@ from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
-# A first effect, and what was screened beside it already.
-Beginning = tuple[Hypothesis, list[ScreenedEffect] | None]
+# What a search begins with, and what was screened beside it already.
+Beginning = tuple[Decision, list[ScreenedEffect] | None]
 
 # By how much the criterion of what takes the place of something has to be lower.
 SWAP_MARGIN = 2.0
 # Other first effects, and the share of the mismatch that one has to explain.
 MOST_BEGINNINGS, LEAST_EXPLAINED = 2, 0.3
-# First effects of which is looked at what a second one would leave, and the share of the work that may be done by then.
+# Beginnings of which is looked at what another effect would leave, and the share of the work that may be done by then.
 MOST_LOOKED_AT, LOOKED_AT = 8, 0.45
 # Error, as a share of the output's spread, from which a motion without an input may be out of phase.
 OUT_OF_PHASE = 0.005
@@ -74,23 +74,31 @@ def with_other_beginnings(
     if not (several or leaves_structure(decision)):
         return decision
     first = searches.beside(decision.base) or []
-    others = _other_beginnings(decision, first)
     much = not over_time and _leaves_much(decision)
-    likeliest: list[Beginning] = [(h, None) for h in others[:MOST_BEGINNINGS]]
-    beginnings = _promising(problem, others, watch) if much else likeliest
-    passes: list[tuple[Model | None, list[Beginning]]] = [(None, beginnings)]
+
+    def begun(hypothesis: Hypothesis) -> Decision:
+        # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
+        return Decision(decision.base, hypothesis.fitted, [first], [decision.base], interrupted=much)
+
+    others = [begun(hypothesis) for hypothesis in _other_beginnings(decision, first)]
+    likeliest: list[Beginning] = [(each, None) for each in others[:MOST_BEGINNINGS]]
+    begins = likeliest
+    if much:
+        begins = _promising(problem, [decision, *others] if decision.interrupted else others, watch)
+    passes: list[tuple[Model | None, list[Beginning]]] = [(None, begins)]
     if over_time and nominal is not None:
-        passes.append((nominal, [*((h, None) for h in decision.rivals[0][:1]), *likeliest]))
-    for start, begins in passes:
+        passes.append((nominal, [*((begun(h), None) for h in decision.rivals[0][:1]), *likeliest]))
+    for start, beginnings in passes:
         if start is not None and not _is_out_of_phase(problem, decision):
             break
-        for beginning, screened in begins:
+        for beginning, screened in beginnings:
             watch.take_stock(NAMES)
-            if watch.no_time_for(f"a search that begins with {beginning.identifier}"):
+            names = " and ".join(
+                e.identifier for e in beginning.fitted.model.effects[len(decision.base.model.effects) :]
+            )
+            if watch.no_time_for(f"a search that begins with {names}"):
                 return decision
-            # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
-            begun = Decision(decision.base, beginning.fitted, [first], [decision.base], interrupted=much)
-            other = with_added_effects(problem, decision.base, searches, watch, screened, start, begun)
+            other = with_added_effects(problem, decision.base, searches, watch, screened, start, beginning)
             if len(other.rivals) < 2 or not _is_likelier(problem, other, decision):  # alone they were ranked already
                 continue
             if not leaves_structure(other):
@@ -142,13 +150,13 @@ def _other_beginnings(decision: Decision, first: list[Hypothesis]) -> list[Hypot
     return [h for h in first if h.identifier not in present and h.fitted.cost <= most]
 
 
-def _promising(problem: Problem, others: list[Hypothesis], watch: Watch) -> list[Beginning]:
-    """The beginnings beside which a second effect would leave least, to first order."""
+def _promising(problem: Problem, others: list[Decision], watch: Watch) -> list[Beginning]:
+    """The beginnings beside which another effect would leave least, to first order."""
     looked_at: list[tuple[float, Beginning]] = []
-    for hypothesis in others[:MOST_LOOKED_AT]:
+    for other in others[:MOST_LOOKED_AT]:
         if len(looked_at) >= MOST_BEGINNINGS and watch.has_done(LOOKED_AT):
             break
-        screened = screen(problem, hypothesis.fitted)
-        gain = screened[0].gain / len(hypothesis.fitted.residual) if screened else 0.0
-        looked_at.append((hypothesis.fitted.cost / (1.0 + gain), (hypothesis, screened)))
+        screened = screen(problem, other.fitted)
+        gain = screened[0].gain / len(other.fitted.residual) if screened else 0.0
+        looked_at.append((other.fitted.cost / (1.0 + gain), (other, screened)))
     return [beginning for _, beginning in sorted(looked_at, key=lambda each: each[0])[:MOST_BEGINNINGS]]
