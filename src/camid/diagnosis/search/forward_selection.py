@@ -32,6 +32,8 @@ from camid.fitting.problem import Problem
 # Effects that are looked for in any case, and at most: beyond the first ones, each that is found has to have explained
 # more than an inexact law of the others may leave.
 FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
+# Different linear dynamics that are begun beside the nominal coefficients, too.
+MOST_LINEAR = 4
 # Share of the mismatch that inexact laws may leave.
 LAW_ERROR = 0.04
 # Share of the mismatch from which an effect is worth a look at what shows beside it, though what it leaves is so
@@ -92,7 +94,8 @@ def with_added_effects(
         anew = begun is not None or not current.model.effects
         start = _nominal_start(problem, current, nominal, anew)
         alone = () if beside else models_of_each_recording(problem, current, watch)
-        ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch, others=alone)
+        others = [*alone, *_linear_from_nominal(current, nominal if start is None else None, found)]
+        ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch, others=others)
         searches.keep(current, ranked)
         screened = None
         level = FALSE_ALARM_BESIDE_OTHERS if beside else FALSE_ALARM
@@ -114,6 +117,22 @@ def with_added_effects(
         current = doubtful
         rivals.pop()
     return Decision(base, current, rivals, interrupted=interrupted)
+
+
+def _linear_from_nominal(current: Fitted, nominal: Model | None, screened: Sequence[ScreenedEffect]) -> list[Model]:
+    """Models with linear dynamics beside the nominal coefficients.
+
+    The estimated ones have taken the place of a delay or a lag that is missing, and from there to those beside it a
+    fit follows a long valley; the nominal ones were never bent.
+    """
+    if nominal is None:
+        return []
+    beside = replace(current.model, coefficients=nominal.coefficients)
+    found: dict[str, Model] = {}
+    for candidate in screened:
+        if candidate.effect.imitates_linear_dynamics and len(found) < MOST_LINEAR:
+            found.setdefault(candidate.effect.identifier, beside.plus(candidate.start))
+    return list(found.values())
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None, anew: bool) -> Model | None:
