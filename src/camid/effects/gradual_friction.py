@@ -30,6 +30,8 @@ LEVELS = (0.7, 1.3)
 VELOCITIES = (1.0, 0.3)
 # First guess of half the difference of the levels in both directions, in their mean.
 UNEVEN = 0.1
+# Friction in one direction, as a share of that in the other, that friction has at least.
+LEAST_IN_ONE_DIRECTION = 1.0 / 3.0
 TRANSITION = Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300)
 
 
@@ -108,6 +110,11 @@ class GradualAsymmetricFriction(AsymmetricFriction):
     def frequency(self, plant: TransferFunction) -> float:
         """Rate at which it brings a slow body to rest."""
         return _rate_at_rest(plant, max(self.values["forward"], self.values["backward"]), self.values["transition"])
+
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether there is friction in both directions: what acts in one alone is another law."""
+        smaller, larger = sorted((self.values["forward"], self.values["backward"]))
+        return smaller >= LEAST_IN_ONE_DIRECTION * larger and super().is_plausible(span, duration)
 
     def simplified(self) -> CoulombFriction:
         """The same of the mean level in both directions."""

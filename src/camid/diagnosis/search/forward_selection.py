@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.hypothesis import Hypothesis
@@ -29,11 +32,14 @@ from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
+Array = NDArray[np.float64]
+
 # Effects that are looked for in any case, and at most: beyond the first ones, each that is found has to have explained
 # more than an inexact law of the others may leave.
 FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
-# Different linear dynamics that are begun beside the nominal coefficients, too.
-MOST_LINEAR = 4
+# Different linear dynamics that are begun beside the nominal coefficients, too, and the factor by which an estimated
+# one has to differ for that.
+MOST_LINEAR, FAR = 4, 2.0
 # Share of the mismatch that inexact laws may leave.
 LAW_ERROR = 0.04
 # Share of the mismatch from which an effect is worth a look at what shows beside it, though what it leaves is so
@@ -125,7 +131,7 @@ def _linear_from_nominal(current: Fitted, nominal: Model | None, screened: Seque
     The estimated ones have taken the place of a delay or a lag that is missing, and from there to those beside it a
     fit follows a long valley; the nominal ones were never bent.
     """
-    if nominal is None:
+    if nominal is None or not _are_far(current.model.coefficients, nominal.coefficients):
         return []
     beside = replace(current.model, coefficients=nominal.coefficients)
     found: dict[str, Model] = {}
@@ -133,6 +139,12 @@ def _linear_from_nominal(current: Fitted, nominal: Model | None, screened: Seque
         if candidate.effect.imitates_linear_dynamics and len(found) < MOST_LINEAR:
             found.setdefault(candidate.effect.identifier, beside.plus(candidate.start))
     return list(found.values())
+
+
+def _are_far(found: Array, given: Array) -> bool:
+    """Whether a coefficient has moved so far that what is begun beside the other value may end elsewhere."""
+    sizes = np.abs(found[given != 0.0] / given[given != 0.0])
+    return bool(np.any((sizes > FAR) | (sizes < 1.0 / FAR)))
 
 
 def _nominal_start(problem: Problem, current: Fitted, nominal: Model | None, anew: bool) -> Model | None:
