@@ -3,6 +3,7 @@
 from camid.effects import (
     actuator,
     bristle_friction,
+    damped_end_stop,
     damping,
     disturbance,
     drift,
@@ -48,6 +49,7 @@ __all__ = [
     "actuator",
     "bristle_friction",
     "compiled",
+    "damped_end_stop",
     "damping",
     "disturbance",
     "drift",

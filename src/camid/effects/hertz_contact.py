@@ -10,6 +10,7 @@ import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
+from camid.effects.damped_end_stop import DampedEndStop
 from camid.effects.overflow_over_weir import STEEPEST_AT, OverflowOverWeir
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
@@ -51,6 +52,10 @@ class HertzEndStop(EndStop):
         return EndStop(
             position=position + copysign(depth / 3.0, position), stiffness=1.5 * self.values["hertz"] * sqrt(depth)
         )
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """A straight law that takes energy, which shows as well as the power."""
+        return tuple(DampedEndStop.starts(situation, **self.simplified().values))
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """A storage that flows off over a weir, which is the same force."""

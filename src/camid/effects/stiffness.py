@@ -94,7 +94,7 @@ class EndStop(AgainstMotion):
     title = "End stop"
     equation = r"f = k_s\,\max(y - y_s,\ 0)\ \ (y_s > 0),\quad f = k_s\,\min(y - y_s,\ 0)\ \ (y_s < 0)"
     reference = "Shaw & Holmes (1983), J. Sound Vib. 90, 129-155"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("position", "y", "start y_s of the contact"),
         Parameter("stiffness", "u/y", "stiffness k_s of the contact", 0.0),
     )

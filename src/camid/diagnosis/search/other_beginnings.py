@@ -73,22 +73,8 @@ def with_other_beginnings(
     several = over_time and len(decision.rivals) > 1
     if not (several or leaves_structure(decision)):
         return decision
-    first = searches.beside(decision.base) or []
     much = not over_time and _leaves_much(decision)
-
-    def begun(hypothesis: Hypothesis) -> Decision:
-        # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
-        return Decision(decision.base, hypothesis.fitted, [first], [decision.base], interrupted=much)
-
-    others = [begun(hypothesis) for hypothesis in _other_beginnings(decision, first)]
-    likeliest: list[Beginning] = [(each, None) for each in others[:MOST_BEGINNINGS]]
-    begins = likeliest
-    if much:
-        begins = _promising(problem, [decision, *others] if decision.interrupted else others, watch)
-    passes: list[tuple[Model | None, list[Beginning]]] = [(None, begins)]
-    if over_time and nominal is not None:
-        passes.append((nominal, [*((begun(h), None) for h in decision.rivals[0][:1]), *likeliest]))
-    for start, beginnings in passes:
+    for start, beginnings in _passes(problem, decision, searches, watch, nominal if over_time else None, much=much):
         if start is not None and not _is_out_of_phase(problem, decision):
             break
         for beginning, screened in beginnings:
@@ -110,6 +96,26 @@ def with_other_beginnings(
         if not leaves_structure(decision):
             break
     return decision
+
+
+def _passes(
+    problem: Problem, decision: Decision, searches: Searches, watch: Watch, nominal: Model | None, *, much: bool
+) -> list[tuple[Model | None, list[Beginning]]]:
+    """What searches begin with, and from which coefficients what they add is followed, too."""
+    first = searches.beside(decision.base) or []
+
+    def begun(hypothesis: Hypothesis) -> Beginning:
+        # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
+        return Decision(decision.base, hypothesis.fitted, [first], [decision.base], interrupted=much), None
+
+    others = [begun(hypothesis) for hypothesis in _other_beginnings(decision, first)]
+    if much:
+        own = [decision] if decision.interrupted else []
+        return [(None, _promising(problem, [*own, *(other for other, _ in others)], watch))]
+    passes: list[tuple[Model | None, list[Beginning]]] = [(None, others[:MOST_BEGINNINGS])]
+    if nominal is not None:
+        passes.append((nominal, [*map(begun, decision.rivals[0][:1]), *others[:MOST_BEGINNINGS]]))
+    return passes
 
 
 def _leaves_much(decision: Decision) -> bool:
