@@ -46,3 +46,33 @@ def test_the_law_of_torricelli_beside_a_saturation(seed):
         estimates.append((outflow.parameters["coefficient"], OUTFLOW))
     for value, truth in estimates:
         assert abs(value.value - truth) < 4.0 * value.standard_deviation < 0.2 * truth
+
+
+@pytest.mark.slow
+def test_a_tank_that_is_believed_to_fill_alone_runs_empty_at_times():
+    """Nothing leaves it in proportion to its level, and its scale counts from elsewhere."""
+    random = np.random.default_rng(31)
+    pump = np.repeat(random.choice([0.0, 2.0, 3.5, 5.0], 40), 60)
+    rate, outflow, zero = 0.005, 7.7, 0.0125
+    level, seen = 0.04, np.zeros(len(pump))
+    for k, given in enumerate(pump):
+        seen[k] = level
+        for _ in range(50):
+            change = rate * (given - outflow * np.sqrt(max(level, 0.0)))
+            level = max(level + 0.1 / 50 * change, 0.0)
+    reading = seen + zero + 3e-4 * random.standard_normal(len(pump))
+    table = pd.DataFrame({"t": 0.1 * np.arange(len(pump)), "pump": pump, "level": reading})
+    believed = {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "pump", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": [0.0035], "denominator": [1.0, 0.0]}},
+        "sensor": {"column": "level", "kind": "instant"},
+        "initial_state": "estimate",
+    }
+    diagnosis = camid.diagnose(table, believed)
+    outflows = [f for f in diagnosis.findings if f.identifier == "square-root-outflow"]
+    assert outflows
+    assert outflows[0].weight > 0.5
+    found = outflows[0].parameters["coefficient"]
+    assert abs(found.value - outflow) < 4.0 * found.standard_deviation < 0.1 * outflow

@@ -12,6 +12,7 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
 from camid.effects.actuator import DeadZone, Saturation
 from camid.effects.bristle_friction import StribeckBristleFriction
+from camid.effects.damped_end_stop import DampedEndStop
 from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
 from camid.effects.friction import StribeckFriction
@@ -426,3 +427,17 @@ def test_friction_that_is_uneven_and_turns_round_gradually(gain):
     even = GradualAsymmetricFriction(forward=0.4, backward=0.4, transition=0.4)
     np.testing.assert_allclose(output(even), output(even.simplified()), atol=1e-12)
     assert even.simplified().values == {"force": 0.4, "transition": 0.4}
+
+
+@pytest.mark.parametrize("gain", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_stop_that_takes_energy_pushes_harder_against_what_comes(gain, side):
+    plant = TransferFunction(tuple(gain * np.array(PLANT.numerator)), PLANT.denominator)
+    law = DampedEndStop(position=0.5 * side, stiffness=4.0, loss=0.5)
+    values = law.force_values(plant)
+    for depth, rate, force in ((0.2, 0.0, 0.8), (0.2, 1.0, 1.2), (0.2, -1.0, 0.4), (0.2, -3.0, 0.0), (-0.1, 1.0, 0.0)):
+        found = law.force.at(0.0, side * (0.5 + depth), side * rate, 0.0, 0.0, values=values)
+        assert gain * side * found == pytest.approx(force)
+    without = law.with_vector(np.array([0.5 * side, 4.0, 0.0]))
+    np.testing.assert_allclose(output(without), output(law.simplified()), atol=1e-9)
+    assert np.std(output(law) - output(without)) > 1e-3

@@ -16,7 +16,8 @@ from camid.diagnosis.laws.laws_alone import log_evidence
 from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
-from camid.diagnosis.pruning.simplest_effects import simplest, without_effect
+from camid.diagnosis.pruning.settled_effects import with_settled_laws, without_wandered
+from camid.diagnosis.pruning.simplest_effects import simplest
 from camid.diagnosis.pruning.weak_effects import without_faded, without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
@@ -25,7 +26,6 @@ from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
-from camid.diagnosis.search.related_laws import settled_laws
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, Watch
 from camid.effects import known_effects
@@ -165,9 +165,10 @@ def _simplified(
     if decision.rivals:
         if residue.reasons:
             decision = in_least_squares(problem, decision)
-            watch.take_stock(LAWS)
+            # Laws that are not settled leave structure that no learned law carries.
+            watch.take_stock()
             if not watch.no_time_for("finer laws"):
-                decision = replace(decision, fitted=settled_laws(problem, decision.fitted, setting.known))
+                decision = with_settled_laws(problem, decision, setting.known)
                 residue = residue_of(setting, decision, decision.fitted, before)
         if residue.reasons:
             decision = simplest(problem, decision, setting.known, residue.places, watch)
@@ -175,7 +176,7 @@ def _simplified(
         wandered = _wandered(setting, decision.fitted.model)
         if wandered:
             place = min(wandered) - setting.known
-            fewer = without_effect(problem, decision, setting.known, place, watch)
+            fewer = without_wandered(problem, decision, setting.known, place, watch)
         else:
             fewer = without_faded(problem, decision, setting.known, watch)
         if fewer is not decision:

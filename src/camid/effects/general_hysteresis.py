@@ -19,6 +19,9 @@ from camid.effects.situation import Situation
 # First guesses of how the force bends on its way back, and of the way on which it bends as a share of the largest one.
 RETURNS = (0.5, 1.2)
 SHARES = (0.3, 1.5)
+# Largest curvature on the way back; of materials it lies between 0 and 1 (Erlicher & Point 2004, Int. J. Solids Struct.
+# 41, 4175-4200).
+LARGEST_BACK = 10.0
 # Curvature along a way below which there is none.
 STRAIGHT = 1e-9
 
@@ -64,6 +67,10 @@ class HysteresisOfAnyLoop(Hysteresis):
             return side * (along + way)
         left = exp(-forth * way)
         return side * (along * left + (1.0 - left) / forth)
+
+    def is_plausible(self, span: float, duration: float) -> bool:
+        """Whether it is a loop: one that grows like a power of e on its way is another force."""
+        return bool(abs(self.values["curvature_back"]) <= LARGEST_BACK) and super().is_plausible(span, duration)
 
     def simplified(self) -> Hysteresis:  # type: ignore[override] # with less detail, and not another name
         """The law that saturates."""

@@ -118,6 +118,8 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
     first : int
         The first of the effects that a search has found.
     """
+    for index in range(first, len(fitted.model.effects)):
+        fitted = _under_its_name(problem, fitted, index)
     fitted = finer_in_place(problem, fitted, first, last=True)
     for identifier in [effect.identifier for effect in fitted.model.effects[first:]]:
         index = [effect.identifier for effect in fitted.model.effects].index(identifier)
@@ -128,6 +130,28 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
             plainer = _fitted_in_place(problem, index, _with_law(fitted.model, index, simple))
             fitted = in_order([own, *([plainer] if plainer else [])])[0].fitted
     return fitted
+
+
+def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
+    """The model with a law that a general one is a detour to in its place, where that is likelier: of fewer numbers.
+
+    A loop that saturates at once is dry friction, which may turn round over a range of speeds.
+    """
+    effect = fitted.model.effects[index]
+    special = effect.simplified()
+    while special is not None and special.identifier == effect.identifier:
+        special = special.simplified()
+    if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
+        return fitted
+    plain = _fitted_in_place(problem, index, _with_law(fitted.model, index, special))
+    if plain is None:
+        return fitted
+    law = plain.fitted.model.effects[index]
+    laws = [each for each in _finer(problem, plain.fitted.model, law) if each.identifier == law.identifier]
+    starts = [_with_law(plain.fitted.model, index, each) for each in laws]
+    tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+    own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
+    return in_order([own, plain, *(h for h in tried if h is not None)])[0].fitted
 
 
 def _is_at_bound(problem: Problem, effect: Effect, simple: Effect) -> bool:
@@ -152,6 +176,25 @@ def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps:
 def _with_law(model: Model, index: int, law: Effect) -> Model:
     """The model with another law of the same name: effects act in the order in which they stand."""
     return replace(model, effects=(*model.effects[:index], law, *model.effects[index + 1 :]))
+
+
+def plausible_in_place(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | None:
+    """The likeliest of the special cases and relatives of one of a model's effects in its place, of possible values.
+
+    A general law that a fit has stretched to values that are not possible may be its special case all the same.
+    """
+    model = fitted.model
+    effect = model.effects[index]
+    laws, special = [], effect.simplified()
+    while special is not None:
+        laws.append(special)
+        special = special.simplified()
+    present = {e.identifier for i, e in enumerate(model.effects) if i != index}
+    laws = [e for e in laws if e.identifier not in present and problem.kind.unseen(type(e)) is None]
+    laws += possible_relatives(problem, model, index)
+    tried = side_by_side(partial(_fitted_in_place, problem, index), [_with_law(model, index, law) for law in laws])
+    found = in_order([h for h in tried if h is not None])
+    return found[0] if found else None
 
 
 def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
