@@ -6,8 +6,8 @@ import pytest
 import camid
 from camid.chain.plant import TransferFunction
 from camid.diagnosis.search import hypothesis_search
-from camid.diagnosis.search.related_laws import finer_in_place, finer_instead, settled_laws
 from camid.diagnosis.search.screening import ScreenedEffect, may_be_more_than_chance
+from camid.diagnosis.search.settled_laws import finer_in_place, finer_instead, settled_laws
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.effects.actuator import LEAST_LAG

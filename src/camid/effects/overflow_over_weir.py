@@ -12,10 +12,11 @@ from typing import Any
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.flows_of_storages import time_constants
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import motion_sign
 from camid.effects.situation import Situation
-from camid.effects.storage import STEP_SHARE, Overflow, time_constants
+from camid.effects.storage import STEP_SHARE, Overflow
 
 # How far the largest input raises the level above the edge in first guesses, as shares of the edge's height.
 LEVELS_ABOVE = (0.05, 0.2)

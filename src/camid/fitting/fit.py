@@ -94,7 +94,8 @@ class Fitted:
         change = other.residual - self.residual
         count = len(self.residual)
         sizes = [max(f.cost, 1e-300) / max(count - len(f.packing.names), 1) for f in (self, other)]
-        ratio = count * float(np.log(sizes[0] / sizes[1])) / better.inflation(change)
+        with np.errstate(divide="ignore"):  # one that diverges is infinitely less likely
+            ratio = count * float(np.log(sizes[0] / sizes[1])) / better.inflation(change)
         return ratio + (len(self.penalised_names) - len(other.penalised_names)) * float(np.log(count))
 
     def inflation(self, change: Array) -> float:

@@ -12,7 +12,7 @@ from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.false_alarms import STRONG_EVIDENCE
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import implausible
-from camid.diagnosis.search.related_laws import plausible_in_place, settled_laws
+from camid.diagnosis.search.settled_laws import plausible_in_place, settled_laws
 from camid.diagnosis.watch import Watch
 from camid.fitting.problem import Problem
 

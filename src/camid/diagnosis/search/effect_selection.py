@@ -12,8 +12,9 @@ from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalt
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.hypothesis_search import RIVALS, best_of_each, hypotheses
 from camid.diagnosis.search.other_beginnings import SWAP_MARGIN, with_other_beginnings
-from camid.diagnosis.search.related_laws import finer_instead, plainer_law, relatives_in_place, special_case
+from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case
 from camid.diagnosis.search.screening import ScreenedEffect, screen
+from camid.diagnosis.search.settled_laws import finer_instead
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model

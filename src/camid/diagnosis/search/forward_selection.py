@@ -25,8 +25,8 @@ from camid.diagnosis.search.hypothesis_search import (
 )
 from camid.diagnosis.search.inexact_laws import laws_are_inexact
 from camid.diagnosis.search.models_of_each_recording import models_of_each_recording
-from camid.diagnosis.search.related_laws import finer_in_place
 from camid.diagnosis.search.screening import ScreenedEffect, screen
+from camid.diagnosis.search.settled_laws import finer_in_place
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model

@@ -1,0 +1,146 @@
+"""Laws settled in their places: more detail, less of it, or another name, now that the other effects are found.
+
+What a law lacks may show only when what hid it is found. Effects act in the order in which they stand, and keep it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, fitted_hypothesis
+from camid.diagnosis.search.related_laws import finer_of, possible_relatives, worth_a_fit
+from camid.effects.base import Effect
+from camid.fitting.fit import Fitted
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
+
+# Share of a bound within which a number lies on it.
+AT_BOUND = 1e-3
+
+
+def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bool = False) -> Fitted:
+    """The model with more detail in a law that others were found beside, where that is likelier; else the same.
+
+    What a law lacks may show only when what hid it is found. In a search that of the ``last`` effect has been tried.
+    """
+    effects = fitted.model.effects[first:]
+    for identifier in [e.identifier for e in (effects if last else effects[:-1])]:
+        index = [e.identifier for e in fitted.model.effects].index(identifier)
+        effect = fitted.model.effects[index]
+        laws = [law for law in finer_of(problem, fitted.model, effect) if law.identifier == identifier]
+        starts = [_with_law(fitted.model, index, law) for law in laws]
+        own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
+        starts = worth_a_fit(problem, fitted, starts)
+        tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+        fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
+    return fitted
+
+
+def finer_instead(problem: Problem, others: Fitted, first: int) -> list[tuple[Hypothesis, Effect]]:
+    """Laws with more detail in the place of the effects of a model, fitted, each with the law that it takes it of.
+
+    They are those that may do what an effect beside them was found for.
+    """
+    found: list[tuple[Hypothesis, Effect]] = []
+    present = {effect.identifier for effect in others.model.effects}
+    for index, effect in enumerate(others.model.effects[first:], start=first):
+        laws = [e for e in finer_of(problem, others.model, effect) if e.identifier not in present - {effect.identifier}]
+        starts = [_with_law(others.model, index, law) for law in laws]
+        tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+        found += [(hypothesis, effect) for hypothesis in tried if hypothesis is not None]
+    return found
+
+
+def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
+    """The model with each of its effects' laws in the detail that the others call for now that all of them are found.
+
+    Detail that went as far as it may is that of a plainer law, which is not reached so: a knee that is a corner.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+    first : int
+        The first of the effects that a search has found.
+    """
+    for index in range(first, len(fitted.model.effects)):
+        fitted = _under_its_name(problem, fitted, index)
+    fitted = finer_in_place(problem, fitted, first, last=True)
+    for identifier in [effect.identifier for effect in fitted.model.effects[first:]]:
+        index = [effect.identifier for effect in fitted.model.effects].index(identifier)
+        effect = fitted.model.effects[index]
+        simple = effect.simplified()
+        if simple is not None and _is_at_bound(problem, effect, simple):
+            own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
+            plainer = _fitted_in_place(problem, index, _with_law(fitted.model, index, simple))
+            fitted = in_order([own, *([plainer] if plainer else [])])[0].fitted
+    return fitted
+
+
+def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
+    """The model with a law that a general one is a detour to in its place, where that is likelier: of fewer numbers.
+
+    A loop that saturates at once is dry friction, which may turn round over a range of speeds.
+    """
+    effect = fitted.model.effects[index]
+    special = effect.simplified()
+    while special is not None and special.identifier == effect.identifier:
+        special = special.simplified()
+    if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
+        return fitted
+    plain = _fitted_in_place(problem, index, _with_law(fitted.model, index, special))
+    if plain is None:
+        return fitted
+    law = plain.fitted.model.effects[index]
+    laws = [each for each in finer_of(problem, plain.fitted.model, law) if each.identifier == law.identifier]
+    starts = [_with_law(plain.fitted.model, index, each) for each in laws]
+    tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+    own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
+    return in_order([own, plain, *(h for h in tried if h is not None)])[0].fitted
+
+
+def _is_at_bound(problem: Problem, effect: Effect, simple: Effect) -> bool:
+    """Whether a number that a plainer law of the same name lacks lies at a bound."""
+    if simple.identifier != effect.identifier:
+        return False
+    kept = {parameter.name for parameter in simple.parameters}
+    numbers = zip(effect.numeric(), effect.vector, effect.bounds(problem.acquisition), strict=True)
+    return any(
+        abs(value - bound) <= AT_BOUND * abs(bound)
+        for parameter, value, bounds in numbers
+        for bound in bounds
+        if parameter.name not in kept and np.isfinite(bound)
+    )
+
+
+def plausible_in_place(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | None:
+    """The likeliest of the special cases and relatives of one of a model's effects in its place, of possible values.
+
+    A general law that a fit has stretched to values that are not possible may be its special case all the same.
+    """
+    model = fitted.model
+    effect = model.effects[index]
+    laws, special = [], effect.simplified()
+    while special is not None:
+        laws.append(special)
+        special = special.simplified()
+    present = {e.identifier for i, e in enumerate(model.effects) if i != index}
+    laws = [e for e in laws if e.identifier not in present and problem.kind.unseen(type(e)) is None]
+    laws += possible_relatives(problem, model, index)
+    tried = side_by_side(partial(_fitted_in_place, problem, index), [_with_law(model, index, law) for law in laws])
+    found = in_order([h for h in tried if h is not None])
+    return found[0] if found else None
+
+
+def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
+    return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
+
+
+def _with_law(model: Model, index: int, law: Effect) -> Model:
+    """The model with another law of the same name: effects act in the order in which they stand."""
+    return replace(model, effects=(*model.effects[:index], law, *model.effects[index + 1 :]))
