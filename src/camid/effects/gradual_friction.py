@@ -32,6 +32,8 @@ VELOCITIES = (1.0, 0.3)
 UNEVEN = 0.1
 # Friction in one direction, as a share of that in the other, that friction has at least.
 LEAST_IN_ONE_DIRECTION = 1.0 / 3.0
+# Least speed over which it turns round, in that of the way that a recording spans over its duration: faster is at once.
+LEAST_TRANSITION = 0.02
 TRANSITION = Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300)
 
 
@@ -112,9 +114,10 @@ class GradualAsymmetricFriction(AsymmetricFriction):
         return _rate_at_rest(plant, max(self.values["forward"], self.values["backward"]), self.values["transition"])
 
     def is_plausible(self, span: float, duration: float) -> bool:
-        """Whether there is friction in both directions: what acts in one alone is another law."""
+        """Whether there is friction in both directions, and no body sticks: else it is two common effects together."""
         smaller, larger = sorted((self.values["forward"], self.values["backward"]))
-        return smaller >= LEAST_IN_ONE_DIRECTION * larger and super().is_plausible(span, duration)
+        turns_round = self.values["transition"] * duration >= LEAST_TRANSITION * span
+        return bool(turns_round and smaller >= LEAST_IN_ONE_DIRECTION * larger) and super().is_plausible(span, duration)
 
     def simplified(self) -> CoulombFriction:
         """The same of the mean level in both directions."""

@@ -16,6 +16,7 @@ from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place,
 from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.diagnosis.search.settled_laws import finer_instead
 from camid.diagnosis.watch import NAMES, Watch
+from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
@@ -126,6 +127,9 @@ def _detail_instead(problem: Problem, base: Fitted, own: Hypothesis, others: Fit
         return None
     best: Hypothesis | None = None
     for finer, law in finer_instead(problem, others, len(base.model.effects)):
+        # What two common effects do together is not said to be one that is rare.
+        if {own.identifier, law.identifier} <= set(known_effects()[finer.identifier].sum_of):
+            continue
         plain = replace(own, penalty=own.penalty + prior_penalty(problem, law))
         if plain.beyond(finer) > SWAP_MARGIN and (best is None or best.beyond(finer) > 0.0):
             best = finer
