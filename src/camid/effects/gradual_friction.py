@@ -77,8 +77,7 @@ class GradualCoulombFriction(CoulombFriction):
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Of small and of middle speeds."""
-        spread = float(np.std(situation.velocity)) or 1.0
-        yield from (cls(**values, transition=share * spread) for share in SHARES)
+        yield from (cls(**values, transition=speed) for speed in _first_transitions(situation))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -135,8 +134,7 @@ class GradualAsymmetricFriction(AsymmetricFriction):
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Of small and of middle speeds."""
-        spread = float(np.std(situation.velocity)) or 1.0
-        yield from (cls(**values, transition=share * spread) for share in SHARES)
+        yield from (cls(**values, transition=speed) for speed in _first_transitions(situation))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -194,6 +192,12 @@ class GradualStribeckFriction(StribeckFriction):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """It is started from a friction that was found."""
         yield from ()
+
+
+def _first_transitions(situation: Situation) -> list[float]:
+    """First guesses of the speed over which a friction turns round."""
+    spread = float(np.std(situation.velocity)) or 1.0
+    return [share * spread for share in SHARES]
 
 
 def _rate_at_rest(plant: TransferFunction, level: float, transition: float) -> float:

@@ -142,5 +142,5 @@ def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis |
 
 
 def _with_law(model: Model, index: int, law: Effect) -> Model:
-    """The model with another law of the same name: effects act in the order in which they stand."""
+    """The model with another law in the place of one: effects act in the order in which they stand."""
     return replace(model, effects=(*model.effects[:index], law, *model.effects[index + 1 :]))
