@@ -43,6 +43,8 @@ MOST_CHANCE = 0.1
 # which end where they may, explain this share of what the best one explains.
 LARGEST_CRITERION_GAP, MUCH_EXPLAINED = 50.0, 0.5
 MOST_THOROUGH = 6
+# Share of the work after which laws of the likeliest effect alone get more detail.
+DETAIL_OF_OTHERS = 0.5
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,8 @@ def hypotheses(
     watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
         return found
-    finer = finer_laws(problem, found[: len(near)])
+    # What shows beside the likeliest matters more than detail in the law of what comes second.
+    finer = finer_laws(problem, found[: 1 if watch.has_done(DETAIL_OF_OTHERS) else len(near)])
     finer += _in_batches(in_other_minima, _relatives(problem, base, finer), watch)
     ranked = best_of_each([*found, *finer])
     plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects)) if ranked else None
