@@ -24,7 +24,7 @@ H = g(y) + ẏ/b = g(x) + s e/k is known, and the force of outflow and edge toge
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, ClassVar
 
 import numpy as np
@@ -352,12 +352,16 @@ class Overflow(_Storage):
 
     @classmethod
     def _of_states(cls, situation: Situation) -> Iterator[Effect]:
-        """Several heights of each state of the plant's equations, where it rests at a part of the largest output."""
+        """Several heights of each state of the plant's equations, where it rests at a part of the largest output.
+
+        A model without an edge goes far beyond what was recorded.
+        """
         assert situation.rest is not None
         highest = float(np.max(situation.position))
         full = situation.rest(highest) or {}
+        recorded = float(np.max(situation.recorded[situation.used], initial=-inf))
         for share in (0.9, 0.7, 0.4):
-            levels = situation.rest(share * highest) or {}
+            levels = situation.rest(share * min(highest, recorded)) or {}
             for name, level in levels.items():
                 if level > 0.0 and full.get(name, 0.0) > 0.0:
                     yield cls(height=level, share=0.0, state=name).measured_from(BEYOND * full[name], 0.0)

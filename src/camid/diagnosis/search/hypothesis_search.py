@@ -174,9 +174,10 @@ def _fitted_first(problem: Problem, watch: Watch, base: Fitted, candidate: Scree
         return None
     effect = candidate.start
     found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), FIRST_STEPS, base)
-    if (found is None or found.fitted.cost >= base.cost) and effect.numeric():
+    if (found is None or found.beyond(Hypothesis("", base)) >= 0.0) and effect.numeric():
         small = base.model.plus(candidate.effect)
-        found = fitted_hypothesis(problem, effect.identifier, small, STEPS_FROM_SMALL)
+        again = fitted_hypothesis(problem, effect.identifier, small, STEPS_FROM_SMALL)
+        found = again if found is None or (again is not None and again.beyond(found) < 0.0) else found
     return found if found is not None and found.fitted.cost < base.cost else None
 
 

@@ -105,8 +105,9 @@ def _passes(
     first = searches.beside(decision.base) or []
 
     def begun(hypothesis: Hypothesis) -> Beginning:
+        found = Decision(decision.base, hypothesis.fitted, [first], [decision.base])
         # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
-        return Decision(decision.base, hypothesis.fitted, [first], [decision.base], interrupted=much), None
+        return replace(found, interrupted=much or _leaves_much(found)), None
 
     others = [begun(hypothesis) for hypothesis in _other_beginnings(decision, first)]
     if much:
