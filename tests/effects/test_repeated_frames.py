@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from camid.effects.noise import DroppedFrames
+from camid.effects.printed_values import resolution
 from tests.effects.test_catalogue import situation
 
 COUNT, NOISE = 1000, 0.005
@@ -79,3 +80,29 @@ def test_nothing_tells_them_apart_where_noise_hides_the_motion():
         given = situation(seed=seed, count=COUNT)
         loud = replace(given, recorded=given.position + 50.0 * given.residual)
         assert recognised(repeating(loud, np.arange(100, COUNT, 250)))
+
+
+def printed_in_degrees(given, missing=0):
+    """The recording as a file holds it, in thousandths of a degree, and as it is read; some rows are interpolated."""
+    recorded = np.deg2rad(np.round(np.rad2deg(given.recorded), 3))
+    rows = np.arange(10, COUNT - 10, COUNT // missing) if missing else np.array([], int)
+    recorded[rows] = 0.5 * (recorded[rows - 1] + recorded[rows + 1])
+    return replace(given, recorded=recorded, residual=recorded - given.position)
+
+
+@pytest.mark.parametrize("missing", [0, 40])
+def test_values_that_repeat_by_chance_in_a_file_of_another_unit_are_no_lost_frames(missing):
+    repeats = 0
+    for seed in SEEDS:
+        given = printed_in_degrees(swings_and_stops(seed), missing)
+        repeats += int(np.sum(np.diff(given.recorded) == 0.0))
+        assert not recognised(given), seed
+        lost = repeating(swings_and_stops(seed), np.arange(20, COUNT, 25))
+        assert recognised(printed_in_degrees(lost, missing)), seed
+    assert repeats > 0
+
+
+def test_digits_of_values_in_another_unit_are_those_of_their_file():
+    values = np.deg2rad(np.round(30.0 * np.random.default_rng(5).standard_normal(2000), 3)) + 0.7
+    assert resolution(values) == pytest.approx(np.deg2rad(1e-3), rel=1e-9)
+    assert resolution(np.random.default_rng(6).standard_normal(2000)) < 1e-14

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from camid.effects.base import Array, Effect
 from camid.effects.outlier_share import outlier_share
 from camid.effects.parameter import Parameter
+from camid.effects.printed_values import digits, lattice_step
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -30,61 +31,10 @@ STILL = 3.0
 # Share of the frames that a codec repeats although the marker moves, and the likelihood of loss against such a codec
 # below which it is the codec that repeats them.
 REPEATED_IN_MOTION, LEAST_RATIO_OF_LOSS = 0.05, 0.1
-# Values that differ by less than this share of their range are the same.
-SAME_VALUE = 1e-10
-# Significant digits from which a number is written with all that it has.
-MOST_SIGNIFICANT = 15
-# Digits smaller than this share of a lattice's step do not hide it.
-FINE_PRINT = 0.02
 # Residuals beyond this many robust standard deviations count as these in a regression of the variance.
 MOST_DEVIATIONS = 6.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
 CERTAIN_PROBABILITY = 1e-4
-
-
-def lattice_step(values: Array) -> float | None:
-    """Step of the lattice on which all values lie, None where there is none or it is finer than what they show."""
-    distinct = np.unique(values)
-    # Values that differ by the rounding of the arithmetic that made them are the same.
-    distinct = distinct[np.append(True, np.diff(distinct) > SAME_VALUE * max(float(np.ptp(values)), 1e-300))]
-    if len(distinct) < 3 or len(distinct) > 0.9 * len(values):
-        return None
-    gaps = np.diff(distinct)
-    step = float(np.min(gaps))
-    # Values printed with a few digits lie beside their lattice by less than a digit.
-    printed = resolution(values)
-    slack = 1e-3 * step + (2.0 * printed if printed < FINE_PRINT * step else 0.0)
-    step = float(np.median(gaps[gaps <= step + 2.0 * slack]))
-    multiples = np.round(gaps / step)
-    step = float(np.ptp(distinct) / np.sum(multiples))
-    if np.max(np.abs(gaps - multiples * step)) > slack * max(1.0, float(np.max(multiples)) * 1e-3):
-        return None
-    return step
-
-
-def resolution(values: Array) -> float:
-    """Digit to which values are written: a power of ten, or the rounding of floating point."""
-    largest = float(np.max(np.abs(values)))
-    rounding = 4.0 * float(np.spacing(largest))
-    for decimals in range(16):
-        digit = 10.0**-decimals
-        if digit <= rounding:
-            break
-        if np.max(np.abs(np.round(values, decimals) - values)) <= rounding:
-            return digit
-    return rounding
-
-
-def digits(values: Array) -> Array:
-    """Digit to which each value is written, shape (N,): that of all of them, or of as many significant digits."""
-    finest = resolution(values)
-    sizes = np.abs(values)
-    decades = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
-    for significant in range(1, MOST_SIGNIFICANT):
-        digit = 10.0 ** (decades - significant + 1)
-        if np.all(np.abs(np.round(values / digit) * digit - values) <= 4.0 * np.spacing(sizes)):
-            return np.where(sizes > 0.0, np.maximum(digit, finest), finest)
-    return np.full(len(values), finest)
 
 
 def noise_beside_motion(values: Array) -> float:
