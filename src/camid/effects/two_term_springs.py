@@ -26,6 +26,8 @@ from camid.effects.stiffness import CubicStiffness, QuadraticStiffness
 SHARES = (0.3, -0.3)
 # Displacement, as a share of the way that a recording spans, at which the larger part gives its name.
 TYPICAL_DISPLACEMENT = 0.25
+# Share of the other part at the largest displacement below which a part may have any sign.
+NEGLIGIBLE = 0.05
 
 
 class TwoTermSpring(AgainstMotion):
@@ -121,14 +123,14 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
 
 
 class CubicStiffnessWithFifthPower(TwoTermSpring, CubicStiffness):
-    """A spring that hardens, or softens, with the cube of the displacement, and with a smaller fifth power."""
+    """A spring that hardens, or softens, with the cube of the displacement and with its fifth power."""
 
     title = "Cubic stiffness with a fifth power"
     equation = r"f = \beta\,y^3 + \delta\,y^5"
     reference = "Kovacic & Brennan (2011), The Duffing Equation, chapter 2"
     parameters = (
         *CubicStiffness.parameters,
-        Parameter("fifth", "u/y^5", "stiffness δ of the smaller part, of the fifth power"),
+        Parameter("fifth", "u/y^5", "stiffness δ of the part with the fifth power"),
     )
 
     @compiled
@@ -137,8 +139,12 @@ class CubicStiffnessWithFifthPower(TwoTermSpring, CubicStiffness):
         return (values[0] + values[1] * square) * position * square
 
     def is_plausible(self, span: float, duration: float) -> bool:
-        """Whether the fifth power is the smaller part: else the law is another one."""
-        return abs(self.values["fifth"]) * (TYPICAL_DISPLACEMENT * span) ** 2 <= abs(self.values["coefficient"])
+        """Whether both harden or both soften, or one is small: else they are the terms of some other law's series."""
+        cubic, fifth = self.values["coefficient"], self.values["fifth"]
+        if cubic * fifth >= 0.0:
+            return True
+        smaller = abs(fifth) * (TYPICAL_DISPLACEMENT * span) ** 2 <= abs(cubic)
+        return smaller or abs(cubic) <= NEGLIGIBLE * abs(fifth) * (0.5 * span) ** 2
 
     def simplified(self) -> CubicStiffness:
         """The same without the fifth power."""
