@@ -47,3 +47,40 @@ def test_friction_beside_a_saturation_in_a_loop(seed):
     assert abs(limit.value - 2.3) < max(4.0 * limit.standard_deviation, 0.02)
     frictions = {"coulomb-friction", "stribeck-friction", "asymmetric-friction"}
     assert frictions & {*found, *(name for f in diagnosis.findings for name, _ in f.alternatives)}
+
+
+def turning(seed, count=1600):
+    """A robot that turns by a valve with a dead zone, behind which a rate and a lag limit the flow: t, u and heading."""
+    random = np.random.default_rng([43, seed])
+    commands = np.repeat(random.integers(-4, 5, count // 14 + 1) * 0.6, 14)[:count]
+    flow, heading, rows = 0.0, 0.0, np.zeros(count)
+    for k, command in enumerate(commands):
+        rows[k] = heading
+        beyond = np.sign(command) * max(abs(command) - 0.4, 0.0)
+        for _ in range(SUBSTEPS):
+            flow += PERIOD / SUBSTEPS * np.clip((beyond - flow) / 0.12, -5.0, 5.0)
+            heading += PERIOD / SUBSTEPS * 0.73 * flow
+    noisy = rows + 2e-3 * random.standard_normal(count)
+    return pd.DataFrame({"t": PERIOD * np.arange(count), "u": commands, "x": noisy})
+
+
+TURNS = BELIEVED | {
+    "plant": {"transfer_function": {"numerator": [0.5], "denominator": [0.2, 1.0, 0.0]}},
+    "initial_state": "estimate",
+}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_dead_zone_acts_before_the_limit_of_the_rate_that_was_found_first(seed):
+    recording = turning(seed)
+    diagnosis = camid.diagnose(recording, TURNS)
+    found = {f.identifier: f for f in diagnosis.findings}
+    assert {"dead-zone", "rate-limit"} <= set(found)
+    numbers = {**found["dead-zone"].parameters, **found["rate-limit"].parameters}
+    for name, value in {"half_width": 0.4, "rate": 5.0, "time_constant": 0.12}.items():
+        assert abs(numbers[name].value - value) < max(4.0 * numbers[name].standard_deviation, 0.02 * value), name
+    # In the file effects act in the order in which they stand.
+    written = diagnosis.improved.to_mapping()["effects"]
+    assert [effect["id"] for effect in written][:2] == ["dead-zone", "rate-limit"]
+    simulated = camid.simulate(recording, diagnosis.improved)
+    assert np.std(simulated["x"].to_numpy() - recording["x"].to_numpy()) < 2.2e-3

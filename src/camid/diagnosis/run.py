@@ -27,7 +27,7 @@ from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.setting import Setting, over_noise, prepared
-from camid.diagnosis.watch import LAWS, NAMES, Watch
+from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
@@ -166,7 +166,7 @@ def _simplified(
         if residue.reasons:
             decision = in_least_squares(problem, decision)
             # Laws that are not settled leave structure that no learned law carries.
-            watch.take_stock()
+            watch.take_stock(OVERTIME)
             if not watch.no_time_for("finer laws"):
                 decision = with_settled_laws(problem, decision, setting.known)
                 residue = residue_of(setting, decision, decision.fitted, before)

@@ -8,6 +8,7 @@ docs/adding_an_effect.md shows how one is added.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -177,6 +178,7 @@ class Effect:
                 raise ValueError(f"{self.identifier} has no parameter '{name}' (known: {', '.join(known) or 'none'})")
         self.values: dict[str, Any] = {}
         self._neutral: tuple[float, ...] | None = None
+        self.leads = False
         for parameter in self.parameters:
             if parameter.name not in values and parameter.default is None:
                 raise ValueError(f"{self.identifier} needs the parameter '{parameter.name}'")
@@ -214,6 +216,7 @@ class Effect:
         changed = {p.name: float(min(max(v, p.lower), p.upper)) for p, v in zip(self.numeric(), vector, strict=True)}
         moved = type(self)(**{**self.values, **changed})
         moved._neutral = self._neutral
+        moved.leads = self.leads
         return moved
 
     def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
@@ -238,10 +241,16 @@ class Effect:
         self._neutral = neutral
         return self
 
+    def leading(self, leads: bool = True) -> Self:
+        """The same effect, acting on the input before those that stand ahead of it in a model; or where it stands."""
+        moved = copy(self)
+        moved.leads = leads
+        return moved
+
     @property
     def branch(self) -> tuple[Any, ...]:
         """What no fit changes in a guess: choices, and parameters whose value leaves the recording as it is."""
-        words = tuple(v for v in self.values.values() if isinstance(v, str))
+        words = tuple(v for v in self.values.values() if isinstance(v, str)) + ("leading",) * self.leads
         return words if self._neutral is None else (*words, *(self.vector == np.asarray(self._neutral)).tolist())
 
     @property

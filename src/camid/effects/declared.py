@@ -110,8 +110,9 @@ def _refuse_value(declared: DeclaredEffect, parameter: Parameter) -> None:
 
 
 def declared(effects: Sequence[Effect], deviations: Sequence[dict[str, float | None]]) -> tuple[DeclaredEffect, ...]:
-    """Effects as a file declares them, with the standard deviations that are known."""
+    """Effects as a file declares them, in the order in which they act, with the standard deviations that are known."""
+    in_order = sorted(zip(effects, deviations, strict=True), key=lambda pair: not pair[0].leads)
     return tuple(
         DeclaredEffect(e.identifier, e.stated(), {k: v for k, v in d.items() if v is not None} or None)
-        for e, d in zip(effects, deviations, strict=True)
+        for e, d in in_order
     )

@@ -39,6 +39,15 @@ class Model:
         """The same model without one of its effects."""
         return replace(self, effects=self.effects[:index] + self.effects[index + 1 :])
 
+    def replaced(self, index: int, effect: Effect) -> Model:
+        """The same model with another effect in the place of one, which acts where that one does."""
+        effect = effect.leading(self.effects[index].leads)
+        return replace(self, effects=(*self.effects[:index], effect, *self.effects[index + 1 :]))
+
+    def in_order(self) -> tuple[Effect, ...]:
+        """The effects in the order in which they act."""
+        return tuple(sorted(self.effects, key=lambda effect: not effect.leads))
+
     def modes(self) -> list[int]:
         """For every state that effects have beside the plant, and then for those after it, the effect's index."""
         beside = [(i, e.beside_plant()) for i, e in enumerate(self.effects)]

@@ -240,7 +240,7 @@ class Problem:
         return Chain(
             self.structure.plant(model.coefficients),
             experiment.acquisition,
-            (*self.kind.forces(model), *model.effects),
+            (*self.kind.forces(model), *model.in_order()),
             model.initial[run] if model.initial else None,
             self.kind.state_before_record(experiment),
             None if self.steps is None else self.steps[index],

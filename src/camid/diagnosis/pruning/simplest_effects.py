@@ -128,9 +128,7 @@ def _special(
         return decision
     if problem.kind.unseen(type(special)) is not None:
         return decision
-    effects = list(model.effects)
-    effects[known + index] = special
-    fitted = fit(problem, replace(model, effects=tuple(effects)), steps=ALL_STEPS)
+    fitted = fit(problem, model.replaced(known + index, special), steps=ALL_STEPS)
     without = decision.without[index]
     if without.cost <= fitted.cost:
         return decision

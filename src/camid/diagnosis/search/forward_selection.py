@@ -88,7 +88,8 @@ def with_added_effects(
         watch.take_stock(NAMES)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
             break
-        if doubtful is None and not watch.no_time_for("finer laws"):
+        refined = begun is not None and current is begun.fitted  # what stands already was
+        if doubtful is None and not refined and not watch.no_time_for("finer laws"):
             current = finer_in_place(problem, current)
         watch.say(f"fitting what may be missing{' in addition to ' + names if names else ''}")
         found = screen(problem, current, signatures=searches.signatures) if screened is None else screened

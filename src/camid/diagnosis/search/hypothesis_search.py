@@ -314,7 +314,7 @@ def _relatives(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> 
         if hypothesis.beyond(Hypothesis("", base)) < 0.0:
             model = hypothesis.fitted.model
             relatives = possible_relatives(problem, model, len(model.effects) - 1)
-            models += [replace(model, effects=(*model.effects[:-1], relative)) for relative in relatives]
+            models += [model.replaced(len(model.effects) - 1, relative) for relative in relatives]
     return models
 
 

@@ -6,7 +6,6 @@ Its special case, what does nearly the same, and laws with more detail.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
@@ -76,7 +75,7 @@ def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps:
 
 def _with_last(model: Model, index: int, effect: Effect) -> Model:
     """The model with a law in the place of one of its effects; it stands last."""
-    return replace(model, effects=(*model.without(index).effects, effect))
+    return model.without(index).plus(effect.leading(model.effects[index].leads))
 
 
 def worth_a_fit(problem: Problem, fitted: Fitted, starts: Sequence[Model]) -> list[Model]:
@@ -136,7 +135,8 @@ def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
     others = model.effects[:-1]
     present = {e.identifier for e in others}
     laws = finer_of(problem, model, model.effects[-1])
-    return [replace(model, effects=(*others, law)) for law in laws if law.identifier not in present]
+    last = len(others)
+    return [model.replaced(last, law) for law in laws if law.identifier not in present]
 
 
 def finer_of(problem: Problem, model: Model, effect: Effect) -> tuple[Effect, ...]:

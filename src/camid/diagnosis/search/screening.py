@@ -116,6 +116,14 @@ def candidates(problem: Problem, base: Fitted) -> Iterator[Effect]:
         view = views.of(effect)
         if problem.kind.unseen_beside(effect, base.model) is None and effect.invisible(view) is None:
             yield from _possible(effect, view)
+            # A dead zone before the limit of a rate and one behind it are two laws.
+            if bends_input(effect) and any(bends_input(type(e)) for e in base.model.effects):
+                yield from (guess.leading() for guess in _possible(effect, view))
+
+
+def bends_input(effect: type[Effect]) -> bool:
+    """Whether an effect changes the input itself, so that the order of such effects matters."""
+    return effect.transform is not Effect.transform and not effect.is_constant
 
 
 def _possible(effect: type[Effect], view: Situation) -> Iterator[Effect]:
@@ -241,7 +249,7 @@ class Signatures:
 
 def alike(one: Effect, other: Effect) -> bool:
     """Whether two guesses of the same effect are about the same."""
-    if type(one) is not type(other):
+    if type(one) is not type(other) or one.leads != other.leads:
         return False
     words = [{k: v for k, v in e.values.items() if isinstance(v, str)} for e in (one, other)]
     return words[0] == words[1] and bool(np.allclose(one.vector, other.vector, rtol=ALIKE, atol=0.0))

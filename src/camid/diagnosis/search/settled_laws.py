@@ -5,7 +5,6 @@ What a law lacks may show only when what hid it is found. Effects act in the ord
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -33,7 +32,7 @@ def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bo
         index = [e.identifier for e in fitted.model.effects].index(identifier)
         effect = fitted.model.effects[index]
         laws = [law for law in finer_of(problem, fitted.model, effect) if law.identifier == identifier]
-        starts = [_with_law(fitted.model, index, law) for law in laws]
+        starts = [fitted.model.replaced(index, law) for law in laws]
         own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
         starts = worth_a_fit(problem, fitted, starts)
         tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
@@ -50,7 +49,7 @@ def finer_instead(problem: Problem, others: Fitted, first: int) -> list[tuple[Hy
     present = {effect.identifier for effect in others.model.effects}
     for index, effect in enumerate(others.model.effects[first:], start=first):
         laws = [e for e in finer_of(problem, others.model, effect) if e.identifier not in present - {effect.identifier}]
-        starts = [_with_law(others.model, index, law) for law in laws]
+        starts = [others.model.replaced(index, law) for law in laws]
         tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
         found += [(hypothesis, effect) for hypothesis in tried if hypothesis is not None]
     return found
@@ -77,7 +76,7 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
         simple = effect.simplified()
         if simple is not None and _is_at_bound(problem, effect, simple):
             own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
-            plainer = _fitted_in_place(problem, index, _with_law(fitted.model, index, simple))
+            plainer = _fitted_in_place(problem, index, fitted.model.replaced(index, simple))
             fitted = in_order([own, *([plainer] if plainer else [])])[0].fitted
     return fitted
 
@@ -93,12 +92,12 @@ def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
         special = special.simplified()
     if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
         return fitted
-    plain = _fitted_in_place(problem, index, _with_law(fitted.model, index, special))
+    plain = _fitted_in_place(problem, index, fitted.model.replaced(index, special))
     if plain is None:
         return fitted
     law = plain.fitted.model.effects[index]
     laws = [each for each in finer_of(problem, plain.fitted.model, law) if each.identifier == law.identifier]
-    starts = [_with_law(plain.fitted.model, index, each) for each in laws]
+    starts = [plain.fitted.model.replaced(index, each) for each in laws]
     tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
     own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
     return in_order([own, plain, *(h for h in tried if h is not None)])[0].fitted
@@ -132,15 +131,10 @@ def plausible_in_place(problem: Problem, fitted: Fitted, index: int) -> Hypothes
     present = {e.identifier for i, e in enumerate(model.effects) if i != index}
     laws = [e for e in laws if e.identifier not in present and problem.kind.unseen(type(e)) is None]
     laws += possible_relatives(problem, model, index)
-    tried = side_by_side(partial(_fitted_in_place, problem, index), [_with_law(model, index, law) for law in laws])
+    tried = side_by_side(partial(_fitted_in_place, problem, index), [model.replaced(index, law) for law in laws])
     found = in_order([h for h in tried if h is not None])
     return found[0] if found else None
 
 
 def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
     return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
-
-
-def _with_law(model: Model, index: int, law: Effect) -> Model:
-    """The model with another law in the place of one: effects act in the order in which they stand."""
-    return replace(model, effects=(*model.effects[:index], law, *model.effects[index + 1 :]))
