@@ -50,7 +50,7 @@ def test_friction_beside_a_saturation_in_a_loop(seed):
 
 
 def turning(seed, count=1600):
-    """A robot that turns by a valve with a dead zone, behind which a rate and a lag limit the flow: t, u and heading."""
+    """A robot turned by a valve with a dead zone, behind which a rate and a lag limit the flow: t, u and heading."""
     random = np.random.default_rng([43, seed])
     commands = np.repeat(random.integers(-4, 5, count // 14 + 1) * 0.6, 14)[:count]
     flow, heading, rows = 0.0, 0.0, np.zeros(count)

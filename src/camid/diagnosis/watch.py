@@ -24,8 +24,8 @@ WORK, WORK_OF_ROW = 10.0, 2.5e-3
 MOST_RECORDINGS = 4
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
 NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
-# The same that formulas may take in all, and by which laws are settled: what is learned says little without one, and what
-# is left of laws that are not settled is no sign of anything.
+# The same that formulas may take in all, and by which laws are settled: what is learned says little without one, and
+# what is left of laws that are not settled is no sign of anything.
 OVERTIME = 1.3
 # Fits between which it is looked at: two threads share them.
 BATCH = 8

@@ -5,10 +5,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from math import pi, sin, sqrt
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
+from camid.effects.recorded_equation import plant_beside_wave
 from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
 from camid.effects.residual_regression import ResidualRegression
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -39,6 +40,8 @@ LARGEST_SLOPE = 0.9
 BEST = 3
 # Share of the largest value within which two are the same.
 SAME_VALUE = 1e-9
+# Harmonics that a force may have, by their multiple of the frequency, and the constant that is added to the input.
+HARMONICS, BIAS = {2: "second", 3: "third"}, "bias"
 # Sinusoids that are looked at together.
 TOGETHER = 32
 # A period of an encoder's error holds more steps of its readings than this, and that of a force more than this: a
@@ -154,6 +157,30 @@ class Cogging(PeriodicInPosition):
         for guess in guesses:
             if guess["period"] > STEPS_PER_PERIOD_OF_A_FORCE * step:
                 yield cls(**{**guess, "amplitude": min(guess["amplitude"], largest)})
+
+    @classmethod
+    def with_plant(
+        cls, situation: Situation, constants: Mapping[str, float]
+    ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
+        """Beside the plant that the recorded motion shows with it, and with a harmonic where that shows, too."""
+        span = float(np.ptp(situation.recorded))
+        guesses = waves_of_force(situation, span / RECORDED_PERIODS, 1) if span > 0.0 else []
+        found = plant_beside_wave(situation, guesses[0]["period"], tuple(HARMONICS)) if guesses else None
+        if found is None:
+            return None
+        (amplitude, phase), *more = found.waves
+        values: dict[str, Any] = {"amplitude": amplitude, "period": found.period, "phase": phase}
+        law: type[Effect] = cls
+        for size, angle in more:
+            law = cls.with_keys(["harmonic"])
+            values |= {
+                "harmonic": HARMONICS[found.order],
+                "harmonic_amplitude": size,
+                "harmonic_phase": angle,
+            }
+        # The force counts from the zero of the position, where it is none.
+        bias = found.bias - sum(size * sin(angle) for size, angle in found.waves)
+        return law(**values), found.plant, dict.fromkeys(constants.keys() & {BIAS}, bias)
 
 
 class CoggingAboutAnyZero(Cogging):
