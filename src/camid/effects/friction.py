@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import exp
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -192,6 +192,37 @@ class PositionDependentFriction(_UnevenFriction):
             level = share * situation.largest("signal")
             for uneven in (UNEVEN, -UNEVEN):
                 yield cls(force=level, gradient=uneven * level / situation.largest("position"))
+            yield from CurvedPositionDependentFriction.starts(situation, force=level, gradient=0.0)
+
+
+class CurvedPositionDependentFriction(PositionDependentFriction):
+    """Dry friction that is largest, or least, somewhere along the way: a guide that is worn where it is used most."""
+
+    title = "Friction that depends on the position, with a curvature"
+    equation = r"|f| = \max(f_c + g\,y + h\,y^2,\ 0)"
+    parameters = (
+        *PositionDependentFriction.parameters,
+        Parameter("curvature", "u/y^2", "share h of the friction that grows with the square of the position"),
+    )
+
+    @compiled
+    def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] + (values[1] + values[2] * position) * position
+
+    def simplified(self) -> PositionDependentFriction:
+        """The same that grows evenly."""
+        return PositionDependentFriction(force=self.values["force"], gradient=self.values["gradient"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """Larger at both ends of the way, and less."""
+        for uneven in (UNEVEN, -UNEVEN):
+            yield cls(**({"curvature": uneven * values["force"] / situation.largest("position") ** 2} | values))
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is guessed with the friction that grows evenly."""
+        yield from ()
 
 
 class LoadDependentFriction(_UnevenFriction):

@@ -27,7 +27,7 @@ SPOILED = 3.0
 # A harmonic leaves less than this share of what is left without it.
 MOST_LEFT_BY_HARMONIC = 0.7
 # Factor within which the plant's gain lies to what was estimated without the force.
-NEAR = 30.0
+NEAR = 300.0
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,9 @@ ROWS_PER_UNKNOWN = 20
 GROWTH = 1.6
 # Largest number of evaluations for each horizon.
 STEPS = 60
+# Error, as a share of the output's spread, from which a model no longer follows; how often one that follows a part is
+# fitted to it, and the evaluations for that.
+ASTRAY, MOST_EXTENSIONS, STEPS_WHILE_IT_FOLLOWS = 0.1, 6, 8
 
 
 def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
@@ -57,3 +60,35 @@ def first_horizon(problem: Problem, start: Model) -> int:
     numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
     begin = max(int(np.argmax(e.used)) for e in problem.experiments)  # rows before it say nothing
     return begin + max(int(FIRST_HORIZON * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)
+
+
+def fitted_as_far_as_it_follows(problem: Problem, start: Model) -> Model:
+    """A model that follows the recordings for a while, fitted to that part, and to more of them the longer it follows.
+
+    A body that may come to rest in many places ends in another one for the least error, and from there on a simulation
+    says nothing. Up to there it may say all.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : Model
+        Returned as it is where it follows for less than a first horizon, or all the way.
+    """
+    model, before = start, first_horizon(problem, start)
+    longest = max(len(t) for t in problem.times)
+    for _ in range(MOST_EXTENSIONS):
+        horizon = _followed(problem, model)
+        if horizon >= longest or horizon <= before:
+            return model
+        model, before = fit(problem.start_of(horizon), model, steps=STEPS_WHILE_IT_FOLLOWS, finest=False).model, horizon
+    return model
+
+
+def _followed(problem: Problem, model: Model) -> int:
+    """Rows that a model follows in every recording."""
+    rows = []
+    for simulated, experiment in zip(problem.simulate(model), problem.experiments, strict=True):
+        error = np.where(experiment.used, np.abs(simulated - experiment.output), 0.0)
+        lost = np.flatnonzero(~(error < ASTRAY * problem.output_spread))
+        rows.append(int(lost[0]) if len(lost) else len(error))
+    return min(rows)

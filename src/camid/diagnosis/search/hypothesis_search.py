@@ -106,10 +106,10 @@ def hypotheses(
         elsewhere += _starts_elsewhere(problem, nominal, screened)
 
     from_model = partial(_fitted_from, problem, watch, "other starts of", FIRST_STEPS)
-    first = _in_batches(partial(_fitted_first, problem, watch, base), starts, watch)
-    first += _in_batches(from_model, elsewhere, watch)
     of_plants = models_with_plants(problem, base, (c.effect.identifier for c in screened))
-    first += _in_batches(from_model, of_plants, watch)
+    first = _in_batches(from_model, of_plants, watch)
+    first += _in_batches(partial(_fitted_first, problem, watch, base), starts, watch)
+    first += _in_batches(from_model, elsewhere, watch)
     if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
         first += _in_batches(from_model, raced(problem, nominal), watch)
     first += _in_batches(from_model, _beside_better_coefficients(problem, base, starts, elsewhere, first), watch)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted
+from camid.fitting.growing_horizon import fitted_as_far_as_it_follows
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
@@ -101,7 +102,7 @@ def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str
             model = replace(base.model.plus(effect), constants={**base.model.constants, **constants}, initial=())
             moved = problem.kind.with_coefficients(model, coefficients)
             if np.array_equal(moved.coefficients, coefficients):
-                found.append(problem.with_initial_states(moved))
+                found.append(fitted_as_far_as_it_follows(problem, problem.with_initial_states(moved)))
         except (ValueError, ArithmeticError):
             continue
     return found
