@@ -6,6 +6,7 @@ import pytest
 from camid.chain.acquisition import Acquisition
 from camid.effects import Situation, bristle_friction, friction, hysteresis, known_effects
 from camid.effects.declared import declared, effects_of
+from camid.effects.extent import Extent
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from camid.errors import InputError
@@ -98,8 +99,8 @@ def test_a_stribeck_law_of_one_level_is_dahls():
 
 def test_what_never_saturates_is_not_friction():
     law = bristle_friction.CoulombBristleFriction(force=0.2, presliding=1.0)
-    assert law.is_plausible(4.1, 1.0)
-    assert not law.is_plausible(3.9, 1.0)
+    assert law.is_plausible(Extent(4.1, 1.0))
+    assert not law.is_plausible(Extent(3.9, 1.0))
 
 
 def test_a_search_goes_from_a_law_to_finer_ones():

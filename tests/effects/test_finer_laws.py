@@ -15,6 +15,7 @@ from camid.effects.bristle_friction import StribeckBristleFriction
 from camid.effects.damped_end_stop import DampedEndStop
 from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
+from camid.effects.extent import Extent
 from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_friction import (
@@ -118,14 +119,18 @@ def test_a_reading_that_turns_round_is_none():
     falling = EncoderEccentricityWithHarmonic(
         amplitude=0.1, harmonic_amplitude=0.05, **{**shape, "harmonic_phase": np.pi}
     )
-    assert not falling.is_plausible(5.0, 1.0)
-    assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(5.0, 1.0)
-    assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(1.5, 1.0)
+    assert not falling.is_plausible(Extent(5.0, 1.0))
+    assert EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(
+        Extent(5.0, 1.0)
+    )
+    assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(
+        Extent(1.5, 1.0)
+    )
     # A force of two numbers more is a spring of any shape until it has repeated twice and a half.
     cogging = CoggingWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape)
-    assert cogging.is_plausible(2.6, 1.0)
-    assert not cogging.is_plausible(2.4, 1.0)
-    assert Cogging(amplitude=0.1, period=1.0, phase=0.0).is_plausible(2.4, 1.0)
+    assert cogging.is_plausible(Extent(2.6, 1.0))
+    assert not cogging.is_plausible(Extent(2.4, 1.0))
+    assert Cogging(amplitude=0.1, period=1.0, phase=0.0).is_plausible(Extent(2.4, 1.0))
 
 
 @pytest.mark.parametrize("rate", [3.0, 20.0, 1e6])
@@ -206,7 +211,7 @@ def test_a_spring_of_two_terms_has_the_name_of_the_larger_one(quadratic, cubic):
         QuadraticStiffnessWithCubic(coefficient=quadratic, cubic=cubic),
         CubicStiffnessWithQuadratic(coefficient=cubic, quadratic=quadratic),
     ):
-        named += [law.identifier] if law.is_plausible(span, 1.0) else []
+        named += [law.identifier] if law.is_plausible(Extent(span, 1.0)) else []
     assert named == ["cubic-stiffness" if quadratic < cubic * TYPICAL_DISPLACEMENT * span else "quadratic-stiffness"]
 
 
@@ -216,8 +221,11 @@ def test_a_spring_with_a_fifth_power_is_that_of_its_parts():
     found = [law.force.at(0.0, y, 0.0, 0.0, 0.0, values=law.force_values(PLANT)) for y in at]
     np.testing.assert_allclose(found, 2.0 * at**3 - 0.5 * at**5)
     assert law.simplified().values == {"coefficient": 2.0}
-    assert law.is_plausible(4.0, 1.0)
-    assert not law.is_plausible(20.0, 1.0)
+    assert law.is_plausible(Extent(4.0, 1.0))
+    # What turns round within the way is a term of some other law's series, unless next to nothing does.
+    assert not law.is_plausible(Extent(10.0, 1.0))
+    assert law.is_plausible(Extent(20.0, 1.0))
+    assert CubicStiffnessWithFifthPower(coefficient=2.0, fifth=50.0).is_plausible(Extent(10.0, 1.0))
     beside = CubicStiffnessWithQuadratic(coefficient=2.0, quadratic=0.1).finer(
         SimpleNamespace(largest=lambda name: 1.0)
     )
@@ -338,8 +346,8 @@ def test_a_zero_that_settles_is_found():
 
 def test_less_than_a_period_and_a_half_is_no_periodic_disturbance():
     disturbance = PeriodicDisturbance(amplitude=1.0, frequency=1.0, phase=0.0)
-    assert disturbance.is_plausible(1.0, 9.5)
-    assert not disturbance.is_plausible(1.0, 9.4)
+    assert disturbance.is_plausible(Extent(1.0, 9.5))
+    assert not disturbance.is_plausible(Extent(1.0, 9.4))
 
 
 def test_friction_that_turns_round_gradually_is_viscous_at_rest_and_dry_beyond():
@@ -367,8 +375,8 @@ def test_friction_that_turns_round_gradually_may_fall_beyond():
     falling = 0.2 + 0.3 * np.exp(-0.25)
     np.testing.assert_allclose(force, [-0.2, 0.0, 0.5 * np.tanh(0.01), falling * np.tanh(5.0), 0.2], rtol=1e-5)
     assert law.simplified().values == {"coulomb": 0.2, "breakaway": 0.5, "velocity": 1.0}
-    assert not law.with_vector(np.array([0.2, 0.5, 1.0, 1.1])).is_plausible(1.0, 1.0)
-    assert not law.with_vector(np.array([0.5, 0.2, 1.0, 0.1])).is_plausible(1.0, 1.0)
+    assert not law.with_vector(np.array([0.2, 0.5, 1.0, 1.1])).is_plausible(Extent(1.0, 1.0))
+    assert not law.with_vector(np.array([0.5, 0.2, 1.0, 0.1])).is_plausible(Extent(1.0, 1.0))
 
 
 @pytest.mark.slow
@@ -396,9 +404,9 @@ def test_friction_of_a_servo_that_falls_and_turns_round_gradually_is_found():
 
 def test_stribeck_friction_falls_as_the_speed_grows():
     levels = {"breakaway": 0.3, "velocity": 1.0}
-    assert StribeckFriction(coulomb=0.2, **levels).is_plausible(1.0, 1.0)
-    assert not StribeckFriction(coulomb=0.4, **levels).is_plausible(1.0, 1.0)
-    assert not StribeckBristleFriction(coulomb=0.4, presliding=0.1, **levels).is_plausible(1.0, 1.0)
+    assert StribeckFriction(coulomb=0.2, **levels).is_plausible(Extent(1.0, 1.0))
+    assert not StribeckFriction(coulomb=0.4, **levels).is_plausible(Extent(1.0, 1.0))
+    assert not StribeckBristleFriction(coulomb=0.4, presliding=0.1, **levels).is_plausible(Extent(1.0, 1.0))
 
 
 def test_a_mode_that_its_spring_damps_passes_on_the_speed_of_what_is_driven():

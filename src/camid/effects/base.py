@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.compiled_part import Compiled
+from camid.effects.extent import Extent
 from camid.effects.known import is_of_the_package, make_known
 from camid.effects.parameter import Parameter, checked
 from camid.effects.recognition import Recognition
@@ -228,7 +229,7 @@ class Effect:
         lower, upper = np.array(self.bounds(acquisition)).reshape(-1, 2).T
         return self.with_vector(np.clip(self.vector, lower, upper))
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the values are possible on the positions, and in the seconds, that a recording spans.
 
         What repeats has to do so there, for instance: less than a period of a sinusoid is a polynomial, which other

@@ -21,6 +21,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.friction import CoulombFriction, StribeckFriction
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
@@ -79,9 +80,9 @@ class _Bristles(Effect):
         """Those of the parameters, and the least displacement that the motion can show."""
         return [(self._least if p == PRESLIDING else p.lower, p.upper) for p in self.numeric()]
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the body slides on a way of such a length."""
-        return bool(self.values["presliding"] <= LARGEST_SHARE * span) and super().is_plausible(span, duration)
+        return bool(self.values["presliding"] <= LARGEST_SHARE * extent.span) and super().is_plausible(extent)
 
 
 class CoulombBristleFriction(_Bristles, CoulombFriction):  # type: ignore[misc] # no level holds the body

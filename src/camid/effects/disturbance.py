@@ -14,6 +14,7 @@ import numpy as np
 from camid.chain.exact import sample
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.residual_spectrum import highest_lines
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -62,9 +63,9 @@ class PeriodicDisturbance(Effect):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return -values[0] * sin(values[1] * time + values[2])
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the recording holds enough periods: a part of one is a drift."""
-        return bool(self.values["frequency"] * duration >= 2.0 * pi * FEWEST_PERIODS)
+        return bool(self.values["frequency"] * extent.duration >= 2.0 * pi * FEWEST_PERIODS)
 
     def frequency(self, plant: object) -> float:
         """Its own."""

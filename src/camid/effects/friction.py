@@ -14,6 +14,7 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, mobility, motion_sign
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -68,7 +69,7 @@ class StribeckFriction(Effect):
         share = velocity / values[2]
         return values[0] + (values[1] - values[0]) * exp(-share * share)
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether it falls as the speed grows: one that rises has another cause."""
         return bool(self.values["breakaway"] >= self.values["coulomb"])
 
@@ -170,7 +171,7 @@ class PositionDependentFriction(_UnevenFriction):
     title = "Friction that depends on the position"
     equation = r"|f| = \max(f_c + g\,y,\ 0)"
     reference = "Armstrong-Helouvry, Dupont & Canudas de Wit (1994), Automatica 30, 1083-1138, section 2.1"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("force", "u", "friction f_c at y = 0", 0.0),
         Parameter("gradient", "u/y", "change g of the friction with the position"),
     )
@@ -200,7 +201,7 @@ class CurvedPositionDependentFriction(PositionDependentFriction):
 
     title = "Friction that depends on the position, with a curvature"
     equation = r"|f| = \max(f_c + g\,y + h\,y^2,\ 0)"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         *PositionDependentFriction.parameters,
         Parameter("curvature", "u/y^2", "share h of the friction that grows with the square of the position"),
     )
@@ -209,7 +210,7 @@ class CurvedPositionDependentFriction(PositionDependentFriction):
     def friction_level(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return values[0] + (values[1] + values[2] * position) * position
 
-    def simplified(self) -> PositionDependentFriction:
+    def simplified(self) -> PositionDependentFriction:  # type: ignore[override] # with less detail, no other name
         """The same that grows evenly."""
         return PositionDependentFriction(force=self.values["force"], gradient=self.values["gradient"])
 

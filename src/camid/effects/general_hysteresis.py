@@ -11,6 +11,7 @@ from typing import Any
 
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.hysteresis import Hysteresis
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS
@@ -68,9 +69,9 @@ class HysteresisOfAnyLoop(Hysteresis):
         left = exp(-forth * way)
         return side * (along * left + (1.0 - left) / forth)
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether it is a loop: one that grows like a power of e on its way is another force."""
-        return bool(abs(self.values["curvature_back"]) <= LARGEST_BACK) and super().is_plausible(span, duration)
+        return bool(abs(self.values["curvature_back"]) <= LARGEST_BACK) and super().is_plausible(extent)
 
     def simplified(self) -> Hysteresis:  # type: ignore[override] # with less detail, and not another name
         """The law that saturates."""

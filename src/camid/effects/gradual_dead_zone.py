@@ -11,6 +11,7 @@ from typing import Any
 from camid.effects.actuator import DeadZone
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.gradual_saturation import (
     FIRST_SHARPNESS,
     LEAST_LIMIT,
@@ -45,6 +46,10 @@ class GradualDeadZone(DeadZone):
         width, sharpness = self.vector
         lost = GradualSaturation(limit=width, sharpness=sharpness).transform(start, end, step)
         return start - lost[0], end - lost[1]
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether a command leaves it: else it is a curve that starts flat, as a power of the command does."""
+        return bool(self.values["half_width"] <= extent.signal) and super().is_plausible(extent)
 
     def simplified(self) -> DeadZone:
         """The same width with sharp edges."""

@@ -14,6 +14,7 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.friction import AsymmetricFriction, CoulombFriction, StribeckFriction
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
@@ -57,6 +58,10 @@ class GradualCoulombFriction(CoulombFriction):
     def frequency(self, plant: TransferFunction) -> float:
         """Rate at which it brings a slow body to rest."""
         return _rate_at_rest(plant, self.values["force"], self.values["transition"])
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether it turns round within the speeds recorded: else it is viscous."""
+        return bool(self.values["transition"] <= extent.speed) and super().is_plausible(extent)
 
     def simplified(self) -> CoulombFriction:
         """Coulomb friction of the same level."""
@@ -112,11 +117,12 @@ class GradualAsymmetricFriction(AsymmetricFriction):
         """Rate at which it brings a slow body to rest."""
         return _rate_at_rest(plant, max(self.values["forward"], self.values["backward"]), self.values["transition"])
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether there is friction in both directions, and no body sticks: else it is two common effects together."""
         smaller, larger = sorted((self.values["forward"], self.values["backward"]))
-        turns_round = self.values["transition"] * duration >= LEAST_TRANSITION * span
-        return bool(turns_round and smaller >= LEAST_IN_ONE_DIRECTION * larger) and super().is_plausible(span, duration)
+        turns_round = self.values["transition"] * extent.duration >= LEAST_TRANSITION * extent.span
+        turns_round = turns_round and self.values["transition"] <= extent.speed
+        return bool(turns_round and smaller >= LEAST_IN_ONE_DIRECTION * larger) and super().is_plausible(extent)
 
     def simplified(self) -> CoulombFriction:
         """The same of the mean level in both directions."""
@@ -167,9 +173,11 @@ class GradualStribeckFriction(StribeckFriction):
         at_rest = _rate_at_rest(plant, self.values["breakaway"], self.values["transition"])
         return max(at_rest, super().frequency(plant))
 
-    def is_plausible(self, span: float, duration: float) -> bool:
-        """Whether it turns round before it falls."""
-        return bool(self.values["transition"] <= self.values["velocity"]) and super().is_plausible(span, duration)
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether it turns round before it falls, and within the speeds recorded."""
+        return bool(self.values["transition"] <= min(self.values["velocity"], extent.speed)) and super().is_plausible(
+            extent
+        )
 
     def simplified(self) -> StribeckFriction:  # type: ignore[override] # with less detail, and not another name
         """Stribeck friction that turns round at once."""

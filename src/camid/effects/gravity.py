@@ -21,6 +21,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.periodic_in_position import LARGEST_PERIOD
 from camid.effects.plant_force import GUESS, LEAST_FACTOR, mobility, motion_sign, static_stiffness
@@ -137,9 +138,9 @@ class ArmGravity(PendulumGravity):
         """Of small oscillations where it hangs."""
         return sqrt(mobility(plant) * self.values["torque"] / self.values["amplitude"])
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the motion holds hardly more than a turn: what repeats along the way is cogging."""
-        return bool(2.0 * pi * self.values["amplitude"] >= LARGEST_PERIOD * span)
+        return bool(2.0 * pi * self.values["amplitude"] >= LARGEST_PERIOD * extent.span)
 
     @property
     def branch(self) -> tuple[Any, ...]:

@@ -19,6 +19,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.disturbance import PeriodicDisturbance, force_at
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.periodic_in_position import (
     LARGEST_SLOPE,
@@ -141,9 +142,9 @@ class CoggingWithHarmonic(_AlongTheWay, Cogging):
         first = values[0] * (sin(angle + values[2]) - sin(values[2]))
         return first + values[3] * (sin(values[4] * angle + values[5]) - sin(values[5]))
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the positions hold enough periods to tell it from a spring of any shape."""
-        return bool(self.values["period"] <= LARGEST_PERIOD * span)
+        return bool(self.values["period"] <= LARGEST_PERIOD * extent.span)
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about the steepest place there may be."""
@@ -158,14 +159,14 @@ class EncoderEccentricityWithHarmonic(_AlongTheWay, EncoderEccentricity):
     equation = EncoderEccentricity.equation + HARMONIC
     parameters = (*EncoderEccentricity.parameters, *_harmonic_of("y"))
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the positions hold enough periods, and the reading still grows with the position."""
         amplitude, order, phase = self.harmonic
         turn = np.linspace(0.0, 2.0 * pi, ANGLES)
         slopes = self.values["amplitude"] * np.cos(turn + self.values["phase"])
         slopes += order * amplitude * np.cos(order * turn + phase)
         steepest = -2.0 * pi * float(np.min(slopes)) / self.values["period"]
-        return PeriodicInPosition.is_plausible(self, span, duration) and steepest < LARGEST_SLOPE
+        return PeriodicInPosition.is_plausible(self, extent) and steepest < LARGEST_SLOPE
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean of the reading over the exposure."""

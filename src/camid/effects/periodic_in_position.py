@@ -16,6 +16,7 @@ from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
 from camid.effects.recorded_equation import plant_beside_wave
@@ -101,9 +102,9 @@ class PeriodicInPosition(Effect):
         """What becomes of such signals along the motion, shape (N,) or (N, c), in the recorded output."""
         raise NotImplementedError
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the positions hold enough periods."""
-        return bool(self.values["period"] <= LARGEST_PERIOD * span)
+        return bool(self.values["period"] <= LARGEST_PERIOD * extent.span)
 
 
 class Cogging(PeriodicInPosition):
@@ -230,10 +231,10 @@ class EncoderEccentricity(PeriodicInPosition):
         """The error itself."""
         return lambda error: error
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the positions hold enough periods, and the reading still grows with the position."""
         slope = 2.0 * pi * self.values["amplitude"] / self.values["period"]
-        return super().is_plausible(span, duration) and slope < LARGEST_SLOPE
+        return super().is_plausible(extent) and slope < LARGEST_SLOPE
 
     def measure(self, motion: Motion, start: Array, end: Array) -> Array | None:
         """Mean of the reading over the exposure."""

@@ -17,6 +17,7 @@ from typing import Any, Self
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, motion_sign
 from camid.effects.situation import Situation
@@ -59,9 +60,9 @@ class QuadraticStiffnessWithCubic(TwoTermSpring, QuadraticStiffness):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return (values[0] + values[1] * position) * position * position
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the cubic part is the smaller one: else the law has the other's name."""
-        return abs(self.values["cubic"]) * TYPICAL_DISPLACEMENT * span <= abs(self.values["coefficient"])
+        return abs(self.values["cubic"]) * TYPICAL_DISPLACEMENT * extent.span <= abs(self.values["coefficient"])
 
     def simplified(self) -> QuadraticStiffness:
         """The same without the cubic part."""
@@ -96,9 +97,9 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         return (values[1] + values[0] * position) * position * position
 
-    def is_plausible(self, span: float, duration: float) -> bool:
+    def is_plausible(self, extent: Extent) -> bool:
         """Whether the quadratic part is the smaller one: else the law has the other's name."""
-        return abs(self.values["quadratic"]) <= abs(self.values["coefficient"]) * TYPICAL_DISPLACEMENT * span
+        return abs(self.values["quadratic"]) <= abs(self.values["coefficient"]) * TYPICAL_DISPLACEMENT * extent.span
 
     def simplified(self) -> CubicStiffness:
         """The same without the quadratic part."""
@@ -138,13 +139,17 @@ class CubicStiffnessWithFifthPower(TwoTermSpring, CubicStiffness):
         square = position * position
         return (values[0] + values[1] * square) * position * square
 
-    def is_plausible(self, span: float, duration: float) -> bool:
-        """Whether both harden or both soften, or one is small: else they are the terms of some other law's series."""
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether both harden or both soften, or one is small: else they are the terms of some other law's series.
+
+        So they are with a quadratic one beside them.
+        """
         cubic, fifth = self.values["coefficient"], self.values["fifth"]
-        if cubic * fifth >= 0.0:
+        if abs(fifth) * (TYPICAL_DISPLACEMENT * extent.span) ** 2 <= abs(cubic):
             return True
-        smaller = abs(fifth) * (TYPICAL_DISPLACEMENT * span) ** 2 <= abs(cubic)
-        return smaller or abs(cubic) <= NEGLIGIBLE * abs(fifth) * (0.5 * span) ** 2
+        if QuadraticStiffness.identifier in extent.beside:
+            return False
+        return cubic * fifth >= 0.0 or abs(cubic) <= NEGLIGIBLE * abs(fifth) * (0.5 * extent.span) ** 2
 
     def simplified(self) -> CubicStiffness:
         """The same without the fifth power."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
+from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.fitting.recorded_extent import extent_of
 
 # Evaluations for a first and for a thorough fit.
 FIRST_STEPS = 8
@@ -72,6 +76,8 @@ def is_linear(problem: Problem, model: Model) -> bool:
 
 def implausible(problem: Problem, model: Model) -> set[int]:
     """Which effects of a model have values that are not possible on the way and in the time recorded."""
-    span = max(float(np.ptp(positions)) for positions in problem.kind.recorded_positions(problem))
-    duration = max(float(time[-1] - time[0]) for time in problem.times)
-    return {i for i, effect in enumerate(model.effects) if not effect.is_plausible(span, duration)}
+    if all(type(effect).is_plausible is Effect.is_plausible for effect in model.effects):
+        return set()
+    extent, names = extent_of(problem), [effect.identifier for effect in model.effects]
+    extents = [replace(extent, beside=frozenset(names[:i] + names[i + 1 :])) for i in range(len(names))]
+    return {i for i, effect in enumerate(model.effects) if not effect.is_plausible(extents[i])}
