@@ -82,14 +82,14 @@ def members_of(
     """
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
-    special = _special_case(lead)
+    special = special_case_of(lead)
     simplest = next((h.fitted.cost for h in ranked if h.identifier == special), None)
     # Other laws of the same special case: the one among them that leaves least is the likeliest of them.
-    siblings = [h.fitted.cost for h in ranked[1:] if special is not None and _special_case(h) == special]
+    siblings = [h.fitted.cost for h in ranked[1:] if special is not None and special_case_of(h) == special]
     least = None if simplest is None else min([simplest, *siblings])
 
     def member(hypothesis: Hypothesis) -> Member:
-        of = _special_case(hypothesis)
+        of = special_case_of(hypothesis)
         sibling = hypothesis is not lead and least is not None and of == special
         return Member(
             hypothesis.identifier,
@@ -124,7 +124,7 @@ def _is_constant(*names: str) -> bool:
     return all(name in known_effects() and known_effects()[name].is_constant for name in names)
 
 
-def _special_case(hypothesis: Hypothesis) -> str | None:
+def special_case_of(hypothesis: Hypothesis) -> str | None:
     """Name of the special case of a hypothesis's effect."""
     effect = _effect(hypothesis)
     special = None if effect is None else effect.simplified()

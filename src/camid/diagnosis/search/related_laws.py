@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from camid.diagnosis.search.hypothesis import Hypothesis, in_order
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, special_case_of
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.search.screening import may_be_more_than_chance
 from camid.effects.base import Effect
@@ -90,15 +90,18 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
     """Laws with more detail of the likeliest effects that have such, fitted, each from the one before it.
 
     They are called for where the likeliest of all leaves structure or what they would explain, or has another name, or
-    may be a finer law of one; and those of a second effect where it leaves hardly more than the likeliest.
+    may be a finer law of one; and those of a second effect where it leaves hardly more than the likeliest, or is the
+    special case of an effect before it: what bends that one may be detail of another kind.
     """
     if problem.kind.phases_add_up:  # what bends there is not told from a law of the position that is learned
         return []
     found: list[Hypothesis] = []
-    refined = 0
+    refined, special = 0, set()
     for hypothesis in ranked:
-        if refined and hypothesis.fitted.cost > NEARLY_AS_GOOD * min(h.fitted.cost for h in (ranked[0], *found)):
+        least = min(h.fitted.cost for h in (ranked[0], *found))
+        if refined and hypothesis.fitted.cost > NEARLY_AS_GOOD * least and hypothesis.identifier not in special:
             continue
+        special.add(special_case_of(hypothesis))
         starts = _finer_starts(problem, hypothesis)
         if hypothesis is ranked[0] and all(m.effects[-1].identifier == hypothesis.identifier for m in starts):
             starts = worth_a_fit(problem, hypothesis.fitted, starts)
