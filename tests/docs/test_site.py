@@ -10,6 +10,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from camid.effects import known_effects
+from camid.effects.base import PLACES
 from tests.support import ROOT
 
 
@@ -61,6 +62,12 @@ def test_the_number_of_limits_set_afterwards_is_true():
     assert f"{afterwards} of the {len(entries)} entries were set after the first run" in " ".join(
         (ROOT / "docs/workflow.md").read_text(encoding="utf-8").split()
     )
+
+
+def test_the_page_of_the_catalogue_lists_every_id_without_being_built():
+    rows = re.findall(r"^\| (\w+) \| (`[^|]*`) \|$", (ROOT / "docs/effects.md").read_text(encoding="utf-8"), re.M)
+    listed = {place: re.findall(r"`([^`]*)`", ids) for place, ids in rows if place in PLACES}
+    assert listed == {p: sorted(i for i, e in known_effects().items() if e.place == p) for p in PLACES}
 
 
 @pytest.mark.slow
