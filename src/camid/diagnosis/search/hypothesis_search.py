@@ -43,6 +43,9 @@ MOST_CHANCE = 0.1
 # which end where they may, explain this share of what the best one explains.
 LARGEST_CRITERION_GAP, MUCH_EXPLAINED = 50.0, 0.5
 MOST_THOROUGH = 6
+# Candidates that are fitted whatever is done, and the share of the likeliest one's gain from which a candidate should
+# explain much.
+IN_ANY_CASE, SHOULD_EXPLAIN = 2, 0.5
 # Share of the work after which laws of the likeliest effect alone get more detail.
 DETAIL_OF_OTHERS = 0.5
 
@@ -108,7 +111,7 @@ def hypotheses(
     from_model = partial(_fitted_from, problem, watch, "other starts of", FIRST_STEPS)
     of_plants = models_with_plants(problem, base, (c.effect.identifier for c in screened))
     first = _in_batches(from_model, of_plants, watch)
-    first += _in_batches(partial(_fitted_first, problem, watch, base), starts, watch)
+    first += _in_batches(partial(_fitted_first, problem, watch, base, starts), starts, watch)
     first += _in_batches(from_model, elsewhere, watch)
     if nominal is not None and not nominal.effects and all(_is_lost(problem, h.fitted) for h in first):
         first += _in_batches(from_model, raced(problem, nominal), watch)
@@ -164,17 +167,23 @@ def _fitted_thoroughly(problem: Problem, watch: Watch, hypothesis: Hypothesis) -
     return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
 
 
-def _fitted_first(problem: Problem, watch: Watch, base: Fitted, candidate: ScreenedEffect) -> Hypothesis | None:
+def _fitted_first(
+    problem: Problem, watch: Watch, base: Fitted, starts: Sequence[ScreenedEffect], candidate: ScreenedEffect
+) -> Hypothesis | None:
     """A few steps of a fit from an effect beside a base, where there is time for it.
 
-    Where they lead nowhere, the size that the screening suggests is too large for coefficients that were bent without
-    the effect: it is begun small, and with derivatives of its own.
+    There is for the likeliest, as they were screened. Where they lead nowhere, the size that the screening suggests is
+    too large for coefficients that were bent without the effect: it is begun small, and with derivatives of its own;
+    as an effect that should explain much is where the fit explains hardly anything.
     """
-    if watch.no_time_for(candidate.effect.identifier):
+    if watch.no_time_for(candidate.effect.identifier, needed=any(candidate is each for each in starts[:IN_ANY_CASE])):
         return None
     effect = candidate.start
     found = fitted_hypothesis(problem, effect.identifier, base.model.plus(effect), FIRST_STEPS, base)
-    if (found is None or found.beyond(Hypothesis("", base)) >= 0.0) and effect.numeric():
+    nowhere = found is None or found.fitted.cost >= base.cost
+    if not nowhere and found is not None and candidate.gain >= SHOULD_EXPLAIN * starts[0].gain:
+        nowhere = found.beyond(Hypothesis("", base)) >= 0.0
+    if nowhere and effect.numeric():
         small = base.model.plus(candidate.effect)
         again = fitted_hypothesis(problem, effect.identifier, small, STEPS_FROM_SMALL)
         found = again if found is None or (again is not None and again.beyond(found) < 0.0) else found
