@@ -1,6 +1,7 @@
 """The words of a diagnosis: what is named, how surely, with which number; and what comes first."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -93,6 +94,17 @@ def test_a_remark_on_the_noise_takes_nothing_from_what_explains_the_motion():
     remark = replace(weighed(0.46, ("unlisted", 0.54)), identifier="coloured-noise", title="Coloured noise")
     assert verdict_of([weighed(0.9, ("unlisted", 0.1)), remark], False, False) == "explained"
     assert verdict_of([remark], False, False) == "partly-explained"
+
+
+def test_a_law_without_a_name_comes_before_what_is_on_the_noise():
+    remark = replace(
+        weighed(0.9, ("unlisted", 0.1)), identifier="coloured-noise", title="Coloured noise", parameters={}
+    )
+    law = SimpleNamespace(name="Learned curve over the input", curve=None)
+    text = explanation("partly-explained", [remark], FIT, Location("actuator"), learned=[law])
+    assert text.startswith("Something is left out that no effect of the catalogue explains.")
+    assert "The mismatch sits at the actuator. The improved simulation holds a learned curve over the input." in text
+    assert text.endswith("The simulation leaves out, of the noise alone, too: Coloured noise (90 %).")
 
 
 def test_structure_without_a_name_is_unexplained_and_a_learned_law_explains_a_part():

@@ -125,7 +125,8 @@ def _location(
     """Where the mismatch sits: at the strongest effect or the law in its place, or where the tests say it is."""
     if found:
         shares = mismatch_location.shares_of(found, mismatch_location.shares(residue.places), learned)
-        place = found[0].place if found[0].simulated or not learned else learned[0].place
+        names_noise = all(known_effects()[finding.identifier].noise_like for finding in found)
+        place = learned[0].place if learned and (names_noise or not found[0].simulated) else found[0].place
         return mismatch_location.locate(problem, base, place, shares)
     shares = mismatch_location.shares(before)
     if not residue.reasons:

@@ -126,6 +126,7 @@ def explanation(
             f"Remove the key remainder to have that looked into again."
         )
     sentences = []
+    names_noise = all(known_effects()[f.identifier].noise_like for f in found)
     if fit.improved >= EXPLAINS_NOTHING:
         sentences.append(
             f"The simulation explains hardly anything of the output: at its best it leaves {_share(fit.improved)} of "
@@ -139,9 +140,9 @@ def explanation(
             f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted (the noise in the "
             f"fitted ones is estimated as {_share(fit.noise_floor)}), and what is left is structured."
         )
-    elif found and not learned and all(known_effects()[f.identifier].noise_like for f in found):
+    elif found and names_noise and not learned:
         sentences += _of_noise_alone(found, fit, coefficients)
-    elif found:
+    elif found and not names_noise:
         sentences.append(_named(found, fit))
     else:
         sentences.append(
@@ -151,8 +152,8 @@ def explanation(
     if location.place and verdict != "adequate":
         sentences.append(f"The mismatch sits at the {location.place}.")
     if learned:
-        sentences.append(_held(found, learned))
-        sentences.append(f"What is left beside it is {'still structured' if structured else 'noise'}.")
+        sentences.append(_held([] if names_noise else found, learned))
+        sentences += _beside_laws(found if names_noise else [], structured=structured)
     elif structured and verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
     elif verdict == "partly-explained":
@@ -229,6 +230,12 @@ def _held(found: Sequence[Finding], learned: Sequence[LearnedPart]) -> str:
         f"The improved simulation also holds {laws}: what the laws above have inexactly, or something that has no "
         f"name here."
     )
+
+
+def _beside_laws(noise: Sequence[Finding], *, structured: bool) -> list[str]:
+    """What laws without a name leave, and what is found on the noise where they are all that is found of the motion."""
+    left = f"What is left beside it is {'still structured' if structured else 'noise'}."
+    return [left, *([f"The simulation leaves out, of the noise alone, too: {_listed(noise)}."] if noise else [])]
 
 
 def _falls(fit: NormalisedErrors) -> str:
