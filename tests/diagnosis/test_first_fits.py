@@ -1,5 +1,7 @@
 """First fits of hypotheses: where they begin, and what leads them astray."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -36,11 +38,24 @@ def test_a_fit_that_leads_nowhere_begins_again_with_a_small_effect(factor, monke
     problem, base = refitted(record(effect("cubic-stiffness", coefficient=4.0), noise=0.001))
     guess = effect("cubic-stiffness", coefficient=0.2)
     too_large = ScreenedEffect(guess, gain=500.0, factor=factor, visible=20.0)
-    found = hypothesis_search._fitted_first(problem, Watch(), base, too_large)
+    found = hypothesis_search._fitted_first(problem, Watch(), base, [too_large], too_large)
     assert found.fitted.cost < 0.1 * base.cost
     monkeypatch.setattr(hypothesis_search, "STEPS_FROM_SMALL", 1)
-    lost = hypothesis_search._fitted_first(problem, Watch(), base, too_large)
+    lost = hypothesis_search._fitted_first(problem, Watch(), base, [too_large], too_large)
     assert lost is None or lost.fitted.cost > 0.1 * base.cost
+
+
+def test_the_likeliest_candidates_are_fitted_whatever_is_done():
+    problem, base = refitted(record(effect("cubic-stiffness", coefficient=4.0), noise=0.001))
+    spring = ScreenedEffect(effect("cubic-stiffness", coefficient=2.0), gain=500.0, factor=1.0, visible=20.0)
+    stop = ScreenedEffect(effect("end-stop", position=1.0, stiffness=5.0), gain=90.0, factor=1.0, visible=20.0)
+    spent = Watch(effort=1.0)
+    spent.count(SimpleNamespace(seconds=1e9), 1000)
+    spent.take_stock()
+    screened = [spring, spring, stop]
+    assert hypothesis_search._fitted_first(problem, spent, base, screened, spring).fitted.cost < 0.1 * base.cost
+    assert hypothesis_search._fitted_first(problem, spent, base, screened, stop) is None
+    assert spent.left_out == ["end-stop"]
 
 
 def test_a_number_that_does_nothing_stays_where_it_is():

@@ -115,10 +115,11 @@ def candidates(problem: Problem, base: Fitted) -> Iterator[Effect]:
             continue
         view = views.of(effect)
         if problem.kind.unseen_beside(effect, base.model) is None and effect.invisible(view) is None:
-            yield from _possible(effect, view)
+            guesses = list(_possible(effect, view))
+            yield from guesses
             # A dead zone before the limit of a rate and one behind it are two laws.
             if bends_input(effect) and any(bends_input(type(e)) for e in base.model.effects):
-                yield from (guess.leading() for guess in _possible(effect, view))
+                yield from (guess.leading() for guess in guesses)
 
 
 def bends_input(effect: type[Effect]) -> bool:
