@@ -53,7 +53,7 @@ def resolution(values: Array) -> float:
 
 
 def _step_in_another_unit(values: Array, rounding: float) -> float | None:
-    """Step of the lattice on which values lie that were written with a few digits and then converted; None of none.
+    """Step of the lattice on which values lie that were written with a few digits and then converted, if there is one.
 
     Rows that are missing were interpolated, and lie beside it.
     """
