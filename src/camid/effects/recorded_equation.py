@@ -1,9 +1,10 @@
-"""A plant beside a force that repeats along the way, both from the plant's equation at the recorded positions.
+"""A plant beside a force over the position, both from the plant's equation at the recorded positions.
 
-Cogging bends the coefficients that are estimated without it, and a simulation beside those leaves the recorded way, so
-that no fit finds where the poles of the motor are: worst of all in a loop around a plant that integrates. The equation
-of motion holds at the recorded positions with all of it, is linear in all but the period, and needs no simulation. It
-yields a beginning alone, since noise in the derivatives bends it (an equation error; Ljung 1999, section 7.3).
+Cogging, or a stop that holds a plant which integrates, bends the coefficients that are estimated without it, and a
+simulation beside those leaves the recorded way, so that no fit finds where the poles of the motor or the stop are. The
+equation of motion holds at the recorded positions with all of it, is linear in all but the period or the place, and
+needs no simulation. It yields a beginning alone, since noise in the derivatives bends it (an equation error; Ljung
+1999, section 7.3).
 """
 
 from __future__ import annotations
@@ -26,7 +27,11 @@ PERIODS = np.linspace(0.93, 1.07, 57)
 SPOILED = 3.0
 # A harmonic leaves less than this share of what is left without it.
 MOST_LEFT_BY_HARMONIC = 0.7
-# Factor within which the plant's gain lies to what was estimated without the force.
+# Places of a stop that are looked at, as shares of the way from either end, and what a stop that is worth a beginning
+# leaves of what is left without it.
+PLACES = np.linspace(0.0, 0.3, 16)[1:]
+MOST_LEFT_BY_STOP = 0.7
+# Factor within which the plant's gain lies to what was estimated without the force, at high or at low frequencies.
 NEAR = 300.0
 
 
@@ -55,6 +60,28 @@ class PlantBesideWave:
     order: int
 
 
+@dataclass(frozen=True)
+class PlantBesideStop:
+    """A plant and the stop that holds it.
+
+    Attributes
+    ----------
+    plant : TransferFunction
+        Monic, without zeros.
+    bias : float
+        Constant in units of the input that acts with it.
+    place : float
+        Where the contact begins, in units of the output.
+    stiffness : float
+        In units of the input by those of the output.
+    """
+
+    plant: TransferFunction
+    bias: float
+    place: float
+    stiffness: float
+
+
 def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ...]) -> PlantBesideWave | None:
     """The plant and the wave of about a period, with the harmonic that explains more, that fit the recorded motion.
 
@@ -71,13 +98,9 @@ def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ..
     PlantBesideWave or None
         None where the plant has zeros or too many poles, or the equation yields none of about its gain.
     """
-    situation = situation.until(MOST_ROWS)
-    monic = situation.plant.monic
-    if len(monic.numerator) != 1 or monic.order not in range(1, MOST_POLES + 1):
-        return None
-    equations = [each for cut in CUT_OFFS if (each := _Equation.of(situation, cut)) is not None]
+    equations = _equations(situation)
     tried = [
-        (equation.left(period * share, harmonic), index, period * share, harmonic)
+        (equation.left(_waves(equation.position, period * share, harmonic)), index, period * share, harmonic)
         for index, equation in enumerate(equations)
         for share in PERIODS
         for harmonic in (1, *orders)
@@ -87,7 +110,63 @@ def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ..
         return None
     finer = min((each for each in tried if each[3] > 1), default=plain)
     _, index, length, harmonic = finer if finer[0] < MOST_LEFT_BY_HARMONIC * plain[0] else plain
-    return equations[index].solved(length, harmonic, monic)
+    equation = equations[index]
+    found = equation.solved(_waves(equation.position, length, harmonic), situation.plant.monic)
+    if found is None:
+        return None
+    plant, bias, terms = found
+    waves = tuple((float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))) for pair in terms.reshape(-1, 2))
+    return PlantBesideWave(plant, bias, length, waves, harmonic)
+
+
+def plant_beside_stop(situation: Situation) -> PlantBesideStop | None:
+    """The plant and the stop near an end of the recorded way that fit the recorded motion.
+
+    Returns
+    -------
+    PlantBesideStop or None
+        None where the plant has zeros or too many poles, or no stop that pushes back explains much.
+    """
+    best: tuple[float, _Equation, float] | None = None
+    for equation in _equations(situation):
+        low, high = float(np.min(equation.position)), float(np.max(equation.position))
+        places = [p for p in high - PLACES * (high - low) if p > 0.0]
+        places += [p for p in low + PLACES * (high - low) if p < 0.0]
+        tried = [(equation.left(_beyond(equation.position, place)), place) for place in places]
+        left, place = min(tried, default=(1.0, 0.0))
+        if left < (MOST_LEFT_BY_STOP if best is None else best[0]):
+            best = left, equation, float(place)
+    if best is None:
+        return None
+    _, equation, place = best
+    found = equation.solved(_beyond(equation.position, place), situation.plant.monic)
+    if found is None:
+        return None
+    plant, bias, (stiffness,) = found
+    # The force opposes the motion that the input drives.
+    pushes_back = float(stiffness) * np.sign(plant.numerator[0])
+    return PlantBesideStop(plant, bias, place, float(pushes_back)) if pushes_back > 0.0 else None
+
+
+def _waves(position: Array, period: float, harmonic: int) -> Array:
+    """Sines and cosines of a position, shape (N, 2) or (N, 4)."""
+    angles = 2.0 * pi / period * np.outer(position, [1] if harmonic == 1 else [1, harmonic])
+    return np.stack([np.sin(angles), np.cos(angles)], axis=-1).reshape(len(angles), -1)
+
+
+def _beyond(position: Array, place: float) -> Array:
+    """Way beyond a stop, shape (N, 1)."""
+    way = position - place
+    return (np.maximum(way, 0.0) if place > 0.0 else np.minimum(way, 0.0))[:, None]
+
+
+def _equations(situation: Situation) -> list[_Equation]:
+    """The equation of motion with each filter; none of a plant that has zeros or too many poles."""
+    situation = situation.until(MOST_ROWS)
+    monic = situation.plant.monic
+    if len(monic.numerator) != 1 or monic.order not in range(1, MOST_POLES + 1):
+        return []
+    return [each for cut in CUT_OFFS if (each := _Equation.of(situation, cut)) is not None]
 
 
 @dataclass(frozen=True)
@@ -129,32 +208,37 @@ class _Equation:
         rest = rest - basis @ (basis.T @ rest)
         return cls(position, sections, inner, smooth[inner, 1], table, basis, rest)
 
-    def waves(self, period: float, harmonic: int) -> Array:
-        """Filtered sines and cosines of the recorded position, shape (N, 2) or (N, 4)."""
+    def _filtered(self, forces: Array) -> Array:
+        """Functions of the recorded position, shape (N, k), as the terms of the equation are filtered."""
         from scipy.signal import sosfiltfilt
 
-        angles = 2.0 * pi / period * np.outer(self.position, [1] if harmonic == 1 else [1, harmonic])
-        pairs = np.stack([np.sin(angles), np.cos(angles)], axis=-1).reshape(len(angles), -1)
-        return np.asarray(sosfiltfilt(self.sections, pairs, axis=0)[self.inner])
+        return np.asarray(sosfiltfilt(self.sections, forces, axis=0)[self.inner])
 
-    def left(self, period: float, harmonic: int) -> float:
-        """Share of the rest that waves of a period leave."""
-        waves = self.waves(period, harmonic)
-        waves = waves - self.basis @ (self.basis.T @ waves)
-        explained = np.linalg.lstsq(waves, self.rest, rcond=None)[0]
-        left = self.rest - waves @ explained
+    def left(self, forces: Array) -> float:
+        """Share of the rest that forces over the position, shape (N, k), leave."""
+        forces = self._filtered(forces)
+        forces = forces - self.basis @ (self.basis.T @ forces)
+        explained = np.linalg.lstsq(forces, self.rest, rcond=None)[0]
+        left = self.rest - forces @ explained
         return float(left @ left) / max(float(self.rest @ self.rest), 1e-300)
 
-    def solved(self, period: float, harmonic: int, given: TransferFunction) -> PlantBesideWave | None:
-        """All terms together; None where the plant's gain is none."""
-        table = np.hstack([self.table, self.waves(period, harmonic)])
+    def solved(self, forces: Array, given: TransferFunction) -> tuple[TransferFunction, float, Array] | None:
+        """Plant, bias and the sizes of the forces, shape (k,), all together; None where the plant's gain is none."""
+        table = np.hstack([self.table, self._filtered(forces)])
         sizes = np.maximum(np.linalg.norm(table, axis=0), 1e-300)
         terms = np.linalg.lstsq(table / sizes, self.command, rcond=1e-10)[0] / sizes
         order = given.order
-        gain = 1.0 / terms[0] if terms[0] != 0.0 else 0.0
-        if not 1.0 / NEAR < gain / given.numerator[0] < NEAR:
+        if terms[0] == 0.0:
             return None
-        plant = TransferFunction((float(gain),), (1.0, *(float(gain * term) for term in terms[1 : order + 1])))
-        pairs = terms[order + 3 :].reshape(-1, 2)
-        waves = tuple((float(np.hypot(*pair)), float(np.arctan2(pair[1], pair[0]))) for pair in pairs)
-        return PlantBesideWave(plant, -float(terms[order + 1]), period, waves, harmonic)
+        gain = float(1.0 / terms[0])
+        found = zip(terms[1 : order + 1], given.denominator[1:], strict=True)
+        plant = TransferFunction((gain,), (1.0, *(float(gain * term) if known != 0.0 else 0.0 for term, known in found)))
+        ratios = gain / given.numerator[0], _slow_gain(plant) / _slow_gain(given)
+        if not any(1.0 / NEAR < ratio < NEAR for ratio in ratios):
+            return None
+        return plant, -float(terms[order + 1]), terms[order + 3 :]
+
+
+def _slow_gain(plant: TransferFunction) -> float:
+    """Gain at the lowest frequencies, but for integrations: what stays where a pole has run away to a high rate."""
+    return plant.numerator[0] / next((a for a in reversed(plant.denominator) if a != 0.0), 1.0)

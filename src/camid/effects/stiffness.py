@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import inf, sqrt
 from typing import ClassVar
 
@@ -17,6 +17,7 @@ from camid.effects.compiled_part import compiled
 from camid.effects.gravity import PendulumGravity
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
+from camid.effects.recorded_equation import plant_beside_stop
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -128,3 +129,16 @@ class EndStop(AgainstMotion):
                 if share * edge != 0.0:
                     for factor in (0.3, 10.0):
                         yield cls(position=float(share * edge), stiffness=factor * stiffness)
+
+    @classmethod
+    def with_plant(
+        cls, situation: Situation, constants: Mapping[str, float]
+    ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
+        """Beside the plant that the recorded motion shows with it, where it integrates: without the stop it goes on."""
+        if situation.plant.denominator[-1] != 0.0:
+            return None
+        found = plant_beside_stop(situation)
+        if found is None:
+            return None
+        stop = cls(position=found.place, stiffness=found.stiffness)
+        return stop, found.plant, dict.fromkeys(constants.keys() & {"bias"}, found.bias)

@@ -12,7 +12,7 @@ from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalt
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.hypothesis_search import RIVALS, best_of_each, hypotheses
 from camid.diagnosis.search.other_beginnings import SWAP_MARGIN, with_other_beginnings
-from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case
+from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case_in_place
 from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.diagnosis.search.settled_laws import finer_instead
 from camid.diagnosis.watch import NAMES, Watch
@@ -95,7 +95,7 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
                 found = hypotheses(problem, others, laws, effort=RIVALS, watch=watch, incumbent=own)
                 searches.keep(others, [*found, _last(own, index)])
             simpler = (
-                special_case(problem, current, index, {h.identifier for h in found}),
+                special_case_in_place(problem, current, index),
                 plainer_law(problem, current, index),
             )
             found = [*found, *(h for h in simpler if h is not None)]

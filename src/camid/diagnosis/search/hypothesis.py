@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from camid.diagnosis.search.screening import trials
 from camid.diagnosis.weights import GENERAL_LAW, Member
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.special_cases import in_the_same_detail, special_case
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -110,13 +111,22 @@ def members_of(
         return part in named or (constant and _is_constant(part))
 
     sums = [
-        effect
-        for effect in known_effects().values()
-        if all(holds(part) for part in effect.sum_of)
-        and any(part == lead.identifier or _is_constant(part, lead.identifier) for part in effect.sum_of)
+        identifier
+        for identifier, parts in _sums(lead.fitted.model.effects)
+        if all(holds(part) for part in parts)
+        and any(part == lead.identifier or _is_constant(part, lead.identifier) for part in parts)
     ]
     penalty = 0.0 if found_apart else general_law_penalty()
-    return (*(member(h) for h in ranked), *(Member(e.identifier, penalty, 0.0) for e in sums))
+    ranked = [h for h in ranked if h.identifier not in sums]
+    return (*(member(h) for h in ranked), *(Member(identifier, penalty, 0.0) for identifier in sums))
+
+
+def _sums(effects: Sequence[Effect]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Effects that are exactly some others together, in the detail that those have in a model."""
+    for identifier, kind in known_effects().items():
+        laws = [in_the_same_detail(kind, effect) for effect in effects if effect.identifier in kind.sum_of]
+        if kind.sum_of and all(law.sum_of for law in laws):
+            yield identifier, kind.sum_of
 
 
 def _is_constant(*names: str) -> bool:
@@ -127,15 +137,14 @@ def _is_constant(*names: str) -> bool:
 def special_case_of(hypothesis: Hypothesis) -> str | None:
     """Name of the special case of a hypothesis's effect."""
     effect = _effect(hypothesis)
-    special = None if effect is None else effect.simplified()
-    # A finer law of the same name is no other name.
-    return None if special is None or special.identifier == hypothesis.identifier else special.identifier
+    special = None if effect is None else special_case(effect)
+    return None if special is None else special.identifier
 
 
 def _is_finer(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
     """Whether a hypothesis is a finer law than the special case of the likeliest, and no special case itself."""
     effect, general = _effect(hypothesis), _effect(lead)
-    special = None if general is None else general.simplified()
+    special = None if general is None else special_case(general)
     return special is not None and type(effect) in type(special).finer_laws
 
 

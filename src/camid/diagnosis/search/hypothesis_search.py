@@ -13,7 +13,7 @@ from camid.diagnosis.search.hypotheses_over_time import raced
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.search.models_around import models_around, models_with_plants
-from camid.diagnosis.search.related_laws import finer_laws, plainer_law, possible_relatives, special_case
+from camid.diagnosis.search.related_laws import finer_laws, plainer_law, possible_relatives, special_case_in_place
 from camid.diagnosis.search.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
@@ -134,7 +134,12 @@ def hypotheses(
     finer = finer_laws(problem, found[: 1 if watch.has_done(DETAIL_OF_OTHERS) else len(near)])
     finer += _in_batches(in_other_minima, _relatives(problem, base, finer), watch)
     ranked = best_of_each([*found, *finer])
-    plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects)) if ranked else None
+    if not ranked:
+        return ranked
+    if finer:  # its special case was fitted from elsewhere, and with less detail
+        special = special_case_in_place(problem, ranked[0].fitted, len(base.model.effects), steps=ALL_STEPS)
+        ranked = best_of_each([*ranked, *([special] if special else [])])
+    plainer = plainer_law(problem, ranked[0].fitted, len(base.model.effects))
     if plainer is None or plainer.beyond(ranked[0]) >= 0.0:
         return ranked
     watch.take_stock(NAMES)
@@ -310,7 +315,7 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     for hypothesis in sorted(fitted, key=lambda h: h.fitted.cost):
         # What explains less than nothing has wandered off, and its special case would only follow.
         if hypothesis.beyond(Hypothesis("", base)) < 0.0:
-            special = special_case(problem, hypothesis.fitted, len(base.model.effects), set(found))
+            special = special_case_in_place(problem, hypothesis.fitted, len(base.model.effects), set(found))
             if special is not None:
                 found[special.identifier] = special
     return list(found.values())

@@ -5,13 +5,14 @@ Its special case, what does nearly the same, and laws with more detail.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from functools import partial
 
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, special_case_of
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
 from camid.diagnosis.search.screening import may_be_more_than_chance
 from camid.effects.base import Effect
+from camid.effects.special_cases import special_case
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
@@ -21,15 +22,17 @@ from camid.side_by_side import WORKERS, side_by_side
 MOST_REFINED, NEARLY_AS_GOOD = 2, 1.3
 
 
-def special_case(problem: Problem, general: Fitted, index: int, known: set[str]) -> Hypothesis | None:
+def special_case_in_place(
+    problem: Problem, general: Fitted, index: int, known: Set[str] = frozenset(), steps: int = FIRST_STEPS
+) -> Hypothesis | None:
     """The special case of one of a model's effects in its place, fitted from there; None if there is none, or known."""
     model = general.model
-    effect = model.effects[index].simplified()
+    effect = special_case(model.effects[index])
     if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
         return None
     if problem.kind.unseen(type(effect)) is not None:
         return None
-    return _in_place(problem, model, index, effect, FIRST_STEPS)
+    return _in_place(problem, model, index, effect, steps)
 
 
 def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | None:

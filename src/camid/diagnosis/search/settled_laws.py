@@ -13,6 +13,7 @@ from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalt
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, fitted_hypothesis
 from camid.diagnosis.search.related_laws import finer_of, possible_relatives, worth_a_fit
 from camid.effects.base import Effect
+from camid.effects.special_cases import special_case
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
@@ -87,9 +88,7 @@ def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     A loop that saturates at once is dry friction, which may turn round over a range of speeds.
     """
     effect = fitted.model.effects[index]
-    special = effect.simplified()
-    while special is not None and special.identifier == effect.identifier:
-        special = special.simplified()
+    special = special_case(effect)
     if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
         return fitted
     plain = _fitted_in_place(problem, index, fitted.model.replaced(index, special))
