@@ -47,6 +47,10 @@ class CoulombFriction(Effect):
         for share in (GUESS, 0.1, 0.3):
             yield cls(force=share * situation.largest("signal"))
 
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """What bends the input nearly as it bends the motion, in some plants."""
+        return bent_input(situation, self.values["force"])
+
 
 class StribeckFriction(Effect):
     """Dry friction that falls from a break-away level as the speed grows."""
@@ -78,10 +82,14 @@ class StribeckFriction(Effect):
         return CoulombFriction(force=max(self.values["coulomb"], self.values["breakaway"]))
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
-        """Coulomb friction of the level at usual speeds, where nothing moves slowly enough to show the other."""
+        """Coulomb friction of the level at usual speeds, where nothing moves slowly enough to show the other.
+
+        In some plants, what bends the input nearly as it bends the motion, too.
+        """
         speed = float(np.median(np.abs(situation.velocity)))
-        coulomb, breakaway, velocity = self.vector.tolist()
-        return (CoulombFriction(force=coulomb + (breakaway - coulomb) * exp(-((speed / velocity) ** 2))),)
+        coulomb, breakaway, velocity = (self.values[name] for name in ("coulomb", "breakaway", "velocity"))
+        level = coulomb + (breakaway - coulomb) * exp(-((speed / velocity) ** 2))
+        return CoulombFriction(force=level), *bent_input(situation, level)
 
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
@@ -100,6 +108,19 @@ class StribeckFriction(Effect):
             velocity = speed * float(np.std(situation.velocity)) or 1.0
             for level in (1.0, 5.0):
                 yield cls(coulomb=level * force, breakaway=level * 1.6 * force, velocity=velocity)
+
+
+def bent_input(situation: Situation, level: float) -> tuple[Effect, ...]:
+    """What bends the input nearly as a friction bends the motion, as wide as the friction is strong.
+
+    A plant that integrates answers a command with a speed, so that one below the friction does nothing: a dead zone. A
+    plant of first order has no mass, and its input has to turn round by twice the friction before it does: a play.
+    """
+    from camid.effects.actuator import Backlash, DeadZone
+
+    if situation.plant.denominator[-1] == 0.0:
+        return (DeadZone(half_width=level),)
+    return (Backlash(half_width=level),) if situation.plant.order == 1 else ()
 
 
 class _UnevenFriction(Effect):

@@ -231,8 +231,8 @@ class _Equation:
         if terms[0] == 0.0:
             return None
         gain = float(1.0 / terms[0])
-        found = zip(terms[1 : order + 1], given.denominator[1:], strict=True)
-        plant = TransferFunction((gain,), (1.0, *(float(gain * term) if known != 0.0 else 0.0 for term, known in found)))
+        terms[1 : order + 1][np.array(given.denominator[1:]) == 0.0] = 0.0
+        plant = TransferFunction((gain,), (1.0, *(float(gain * term) for term in terms[1 : order + 1])))
         ratios = gain / given.numerator[0], _slow_gain(plant) / _slow_gain(given)
         if not any(1.0 / NEAR < ratio < NEAR for ratio in ratios):
             return None

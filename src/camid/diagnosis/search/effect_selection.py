@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
-from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, fitted_hypothesis
 from camid.diagnosis.search.hypothesis_search import RIVALS, best_of_each, hypotheses
 from camid.diagnosis.search.other_beginnings import SWAP_MARGIN, with_other_beginnings
 from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case_in_place
@@ -20,8 +21,11 @@ from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
 MOST_SWAPS = 4
+# Names known from a search beside fewer effects that are held against one beside all, where there is no time to search.
+MOST_KNOWN = 3
 
 
 def select_effects(
@@ -59,11 +63,12 @@ def select_effects(
         found = with_other_beginnings(problem, found, searches, watch, leaves_structure, nominal)
     if len(found.rivals) < 2:
         return replace(found, without=[base] * len(found.rivals))
-    return replace(_swapped(problem, base, found.fitted, searches, watch), interrupted=found.interrupted)
+    return replace(_swapped(problem, found, searches, watch), interrupted=found.interrupted)
 
 
-def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches, watch: Watch) -> Decision:
+def _swapped(problem: Problem, begun: Decision, searches: Searches, watch: Watch) -> Decision:
     """Put every effect to the test beside the others, until none is swapped or removed."""
+    base, current = begun.base, begun.fitted
     first = len(base.model.effects)
     rivals: list[list[Hypothesis]] = []
     without: list[Fitted] = []
@@ -111,11 +116,38 @@ def _swapped(problem: Problem, base: Fitted, current: Fitted, searches: Searches
             if len(rivals) == len(current.model.effects) - first:
                 current, rivals, without = with_likelier_name(current, rivals, without)
             break
-    for index in range(first + len(rivals), len(current.model.effects)):  # the last swap was not tested itself
-        without.append(fit(problem, current.model.without(index), steps=ALL_STEPS))
-        identifier = current.model.effects[index].identifier
-        rivals.append([Hypothesis(identifier, current)])
+    untested = range(first + len(rivals), len(current.model.effects))  # for lack of time, or the last swap itself
+    for index in untested:
+        ranked = _known_in_place(problem, begun.rivals, current, index)
+        current = ranked[0].fitted
+        rivals.append(ranked)
+    without += [fit(problem, current.model.without(index), steps=ALL_STEPS) for index in untested]
     return Decision(base, current, rivals, without)
+
+
+def _known_in_place(
+    problem: Problem, known: Sequence[Sequence[Hypothesis]], current: Fitted, index: int
+) -> list[Hypothesis]:
+    """An effect of a model and what was found in its place before, beside fewer effects, now beside all; best first.
+
+    What led then, without another effect that is there, does so to the end unless it is held against the others again.
+    """
+    effect = current.model.effects[index]
+    own = Hypothesis(effect.identifier, current, prior_penalty(problem, effect))
+    earlier = next((ranked for ranked in known if any(h.identifier == effect.identifier for h in ranked)), [])
+    present = {e.identifier for e in current.model.effects}
+    others = [h.fitted.model.effects[-1] for h in earlier if h.identifier not in present][:MOST_KNOWN]
+    starts = [current.model.replaced(index, law) for law in others]
+    tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+    found = [*(h for h in tried if h is not None), *relatives_in_place(problem, current, index)]
+    best = in_order([own, *found])[0]
+    if own.beyond(best) <= SWAP_MARGIN:
+        return best_of_each([own, *found]) if best is own else [own, *found]
+    return in_order([own, *found])
+
+
+def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
+    return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
 
 
 def _detail_instead(problem: Problem, base: Fitted, own: Hypothesis, others: Fitted) -> Fitted | None:
