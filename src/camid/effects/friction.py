@@ -22,6 +22,8 @@ from camid.effects.situation import Situation
 
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
+# Share of the break-away level that friction keeps at high speed at least: what falls to almost nothing is none.
+LEAST_KEPT = 0.1
 
 
 class CoulombFriction(Effect):
@@ -74,8 +76,8 @@ class StribeckFriction(Effect):
         return values[0] + (values[1] - values[0]) * exp(-share * share)
 
     def is_plausible(self, extent: Extent) -> bool:
-        """Whether it falls as the speed grows: one that rises has another cause."""
-        return bool(self.values["breakaway"] >= self.values["coulomb"])
+        """Whether it falls as the speed grows, and not to nothing: one that rises, or vanishes, has another cause."""
+        return bool(LEAST_KEPT * self.values["breakaway"] <= self.values["coulomb"] <= self.values["breakaway"])
 
     def simplified(self) -> CoulombFriction:
         """Coulomb friction of the larger of both levels."""

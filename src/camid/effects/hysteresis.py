@@ -59,9 +59,12 @@ class Hysteresis(AgainstMotion):
         return CoulombFriction(force=self.values["strength"])
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """Coulomb friction of nearly the same loop: with pre-sliding displacement, or that turns round gradually."""
+        """A loop that saturates more suddenly; and Coulomb friction of nearly the same loop.
+
+        That with pre-sliding displacement, and that which turns round gradually.
+        """
         values = {"force": self.values["strength"], "presliding": 1.0 / self.values["shape"]}
-        starts: list[Effect] = []
+        starts: list[Effect] = list(self.with_keys(["exponent"]).starts(situation, **self.values))
         for law in CoulombFriction.finer_laws:
             names = {p.name for p in law.parameters}
             starts += law.starts(situation, **{name: value for name, value in values.items() if name in names})
