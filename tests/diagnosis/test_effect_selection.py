@@ -1,5 +1,7 @@
 """Effects that show only beside each other, and minima in which a search must not stay."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,10 @@ from camid.chain.plant import TransferFunction
 from camid.diagnosis import setting
 from camid.diagnosis.search import effect_selection, forward_selection, hypothesis_search
 from camid.diagnosis.search.hypothesis import Hypothesis
+from camid.diagnosis.search.screening import screen
+from camid.diagnosis.watch import Watch
 from camid.effects import modes
+from camid.effects.gradual_friction import GradualAsymmetricFriction, GradualCoulombFriction
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import experiments_of
@@ -124,3 +129,69 @@ def test_the_model_holds_the_likeliest_name_of_each_effect():
     assert [e.identifier for e in found[0].model.effects] == ["step-disturbance", "coulomb-friction"]
     assert [ranked[0].identifier for ranked in found[1]] == ["step-disturbance", "coulomb-friction"]
     assert found[2] == [base, current]
+
+
+def refitted(recording, **changes):
+    """Problem of a recording, and the fit of its plant alone."""
+    file = load_simulation(simulation(**changes))
+    recordings, experiments, _ = experiments_of([recording], file, None)
+    problem = problem_of(file, structure_of(file), recordings, experiments)
+    return problem, problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+
+
+def test_what_was_found_earlier_is_held_against_the_effects_of_a_model_where_nothing_is_searched():
+    """A name that led beside fewer effects need not lead beside all of them."""
+    friction, step = effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0)
+    problem, base = refitted(record(friction, step), sensor={"column": "y", "kind": "camera", "offset": 0.0})
+    drag = effect("quadratic-drag", coefficient=0.05)
+    earlier = [Hypothesis(law.identifier, fit(problem, base.model.plus(law))) for law in (drag, friction)]
+    current = fit(problem, base.model.plus(drag).plus(step))
+    found = effect_selection._known_in_place(problem, [earlier], current, 0)
+    assert [h.identifier for h in found] == ["coulomb-friction", "quadratic-drag"]
+    assert [e.identifier for e in found[0].fitted.model.effects] == ["coulomb-friction", "step-disturbance"]
+    assert found[0].fitted.cost < 0.5 * current.cost
+    # Where what is there is the likeliest, it stays.
+    kept = effect_selection._known_in_place(problem, [earlier], found[0].fitted, 0)
+    assert [h.identifier for h in kept] == ["coulomb-friction", "quadratic-drag"]
+    assert kept[0].fitted is found[0].fitted
+
+
+@pytest.mark.parametrize(
+    ("law", "plant"),
+    [
+        (effect("dead-zone", half_width=0.3), TransferFunction((20.0,), (1.0, 15.0, 0.0))),
+        (effect("backlash", half_width=0.2), TransferFunction((2.0,), (1.0, 2.0))),
+    ],
+)
+def test_friction_is_held_against_what_bends_the_input_as_much(law, plant):
+    """Of a plant that integrates a dead zone, and of one without a mass a play."""
+    recording = record(law, plant=plant)
+    moved = [0.95 * plant.numerator[0]], [1.0, 1.05 * plant.denominator[1], *plant.denominator[2:]]
+    given = {"transfer_function": dict(zip(("numerator", "denominator"), moved, strict=True))}
+    problem, base = refitted(recording, plant=given)
+    current = fit(problem, base.model.plus(effect("coulomb-friction", force=0.2)))
+    found = effect_selection._known_in_place(problem, [], current, 0)
+    assert found[0].identifier == law.identifier
+    assert found[0].fitted.model.effects[0].vector == pytest.approx(law.vector, rel=0.05)
+    # A mass on a spring is not driven by either.
+    assert (
+        effect("coulomb-friction", force=0.2).relatives(
+            SimpleNamespace(plant=TransferFunction((1.0,), (1.0, 1.0, 9.0)))
+        )
+        == ()
+    )
+
+
+def test_the_special_case_of_a_law_with_more_detail_is_fitted_from_there(monkeypatch):
+    """Else a law with one number more leads, whose special case was fitted from elsewhere and with less detail."""
+    law = GradualCoulombFriction(force=0.2, transition=0.4)
+    problem, base = refitted(record(law, noise=0.002, count=900))
+    uneven = GradualAsymmetricFriction(forward=0.21, backward=0.19, transition=0.3)
+    general = Hypothesis("asymmetric-friction", fit(problem, base.model.plus(uneven)))
+    monkeypatch.setattr(hypothesis_search, "finer_laws", lambda *_: [general])
+    screened = [c for c in screen(problem, base) if c.effect.identifier == "coulomb-friction"]
+    found = hypothesis_search.hypotheses(
+        problem, base, screened, effort=hypothesis_search.FIRST_EFFECT, watch=Watch(), incumbent=None
+    )
+    assert [h.identifier for h in found] == ["coulomb-friction", "asymmetric-friction"]
+    assert found[0].fitted.model.effects[0].values == pytest.approx(law.values, rel=0.05)

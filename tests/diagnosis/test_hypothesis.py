@@ -6,6 +6,7 @@ import pytest
 
 from camid.diagnosis.search.hypothesis import Hypothesis, general_law_penalty, members_of, prior_penalty
 from camid.effects import bristle_friction, known_effects
+from camid.effects.gradual_friction import GradualCoulombFriction, GradualStribeckFriction
 
 
 def hypothesis(effect, cost):
@@ -25,6 +26,7 @@ LOAD = known_effects()["load-dependent-friction"](force=1.0, coefficient=0.1)
 DRAG = known_effects()["quadratic-drag"](coefficient=1.0)
 DAHL = bristle_friction.CoulombBristleFriction(force=1.0, presliding=0.5)
 LUGRE = bristle_friction.StribeckBristleFriction(coulomb=1.0, breakaway=2.0, velocity=3.0, presliding=0.5)
+GRADUAL = GradualCoulombFriction(force=1.0, transition=0.1)
 WITHOUT = SimpleNamespace(cost=110.0)
 
 
@@ -53,6 +55,21 @@ def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
     assert asymmetric.identifier == "asymmetric-friction"
     # One effect in the place of two: the odds are even.
     assert (asymmetric.gap, asymmetric.left) == (0.0, 0.0)
+
+
+def test_friction_that_holds_nothing_at_rest_is_no_sum_with_a_bias():
+    ranked = [hypothesis(GRADUAL, 10.0)]
+    members = members_of(ranked, WITHOUT, {"coulomb-friction"}, constant=True)
+    assert [m.identifier for m in members] == ["coulomb-friction"]
+    # Bristles hold it, in the catalogue's asymmetric law as well as with a bias.
+    members = members_of([hypothesis(DAHL, 10.0)], WITHOUT, {"coulomb-friction"}, constant=True)
+    assert [m.identifier for m in members] == ["coulomb-friction", "asymmetric-friction"]
+
+
+def test_gradual_friction_is_the_special_case_of_its_general_laws():
+    falling = GradualStribeckFriction(coulomb=0.9, breakaway=1.0, velocity=3.0, transition=0.1)
+    _lead, gradual = members_of([hypothesis(falling, 10.0), hypothesis(GRADUAL, 12.0)], WITHOUT)
+    assert gradual.special
 
 
 def test_a_constant_that_is_estimated_stands_for_a_bias():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from camid.effects.extent import Extent
-from camid.effects.friction import CoulombFriction
+from camid.effects.friction import CoulombFriction, StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_friction import GradualAsymmetricFriction, GradualCoulombFriction, GradualStribeckFriction
 from camid.effects.two_term_springs import CubicStiffnessWithFifthPower
@@ -34,6 +34,13 @@ def test_a_dead_zone_that_no_command_leaves_is_a_curve():
     assert GradualDeadZone(half_width=2.9, sharpness=2.0).is_plausible(REACHED)
     assert not GradualDeadZone(half_width=3.1, sharpness=2.0).is_plausible(REACHED)
     assert CoulombFriction(force=9.0).is_plausible(REACHED)
+
+
+def test_friction_that_falls_to_nothing_is_another_force():
+    law = StribeckFriction(coulomb=0.5, breakaway=1.0, velocity=0.1)
+    assert law.is_plausible(REACHED)
+    assert not law.with_vector(np.array([0.05, 1.0, 0.1])).is_plausible(REACHED)
+    assert not law.with_vector(np.array([1.1, 1.0, 0.1])).is_plausible(REACHED)
 
 
 def test_a_fifth_power_beside_a_quadratic_spring_is_a_series():

@@ -18,7 +18,7 @@ from camid.effects.situation import Situation
 EXPONENTS = (2.0, 4.0)
 # Longest step of the normalised way along which the loop is followed, and the way from which on it has saturated: what
 # is left of it is exp(-way) at most.
-STEP, SATURATED = 0.25, 40.0
+STEP, SATURATED = 0.1, 40.0
 
 
 class HysteresisOfAnyPower(Hysteresis):
