@@ -41,6 +41,8 @@ def test_friction_that_falls_to_nothing_is_another_force():
     assert law.is_plausible(REACHED)
     assert not law.with_vector(np.array([0.05, 1.0, 0.1])).is_plausible(REACHED)
     assert not law.with_vector(np.array([1.1, 1.0, 0.1])).is_plausible(REACHED)
+    # Where nothing moved fast, nothing says what it falls to.
+    assert law.with_vector(np.array([0.05, 1.0, 0.8])).is_plausible(REACHED)
 
 
 def test_a_fifth_power_beside_a_quadratic_spring_is_a_series():

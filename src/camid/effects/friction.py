@@ -22,7 +22,7 @@ from camid.effects.situation import Situation
 
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
-# Share of the break-away level that friction keeps at high speed at least: what falls to almost nothing is none.
+# Share of the break-away level that friction keeps at the speeds recorded: what falls to almost nothing is none.
 LEAST_KEPT = 0.1
 
 
@@ -76,8 +76,13 @@ class StribeckFriction(Effect):
         return values[0] + (values[1] - values[0]) * exp(-share * share)
 
     def is_plausible(self, extent: Extent) -> bool:
-        """Whether it falls as the speed grows, and not to nothing: one that rises, or vanishes, has another cause."""
-        return bool(LEAST_KEPT * self.values["breakaway"] <= self.values["coulomb"] <= self.values["breakaway"])
+        """Whether it falls as the speed grows, and not to nothing at the speeds recorded.
+
+        One that rises, or vanishes, has another cause.
+        """
+        coulomb, breakaway, velocity = (self.values[name] for name in ("coulomb", "breakaway", "velocity"))
+        kept = coulomb + (breakaway - coulomb) * exp(-((extent.speed / velocity) ** 2))
+        return bool(coulomb <= breakaway and kept >= LEAST_KEPT * breakaway)
 
     def simplified(self) -> CoulombFriction:
         """Coulomb friction of the larger of both levels."""

@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from camid.diagnosis.residual.mismatch_location import PlaceTest, regressors
+from camid.diagnosis.residual.mismatch_location import PlaceTest, places_needed, regressors
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, chance
@@ -52,7 +52,7 @@ def simplest(
     watch : Watch, optional
     """
     noise = (1.0 - min(max((t.share for t in left), default=0.0), 1.0)) * decision.fitted.cost
-    inexact = [t.place for t in left if t.p_value < STRUCTURE_P_VALUE]
+    inexact: list[str] | None = None
     if watch and decision.rivals:
         watch.say("testing whether fewer and simpler effects say as much")
     certain = set(decision.certain)
@@ -70,6 +70,8 @@ def simplest(
         explained = _explained(decision.without[weakest], decision.fitted, noise)
         if explained >= LEAST_EXPLAINED and gains[weakest] >= LAW_ERROR * mismatch:
             break
+        if inexact is None:
+            inexact = places_needed(problem, decision.fitted, left, STRUCTURE_P_VALUE)
         if _shows_elsewhere(problem, decision, known + weakest, decision.without[weakest], inexact):
             certain.add(effects[weakest].identifier)
             continue

@@ -190,6 +190,35 @@ def places(problem: Problem, fitted: Fitted, spread: Array | None = None) -> lis
     return [_place_test(problem, view, place, regressors(problem, fitted, motions, place)) for place in QUESTIONS]
 
 
+def places_needed(problem: Problem, fitted: Fitted, tests: Sequence[PlaceTest], level: float) -> list[str]:
+    """The place that explains most of the structure, and each further one that explains what those before it cannot.
+
+    What a fault at one place does looks a little like one at the others.
+
+    Parameters
+    ----------
+    problem : Problem
+    fitted : Fitted
+    tests : sequence of PlaceTest
+        Of what the model leaves.
+    level : float
+        Probability below which a place explains more than chance.
+    """
+    found: list[str] = []
+    tables: list[Array] = []
+    motions = problem.motion(fitted.model)
+    whitening = fitted.noise.whitening
+    for test in sorted((t for t in tests if t.p_value < level), key=lambda t: -t.share):
+        table = regressors(problem, fitted, motions, test.place)
+        if tables:
+            view = Metric.of(problem, fitted, whitening, beside=np.hstack(tables))
+            if _place_test(problem, view, test.place, table).p_value >= level:
+                continue
+        found.append(test.place)
+        tables.append(table)
+    return found
+
+
 def _bend_of_the_reading(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, Array]]) -> Array:
     """Second derivative of the readings on the fitted rows, shape (M, 1): what times that scatter do to their mean."""
     bends = []
