@@ -99,12 +99,7 @@ def _swapped(problem: Problem, begun: Decision, searches: Searches, watch: Watch
                 laws = [c for c in laws if c.effect.identifier != identifier]
                 found = hypotheses(problem, others, laws, effort=RIVALS, watch=watch, incumbent=own)
                 searches.keep(others, [*found, _last(own, index)])
-            simpler = (
-                special_case_in_place(problem, current, index),
-                plainer_law(problem, current, index),
-            )
-            found = [*found, *(h for h in simpler if h is not None)]
-            found += relatives_in_place(problem, current, index)
+            found = [*found, *_related_in_place(problem, current, index)]
             best = in_order([own, *found])[0]
             if own.beyond(best) > SWAP_MARGIN:
                 current, changed = best.fitted, True
@@ -139,11 +134,17 @@ def _known_in_place(
     others = [h.fitted.model.effects[-1] for h in earlier if h.identifier not in present][:MOST_KNOWN]
     starts = [current.model.replaced(index, law) for law in others]
     tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
-    found = [*(h for h in tried if h is not None), *relatives_in_place(problem, current, index)]
+    found = [*(h for h in tried if h is not None), *_related_in_place(problem, current, index)]
     best = in_order([own, *found])[0]
     if own.beyond(best) <= SWAP_MARGIN:
         return best_of_each([own, *found]) if best is own else [own, *found]
     return in_order([own, *found])
+
+
+def _related_in_place(problem: Problem, current: Fitted, index: int) -> list[Hypothesis]:
+    """The special case of one of a model's effects, its law with less detail and what does nearly the same, fitted."""
+    simpler = special_case_in_place(problem, current, index), plainer_law(problem, current, index)
+    return [*(h for h in simpler if h is not None), *relatives_in_place(problem, current, index)]
 
 
 def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
