@@ -70,7 +70,7 @@ def concluded(
     deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
-    first, *further = signals_of(problem, setting.start, base, final, setting.validation)
+    first, *further = signals_of(problem, setting.in_place, base, final, setting.validation)
     remainder = remainder_of(bool(found or learned), bool(named.reasons), believed, problem, final, judging)
     conditions = conditions_of(problem, final)
     diagnosis = Diagnosis(
