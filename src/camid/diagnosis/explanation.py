@@ -267,7 +267,9 @@ def _indistinct(found: Sequence[Finding]) -> list[str]:
 def rivals(finding: Finding) -> tuple[list[str], list[str]]:
     """Identifiers of rivals of a name that fit about as well, and of those that fit worse with the catalogue's law."""
     names = [n for n, weight in finding.alternatives if n != UNLISTED and weight >= RIVAL_WEIGHT]
-    gaps = {m.identifier: m.gap for m in finding.comparison.members} if finding.comparison else {}
+    gaps: dict[str, float] = {}
+    for member in finding.comparison.members if finding.comparison else ():
+        gaps[member.identifier] = min(member.gap, gaps.get(member.identifier, member.gap))
     own = gaps.get(finding.identifier, 0.0)
     worse = [name for name in names if gaps.get(name, 0.0) - own >= FITS_WORSE]
     return [name for name in names if name not in worse], worse
