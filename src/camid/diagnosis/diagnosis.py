@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 # What the simulations before and after are called in pictures.
 AS_GIVEN, REFITTED, IMPROVED = "as given", "re-estimated", "improved"
+# Error, as a share of the output's standard deviation, from which a simulation explains hardly anything.
+EXPLAINS_NOTHING = 0.9
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,8 @@ class NormalisedErrors:
     Attributes
     ----------
     nominal, refitted, improved : float
-        RMSE over the standard deviation of the recorded output: the simulation as given, with its coefficients
-        re-estimated, and with the effects found.
+        RMSE over the standard deviation of the recorded output in these rows, or over that of the whole recording where
+        it rests in them: the simulation as given, with its coefficients re-estimated, and with the effects found.
     noise_floor : float
         What a perfect model would leave, from the noise of the improved model.
     validation : tuple of float
@@ -86,6 +88,10 @@ class NormalisedErrors:
     nominal_in_place : float or None
         As ``nominal``, with the sensor's zero and the input's bias estimated where the simulation leaves them open;
         None where it leaves neither open.
+    at_rest : bool
+        Whether the output rests in these rows, so that its standard deviation there is that of the noise.
+    improved_everywhere : float or None
+        As ``improved``, on all rows and over the standard deviation of all.
     """
 
     nominal: float
@@ -96,6 +102,19 @@ class NormalisedErrors:
     chosen: bool = True
     position: tuple[float, float] | None = None
     nominal_in_place: float | None = None
+    at_rest: bool = False
+    improved_everywhere: float | None = None
+
+    @property
+    def explains_nothing(self) -> bool:
+        """Whether the simulation explains hardly anything, neither of these rows nor of the whole recording."""
+        everywhere = self.improved if self.improved_everywhere is None else self.improved_everywhere
+        return min(self.improved, everywhere) >= EXPLAINS_NOTHING
+
+    @property
+    def reference(self) -> str:
+        """Which standard deviation of the output the errors are over."""
+        return "over the whole recording, as it rests in these rows" if self.at_rest else "in these rows"
 
     @property
     def as_given(self) -> float:
@@ -114,6 +133,8 @@ class NormalisedErrors:
             "nrmse_refitted": self.refitted,
             "nrmse_improved": self.improved,
             "noise_floor": self.noise_floor,
+            "reference": "whole-recording" if self.at_rest else "validation",
+            "explains_output": not self.explains_nothing,
             "validation": {"start": self.validation[0], "end": self.validation[1]},
         }
 
@@ -316,6 +337,16 @@ class Diagnosis:
     refitted: Simulation | None = None
     response_source: DiagnosedResponses | None = None
     provenance: Provenance | None = None
+
+    @property
+    def explains_nothing(self) -> bool:
+        """Whether nothing structured is left of an output of which the simulation explains hardly anything."""
+        return self.verdict == "adequate" and self.known_remainder is None and self.fit.explains_nothing
+
+    @property
+    def verdict_in_words(self) -> str:
+        """The verdict; that of an adequate simulation says nothing where it explains nothing."""
+        return "nothing explained" if self.explains_nothing else self.verdict
 
     @property
     def responses(self) -> FrequencyResponses | None:

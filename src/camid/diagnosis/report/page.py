@@ -268,6 +268,8 @@ def _headings(diagnosis: Diagnosis) -> dict[str, str]:
     structure = "What the missing part depends on"
     if diagnosis.known_remainder is not None:
         structure = "What the declared remainder depends on"
+    elif diagnosis.explains_nothing:
+        structure = "What is left"
     elif diagnosis.verdict == "adequate":
         structure = "What is left depends on nothing"
     elif named:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Undetectable
-from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import LISTED_WEIGHT, carries_over, rivals, wrong_coefficients
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
@@ -35,7 +34,12 @@ WITHOUT_A_NAME = {
     "partly-explained": "what is left out is modelled in part, has no name that is likely, and something remains",
 }
 CORRECTED = ("≠", "Coefficients were wrong", "the structure is right: re-estimated, it leaves out nothing that shows")
-HARDLY_ANYTHING = "but the simulation explains hardly anything of the output"
+# Where nothing structured is left of an output of which nothing is explained.
+HARDLY_ANYTHING = (
+    "?",
+    "Nothing explained",
+    "the simulation explains hardly anything of the output, so that nothing can be said of its structure",
+)
 # Evidence of squares, which diagnosis.json holds and no reader is shown: the page speaks of root mean squares alone.
 SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
@@ -63,8 +67,8 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
         meaning += " in the rows that were fitted"
     if needs_new_coefficients(diagnosis):
         symbol, word, meaning = CORRECTED
-    if diagnosis.verdict == "adequate" and diagnosis.fit.improved >= NOTHING_EXPLAINED:
-        symbol, meaning = "?", f"{meaning}, {HARDLY_ANYTHING}"
+    if diagnosis.explains_nothing:
+        symbol, word, meaning = HARDLY_ANYTHING
     if diagnosis.known_remainder is not None:
         size = number(diagnosis.known_remainder)
         meaning = (
@@ -76,7 +80,7 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
 
 def needs_new_coefficients(diagnosis: Diagnosis) -> bool:
     """Whether a simulation of the right structure had wrong coefficients."""
-    if diagnosis.verdict != "adequate" or diagnosis.known_remainder is not None:
+    if diagnosis.verdict != "adequate" or diagnosis.known_remainder is not None or diagnosis.fit.explains_nothing:
         return False
     return bool(wrong_coefficients(diagnosis.coefficients, diagnosis.fit))
 
@@ -164,6 +168,8 @@ def alternatives_text(finding: Finding, own: Mapping[str, str] | None = None) ->
 def place_text(diagnosis: Diagnosis) -> str:
     """Place, time, band and region of the mismatch in a line, in declared units as they are given."""
     location = diagnosis.location
+    if diagnosis.explains_nothing:
+        return "not to be said: the simulation explains hardly anything of the output"
     if location.place is None and diagnosis.verdict == "adequate":
         return "nowhere" if diagnosis.known_remainder is None else "not looked for within the declared remainder"
     parts = [location.place or "no place of the chain stands out"]
@@ -290,7 +296,7 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     in_place = "" if fit.nominal_in_place is None else " (sensor's zero estimated)"
     console.print(
         f"error on held-out rows ({span(fit.validation, 's')}"
-        f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation: "
+        f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation {fit.reference}: "
         f"as given {percentage(fit.as_given)}{in_place}, coefficients re-estimated {percentage(fit.refitted)}, "
         f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
         soft_wrap=True,
