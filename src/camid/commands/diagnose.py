@@ -11,6 +11,7 @@ import numpy as np
 from camid.analysis.diagnosed_responses import DiagnosedResponses
 from camid.commands.results import DiagnosisResult
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
+from camid.diagnosis.moments_in_gaps import moments_in_gaps
 from camid.diagnosis.provenance import provenance_of
 from camid.diagnosis.residual.validation_rows import (
     refuse_too_short_to_diagnose,
@@ -141,6 +142,7 @@ def _diagnosed(
         period=recordings[0].period,
         warnings=[
             *warnings_of(recordings),
+            *moments_in_gaps(diagnosis.findings, recordings),
             *diagnosis.warnings,
             *problem.kind.remarks(diagnosis.improved),
             *_left_open(diagnosis.improved),

@@ -45,7 +45,7 @@ def findings(
     left: float,
     beside_laws: float,
 ) -> list[Finding]:
-    """One finding per effect, the strongest first.
+    """One finding per effect, the one first that costs most to leave out, in rows that were not fitted.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def findings(
                 comparison,
             )
         )
-    return sorted(result, key=lambda f: -f.evidence["share"])
+    return sorted(result, key=lambda f: (-f.evidence["nrmse_without"], -f.evidence["share"]))
 
 
 def _evidence(
@@ -112,12 +112,15 @@ def _evidence(
 ) -> dict[str, Any]:
     """What diagnosis.json says for one of the effects found, but for the shares that it removes."""
     ranked, other = decision.rivals[index], decision.without[index]
+    gained = float(other.criterion_beyond(ranked[0].fitted) - ranked[0].penalty)
     runner = ranked[1] if len(ranked) > 1 else None
+    if runner is not None and runner.beyond(ranked[0]) >= gained:
+        runner = None  # what is worse than nothing is no next best
     return {
         "validation_gain": 1.0 - (without[-1] / without[index]) ** 2 if without[index] > 0.0 else None,
         "nrmse_without": without[index],
         "false_alarm_probability": p_value(problem, other, decision.fitted, effect.identifier),
-        "delta_bic": float(other.criterion_beyond(ranked[0].fitted) - ranked[0].penalty),
+        "delta_bic": gained,
         "next_best": None if runner is None else runner.identifier,
         "delta_bic_to_next_best": None if runner is None else float(runner.beyond(ranked[0])),
     }

@@ -104,9 +104,8 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     boxes = [_box_of(f) for f in diagnosis.findings]
     flags = dict.fromkeys(boxes, "also here")
     if location.place is not None:
-        strongest = diagnosis.findings[0] if diagnosis.findings else None
-        at_strongest = strongest is not None and strongest.place == location.place
-        flags[boxes[0] if at_strongest else location.place] = "here"
+        there = [box for box, finding in zip(boxes, diagnosis.findings, strict=True) if finding.place == location.place]
+        flags[there[0] if there else location.place] = "here"
     # Where there is no mismatch, or the noise is all of it, no place has a share of it.
     shares = {} if location.place in {None, "noise"} else location.places
     sensor = "instant"
@@ -133,6 +132,15 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         Box("+", "", "sum", area="added"),
         Box(number_text.printable(simulation.output_column), "recorded", "signal", area="recorded"),
     ]
+
+
+def _larger_share(diagnosis: Diagnosis) -> str | None:
+    """A place with more of the mismatch than the one that is named, where its share is shown."""
+    location = diagnosis.location
+    if location.place in {None, "noise"} or not diagnosis.findings:
+        return None
+    largest = max(location.places, key=lambda place: location.places[place])
+    return largest if location.places[largest] > location.places.get(str(location.place), 0.0) else None
 
 
 def _box_of(finding: Finding) -> str:
@@ -224,6 +232,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
     return {
         "diagnosis": diagnosis,
         "verdict": summary.verdict_words(diagnosis),
+        "larger_share": _larger_share(diagnosis),
         "corrected": summary.needs_new_coefficients(diagnosis),
         "chain": chain(diagnosis),
         "findings": _findings(diagnosis),
