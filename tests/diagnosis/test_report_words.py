@@ -7,6 +7,7 @@ import pytest
 
 from camid.diagnosis.diagnosis import NormalisedErrors, Undetectable
 from camid.diagnosis.in_declared_units import in_declared_units
+from camid.diagnosis.laws.learned_effect_file import effect_file
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import page as report
 from camid.diagnosis.report import pictures, summary
@@ -133,6 +134,21 @@ def test_a_name_that_is_not_simulated_is_marked():
     assert f"  {summary.NOT_SIMULATED}" in summary.finding_lines(resembling, {})
     assert f"  {summary.NOT_SIMULATED}" not in summary.finding_lines(written_diagnoses.finding(), {})
     assert resembling.to_mapping()["simulated"] is False
+
+
+def test_a_law_is_as_large_as_it_is_where_the_recording_goes(capsys):
+    """At the ends of its knots, where hardly a row lies, a curve goes on as it likes."""
+    part = replace(LEARNED, knots=[-9.0, -1.0, 0.0, 1.0, 9.0], values=[0.9, 0.1, 0.0, 0.2, 1.0], visited=(-1.0, 2.0))
+    part = replace(part, standard_deviations=[0.5, 0.01, 0.01, 0.01, 0.5])
+    assert part.largest == pytest.approx(0.3)
+    assert part.to_mapping()["visited"] == [-1.0, 2.0]
+    diagnosis = written_diagnoses.diagnosis("partly-explained", learned=[part])
+    page = texts(diagnosis, capsys)[1]
+    values = list(summary._table_of_findings(in_declared_units(diagnosis)).columns[4].cells)
+    assert f"5 values, up to 0.3{SPACE}u s/y there" in values
+    assert "Up to 0.3 u s/y." in page
+    assert "Drawn over the middle 98 % of the rows" in page
+    assert "# Up to 0.3 from -1.0 to 2.0, where the middle 98 % of the rows lie." in effect_file(diagnosis)
 
 
 def test_a_law_without_a_name_is_shown_and_not_claimed(capsys):

@@ -21,6 +21,7 @@ from camid.effects.base import Effect
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
 from camid.fitting.covariance import effect_deviations
+from camid.fitting.learned_law import over_of, visited
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
@@ -170,6 +171,7 @@ def learned_parts(decision: Decision) -> list[LearnedPart]:
     """The laws without a name that the improved model holds behind the effects that are named."""
     result = []
     before, total = decision.fitted.cost, max(decision.base.cost, 1e-300)
+    seen = visited(decision.improved.problem, decision.improved) if decision.laws else {}
     for learned in decision.laws:
         law = learned.law
         result.append(
@@ -185,10 +187,17 @@ def learned_parts(decision: Decision) -> list[LearnedPart]:
                 law.unit,
                 learned.log_evidence - learned.without,
                 min(max((before - learned.fitted.cost) / total, 0.0), 1.0),
+                visited=_middle(seen[over_of(law)]),
             )
         )
         before = learned.fitted.cost
     return result
+
+
+def _middle(values: Array) -> tuple[float, float]:
+    """Where the middle 98 % of some values lie."""
+    low, high = np.percentile(values, [1.0, 99.0])
+    return float(low), float(high)
 
 
 def recognised(recognition: Recognition) -> Finding:

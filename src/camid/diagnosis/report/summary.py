@@ -203,8 +203,8 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
             value = estimate_text(parameter)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for part in diagnosis.learned:
-        range_shown = span((part.learned.knots[0], part.learned.knots[-1]), part.knot_unit)
-        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.learned.values)), unit=part.unit)}"
+        range_shown = span(part.visited or (part.learned.knots[0], part.learned.knots[-1]), part.knot_unit)
+        values = f"{len(part.knots)} values, up to {plain(part.largest, unit=part.unit)} there"
         over = part.variables.rpartition(" over ")[2]
         table.add_row(part.name, "–", part.place, f"{over} {range_shown}", values, "–")
     return table
