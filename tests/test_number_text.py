@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from camid.number_text import (
     SPACE,
+    apart_from,
     interval,
     number,
     percentage,
@@ -19,6 +20,21 @@ from camid.number_text import (
     unit_text,
     with_deviation,
 )
+
+
+@pytest.mark.parametrize(
+    ("value", "other", "text"),
+    [
+        (0.99934, 1.0, "0.99934"),
+        (0.0100587, 0.01, "0.010059"),
+        (2.9988, 3.0, "2.9988"),
+        (0.00067, 0.0, "0.00067"),
+        (67890.0, None, "68000"),
+        (3.0, 3.0, "3.0"),
+    ],
+)
+def test_a_number_has_digits_that_tell_it_from_another(value, other, text):
+    assert apart_from(value, other) == text
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,14 @@ def plain(value: float, digits: int = 4, unit: str = "") -> str:
     return head + power + tail + (SPACE + unit if unit else "")
 
 
+def apart_from(value: float, other: float | None, digits: int = 2, most: int = 9) -> str:
+    """A number with this many significant digits, or as many more as its distance from another one asks for."""
+    if other is None or not math.isfinite(other) or value == other:
+        return number(value, digits)
+    needed = _exponent(value) - _exponent(value - other) + digits
+    return number(value, min(max(digits, needed), most))
+
+
 def with_deviation(value: Any, deviation: Any, unit: str = "") -> str:
     """``value ± standard deviation unit``; items of lists are separated by semicolons.
 

@@ -153,6 +153,10 @@ class Undetectable:
         Values of the effect's other parameters at which this holds.
     shape : dict
         Values and units of those of them that are numbers.
+    neutral : float or None
+        Value of the parameter that means no effect; None where no number does.
+    shows_above : bool
+        Whether larger values would have shown, and not smaller ones, as of a limit.
     shows : bool
         Whether an effect without a number, so that it has no smallest size, would have shown.
     """
@@ -165,6 +169,8 @@ class Undetectable:
     others: dict[str, Any] = field(default_factory=dict)
     shows: bool = False
     shape: dict[str, tuple[float, str]] = field(default_factory=dict)
+    neutral: float | None = None
+    shows_above: bool = True
 
     @property
     def would_show(self) -> bool:
@@ -173,7 +179,10 @@ class Undetectable:
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
-        smallest = None if self.value is None else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
+        smallest = None
+        if self.value is not None:
+            side = "above" if self.shows_above else "below"
+            smallest = {"parameter": self.parameter, "value": self.value, "unit": self.unit, "shows": side}
         return {
             "id": self.identifier,
             "reason": self.reason,

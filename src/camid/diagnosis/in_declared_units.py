@@ -116,6 +116,8 @@ def _undetectable(effect: Undetectable, units: DeclaredUnits) -> Undetectable:
     return replace(
         effect,
         value=units.shown(effect.value, effect.unit),
+        neutral=units.shown(effect.neutral, effect.unit),
+        shows_above=effect.shows_above == (units.factor(effect.unit) > 0.0),
         unit=units.text(effect.unit),
         reason=f"{effect.reason} (at {shape})".replace(SPACE, " ") if shape else effect.reason,
     )

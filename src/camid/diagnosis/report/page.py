@@ -262,6 +262,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
         "headline_weight": HEADLINE_WEIGHT,
         "number": number_text.number,
         "plain": number_text.plain,
+        "apart_from": number_text.apart_from,
         "span": number_text.span,
         "percentage": number_text.percentage,
         "probability": number_text.probability,
