@@ -24,7 +24,7 @@ POWER = 1.645
 ACCURACY = 0.03
 SIMULATIONS = 6
 LARGEST_FACTOR = 1e4
-# By how much stronger an effect says to which side of a size it shows: a limit, or the frequency of a mode, to the lower.
+# By how much an effect is made stronger to see to which side of a size it shows: of a limit smaller values do.
 STRONGER = 1.25
 
 
