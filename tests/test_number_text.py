@@ -13,6 +13,7 @@ from camid.number_text import (
     interval,
     number,
     percentage,
+    percentages,
     plain,
     probability,
     span,
@@ -144,3 +145,16 @@ def test_numbers_and_units():
     assert span((1000.012, 1000.034), "s") == f"1000.012 to 1000.034{SPACE}s"
     assert span((3.0, 3.0), "") == "3 to 3"
     assert percentage(None) == "–"
+
+
+@pytest.mark.parametrize(
+    ("shares", "printed"),
+    [
+        ([0.9958, 0.0042], ["99.6", "0.4"]),
+        ([0.3975, 0.2467, 0.1950, 0.1608, 0.0], ["40", "25", "19", "16", "0"]),
+        ([1 / 3, 1 / 3, 1 / 3], ["34", "33", "33"]),
+        ([0.0, 0.0], ["0", "0"]),
+    ],
+)
+def test_shares_add_up_as_they_are_printed(shares, printed):
+    assert percentages(shares) == [f"{each}{SPACE}%" for each in printed]

@@ -1,11 +1,17 @@
 """What errors are measured by, and that of the simulation as given, which errs as much as ``camid simulate`` shows."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 
 import camid
 from camid.chain.plant import TransferFunction
+from camid.commands.diagnose import _judged
+from camid.diagnosis.diagnosis import NormalisedErrors
 from camid.diagnosis.report.page import render
 from camid.diagnosis.report.summary import verdict_words
+from camid.number_text import SPACE
 from tests.support.mass_on_spring import COUNT, PERIOD, effect, record, simulation
 
 SWING = TransferFunction((1.0,), (1.0, 0.12, 16.8))
@@ -70,3 +76,19 @@ def test_an_output_of_noise_says_nothing_of_the_structure():
         assert "structure of the simulation holds" not in text
         assert "dequate" not in text.partition("<style>")[0]
     assert "Nothing can be said of the structure" in page
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([False, False, True], "run 3"),
+        ([True, True, True], "the first of 3 recordings, and likewise of the others"),
+    ],
+)
+def test_of_several_runs_the_one_that_judges_is_named(rows, said):
+    runs = [SimpleNamespace(experiment=str(i + 1), source="runs.csv") for i in range(3)]
+    assert _judged(runs, [0, 1, 2], [np.array([judges]) for judges in rows]) == said
+    assert _judged(runs[:1], [0, 0], [np.array([True])] * 2) == ""
+    fit = NormalisedErrors(1.0, 0.1, 0.1, 0.1, (0.0, 9.94), of_recording=said)
+    assert fit.rows == f"0 to 9.94{SPACE}s of {said}"
+    assert fit.to_mapping()["validation"]["recording"] == said

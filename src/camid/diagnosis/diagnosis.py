@@ -12,6 +12,7 @@ from camid.diagnosis.finding import Finding
 from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.provenance import Provenance
+from camid.number_text import span
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
@@ -92,6 +93,8 @@ class NormalisedErrors:
         Whether the output rests in these rows, so that its standard deviation there is that of the noise.
     improved_everywhere : float or None
         As ``improved``, on all rows and over the standard deviation of all.
+    of_recording : str
+        Which of several recordings those rows are of; empty where there is one.
     """
 
     nominal: float
@@ -104,12 +107,18 @@ class NormalisedErrors:
     nominal_in_place: float | None = None
     at_rest: bool = False
     improved_everywhere: float | None = None
+    of_recording: str = ""
 
     @property
     def explains_nothing(self) -> bool:
         """Whether the simulation explains hardly anything, neither of these rows nor of the whole recording."""
         everywhere = self.improved if self.improved_everywhere is None else self.improved_everywhere
         return min(self.improved, everywhere) >= EXPLAINS_NOTHING
+
+    @property
+    def rows(self) -> str:
+        """Which rows those are: their times, and of what."""
+        return span(self.validation, "s") + (f" of {self.of_recording}" if self.of_recording else "")
 
     @property
     def reference(self) -> str:
@@ -135,7 +144,11 @@ class NormalisedErrors:
             "noise_floor": self.noise_floor,
             "reference": "whole-recording" if self.at_rest else "validation",
             "explains_output": not self.explains_nothing,
-            "validation": {"start": self.validation[0], "end": self.validation[1]},
+            "validation": {
+                "start": self.validation[0],
+                "end": self.validation[1],
+                **({"recording": self.of_recording} if self.of_recording else {}),
+            },
         }
 
 

@@ -67,7 +67,8 @@ def headline(finding: Finding) -> str:
         )
     if finding.weight < RESEMBLANCE:
         return f"physics outside the catalogue at the {finding.place}"
-    return f"physics outside the catalogue, which acts like {within_sentence(finding.title)}{_details(finding)}"
+    acts = f"which acts like {within_sentence(finding.title)}{_details(finding, ' that it is this')}"
+    return f"physics outside the catalogue, {acts}"
 
 
 def explained(diagnosis: Diagnosis) -> str:
@@ -313,10 +314,11 @@ def _estimate(coefficient: Coefficient) -> str:
     return with_deviation(coefficient.improved, coefficient.improved_deviation, coefficient.unit)
 
 
-def _details(finding: Finding) -> str:
-    """What it is of, the leading parameter, one that is determined where there is such, and the weight."""
-    parts = [] if finding.weight >= 0.995 else [_share(finding.weight, 2)]
-    numbers = {name: p for name, p in finding.parameters.items() if isinstance(p.value, float)}
+def _details(finding: Finding, of_weight: str = "") -> str:
+    """What it is of, the leading parameter, one that is determined where there is such, and the weight of what."""
+    parts = [] if finding.weight >= 0.995 else [f"{_share(finding.weight, 2)}{of_weight}"]
+    # What ended at its bound is no number that leads.
+    numbers = {n: p for n, p in finding.parameters.items() if isinstance(p.value, float) and not p.at_bound}
     leading = next((name for name, p in numbers.items() if _is_determined(p)), next(iter(numbers), None))
     if leading is not None:
         parts.insert(0, f"{leading.replace('_', ' ')} {_shown(numbers[leading])}")

@@ -18,6 +18,7 @@ from camid.diagnosis.search.hypothesis import members_of
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
 from camid.fitting.covariance import effect_deviations
@@ -26,15 +27,32 @@ from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
+# Distance from a bound, in standard deviations, up to which a fit has ended there: a search stays a hair inside.
+AT_BOUND = 1e-3
 # Difference of two inputs, as a share of the sum of their sizes, up to which one is a repetition of the other.
 SAME_INPUT = 0.05
 
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
     """Values with standard deviations and units; none of a number of which the recording shows nothing."""
-    units = {p.name: p.unit for p in effect.parameters}
+    declared = {p.name: p for p in effect.parameters}
     shown = {n: None if n in effect.idle else d for n, d in deviations.items()}
-    return {n: ParameterEstimate(v, shown.get(n), units[n]) for n, v in effect.stated().items()}
+    found = {}
+    for name, value in effect.stated().items():
+        bound = _bound_at(declared[name], value, shown.get(name))
+        if bound is None:
+            found[name] = ParameterEstimate(value, shown.get(name), declared[name].unit)
+        else:
+            found[name] = ParameterEstimate(bound, None, declared[name].unit, at_bound=True)
+    return found
+
+
+def _bound_at(parameter: Parameter, value: Any, deviation: float | None) -> float | None:
+    """The bound of a parameter that a fit has ended at; None where it lies within them."""
+    if deviation is None or not isinstance(value, float):
+        return None
+    bounds = (b for b in (parameter.lower, parameter.upper) if np.isfinite(b))
+    return next((b for b in bounds if abs(value - b) <= AT_BOUND * deviation), None)
 
 
 def findings(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from base64 import b64encode
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from hashlib import sha256
 from importlib import import_module
@@ -49,6 +49,8 @@ class Box:
         Empty, ``here`` (where the mismatch sits) or ``also here`` (the place of a weaker effect).
     area : str
         Its place in the drawing.
+    share_text : str
+        The share as it is printed.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Box:
     share: float | None = None
     flag: str = ""
     area: str = ""
+    share_text: str = ""
 
 
 def equation(latex: str, size: float = 17.0) -> str | None:
@@ -108,6 +111,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         flags[there[0] if there else location.place] = "here"
     # Where there is no mismatch, or the noise is all of it, no place has a share of it.
     shares = {} if location.place in {None, "noise"} else location.places
+    printed = dict(zip(shares, number_text.percentages([*shares.values()]), strict=True))
     sensor = "instant"
     if simulation.sensor == "camera":
         exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
@@ -116,7 +120,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         sensor += f", latency {number_text.plain(1e3 * simulation.known_latency, unit='ms')}"
 
     def box(place: str, detail: str, kind: str = "box") -> Box:
-        return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
+        return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place, printed.get(place, ""))
 
     order = simulation.plant.order
     held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
@@ -157,6 +161,8 @@ def _parameter_rows(finding: Finding) -> list[dict[str, str]]:
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
         elif isinstance(parameter.value, list | tuple):
             value, interval = number_text.with_deviation(parameter.value, parameter.standard_deviation), "–"
+        elif parameter.at_bound:
+            value, interval = summary.at_bound_text(replace(parameter, unit="")), "–"
         else:
             value = number_text.with_deviation(parameter.value, parameter.standard_deviation)
             interval = number_text.interval(parameter.value, parameter.standard_deviation)
@@ -249,7 +255,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
         # It is ours, and what it is hashed to is all that the page may run.
         "script": Markup(_script()),
         "script_hash": f"sha256-{b64encode(sha256(_script().encode()).digest()).decode('ascii')}",
-        "state": state and summary.state_text(state, units),
+        "state": state and summary.state_text(state, diagnosis.improved),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
         "seen": [(u, u.unit or "") for u in seen],

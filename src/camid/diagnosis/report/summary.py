@@ -14,12 +14,12 @@ from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
-from camid.number_text import number, percentage, plain, printable, probability, span, with_deviation
+from camid.number_text import SPACE, number, percentage, plain, printable, probability, span, with_deviation
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from camid.simulation.declared_units import DeclaredUnits
+    from camid.simulation.model import Simulation
 
 # Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
 VERDICT_WORDS = {
@@ -70,11 +70,8 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     if diagnosis.explains_nothing:
         symbol, word, meaning = HARDLY_ANYTHING
     if diagnosis.known_remainder is not None:
-        size = number(diagnosis.known_remainder)
-        meaning = (
-            f"the simulation leaves out nothing beyond the declared remainder of {size} "
-            f"{diagnosis.compared_signal.symbol} (root mean square)"
-        )
+        size = plain(diagnosis.known_remainder, 3, diagnosis.compared_signal.symbol).replace(SPACE, " ")
+        meaning = f"the simulation leaves out nothing beyond the declared remainder of {size} (root mean square)"
     return symbol, word, meaning
 
 
@@ -102,7 +99,14 @@ def estimate_text(parameter: ParameterEstimate) -> str:
     """Value, standard deviation and unit, as they are shown, in one line."""
     if isinstance(parameter.value, str):
         return parameter.value
+    if parameter.at_bound:
+        return at_bound_text(parameter)
     return with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
+
+
+def at_bound_text(parameter: ParameterEstimate) -> str:
+    """A number that a fit has left at its bound."""
+    return f"{plain(float(parameter.value), unit=parameter.unit)} (at its bound)"
 
 
 def is_noise_only(evidence: dict[str, Any]) -> bool:
@@ -178,14 +182,15 @@ def place_text(diagnosis: Diagnosis) -> str:
     if location.frequency is not None:
         parts.append(span(location.frequency, "Hz"))
     if location.state is not None:
-        parts.append(state_text(location.state, diagnosis.improved.units))
+        parts.append(state_text(location.state, diagnosis.improved))
     return ", ".join(parts)
 
 
-def state_text(state: tuple[str, float, float], units: DeclaredUnits) -> str:
-    """Region of a signal, in declared units as it is given."""
+def state_text(state: tuple[str, float, float], simulation: Simulation) -> str:
+    """Region of a signal, in declared units as it is given; positions are the plant's, and the sensor shifts them."""
     variable, low, high = state
-    return f"{variable} from {span((low, high), units.text(UNITS_OF_STATE[variable]))}"
+    counted = " (counted from the rest)" if variable == "position" and simulation.known_offset else ""
+    return f"{variable} from {span((low, high), simulation.units.text(UNITS_OF_STATE[variable]))}{counted}"
 
 
 def _table_of_findings(diagnosis: Diagnosis) -> Table:
@@ -295,7 +300,7 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     fit = diagnosis.fit
     in_place = "" if fit.nominal_in_place is None else " (sensor's zero estimated)"
     console.print(
-        f"error on held-out rows ({span(fit.validation, 's')}"
+        f"error on held-out rows ({fit.rows}"
         f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation {fit.reference}: "
         f"as given {percentage(fit.as_given)}{in_place}, coefficients re-estimated {percentage(fit.refitted)}, "
         f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
