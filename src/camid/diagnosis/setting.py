@@ -12,6 +12,7 @@ from camid.diagnosis.residual.noise_recognition import spoiled_rows
 from camid.diagnosis.search.decision import Searches
 from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.watch import Watch
+from camid.engine.work import Work
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.linear import misfit
@@ -180,7 +181,8 @@ def _in_best_state(problem: Problem, model: Model) -> Model:
     unknown = any(e.estimate_initial_state for e in problem.experiments)
     if not unknown or problem.kind.finds_initial_states(model):
         return model
-    fixed = replace(problem, structure=problem.structure.all_fixed()).all_fixed()
+    # What is only said of the simulation as given is no part of the work that the effort bounds.
+    fixed = replace(problem, structure=problem.structure.all_fixed(), work=Work()).all_fixed()
     try:
         best = fit(fixed, model, steps=STATE_STEPS, fixed=len(model.effects)).model
     except (ValueError, ArithmeticError):

@@ -21,6 +21,7 @@ from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
+from camid.engine.work import Work
 from camid.fitting.covariance import effect_deviations
 from camid.fitting.learned_law import over_of, visited
 from camid.fitting.problem import Problem
@@ -189,7 +190,9 @@ def learned_parts(decision: Decision) -> list[LearnedPart]:
     """The laws without a name that the improved model holds behind the effects that are named."""
     result = []
     before, total = decision.fitted.cost, max(decision.base.cost, 1e-300)
-    seen = visited(decision.improved.problem, decision.improved) if decision.laws else {}
+    # What is only said of a law is no part of the work that the effort bounds.
+    uncounted = replace(decision.improved.problem, work=Work())
+    seen = visited(uncounted, decision.improved) if decision.laws else {}
     for learned in decision.laws:
         law = learned.law
         result.append(
