@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 
 from camid.number_text import (
     SPACE,
+    apart_from,
     interval,
     number,
     percentage,
+    percentages,
     plain,
     probability,
     span,
@@ -19,6 +21,21 @@ from camid.number_text import (
     unit_text,
     with_deviation,
 )
+
+
+@pytest.mark.parametrize(
+    ("value", "other", "text"),
+    [
+        (0.99934, 1.0, "0.99934"),
+        (0.0100587, 0.01, "0.010059"),
+        (2.9988, 3.0, "2.9988"),
+        (0.00067, 0.0, "0.00067"),
+        (67890.0, None, "68000"),
+        (3.0, 3.0, "3.0"),
+    ],
+)
+def test_a_number_has_digits_that_tell_it_from_another(value, other, text):
+    assert apart_from(value, other) == text
 
 
 @pytest.mark.parametrize(
@@ -128,3 +145,16 @@ def test_numbers_and_units():
     assert span((1000.012, 1000.034), "s") == f"1000.012 to 1000.034{SPACE}s"
     assert span((3.0, 3.0), "") == "3 to 3"
     assert percentage(None) == "–"
+
+
+@pytest.mark.parametrize(
+    ("shares", "printed"),
+    [
+        ([0.9958, 0.0042], ["99.6", "0.4"]),
+        ([0.3975, 0.2467, 0.1950, 0.1608, 0.0], ["40", "25", "19", "16", "0"]),
+        ([1 / 3, 1 / 3, 1 / 3], ["34", "33", "33"]),
+        ([0.0, 0.0], ["0", "0"]),
+    ],
+)
+def test_shares_add_up_as_they_are_printed(shares, printed):
+    assert percentages(shares) == [f"{each}{SPACE}%" for each in printed]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from typing import Any
 
 NORMAL_95 = 1.959964  # half the width of a 95 % interval in standard deviations
@@ -18,6 +19,7 @@ SMALLEST_PROBABILITY = 1e-4
 SMALLEST_RELATIVE_DEVIATION = 1e-12
 # A limit below this share of the distance to the other one is an error of rounding.
 ROUNDING_ERROR = 1e-6
+SMALLEST_WHOLE_SHARE = 0.01
 LIMITS = 1e-290, 1e290
 SPACE = "\u00a0"  # between a number and its unit: no line breaks there
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -48,6 +50,14 @@ def plain(value: float, digits: int = 4, unit: str = "") -> str:
     head, power, tail = text.partition("·")
     head = head.rstrip("0").rstrip(".") if "." in head else head
     return head + power + tail + (SPACE + unit if unit else "")
+
+
+def apart_from(value: float, other: float | None, digits: int = 2, most: int = 9) -> str:
+    """A number with this many significant digits, or as many more as its distance from another one asks for."""
+    if other is None or not math.isfinite(other) or value == other:
+        return number(value, digits)
+    needed = _exponent(value) - _exponent(value - other) + digits
+    return number(value, min(max(digits, needed), most))
 
 
 def with_deviation(value: Any, deviation: Any, unit: str = "") -> str:
@@ -120,6 +130,24 @@ def span(limits: tuple[float, float], unit: str) -> str:
 def percentage(share: float | None, digits: int = 3) -> str:
     """A share of one in per cent."""
     return "–" if share is None or math.isnan(share) else f"{number(100.0 * share, digits)}{SPACE}%"
+
+
+def percentages(shares: Sequence[float]) -> list[str]:
+    """Shares of one in per cent, which add up to a hundred as they are printed.
+
+    Whole ones, or with a decimal where one is smaller; what rounding down leaves goes to the largest remainders
+    (Hamilton's method).
+    """
+    total = sum(shares)
+    if not total > 0.0:
+        return [percentage(0.0, 1) for _ in shares]
+    steps = 1000 if any(0.0 < share < SMALLEST_WHOLE_SHARE * total for share in shares) else 100
+    exact = [share / total * steps for share in shares]
+    whole = [math.floor(each) for each in exact]
+    order = sorted(range(len(exact)), key=lambda i: whole[i] - exact[i])
+    for i in order[: steps - sum(whole)]:
+        whole[i] += 1
+    return [f"{100.0 * each / steps:.{0 if steps == 100 else 1}f}{SPACE}%" for each in whole]
 
 
 def probability(value: float | None) -> str:

@@ -46,6 +46,12 @@ def test_friction_is_found_and_the_improved_file_is_adequate(tmp_path):
     force = diagnosis.findings[0].parameters["force"]
     assert abs(force.value - 0.008) < 4.0 * force.standard_deviation
     assert diagnosis.verdict == "explained"
+    told = {c.name: (c.improved, c.unit) for c in diagnosis.coefficients}
+    assert [*told] == ["natural frequency", "damping", "gain", "rest"]
+    assert told["natural frequency"] == (pytest.approx(5.5, abs=0.01), "rad/s")
+    assert told["rest"] == (pytest.approx(3.1, abs=0.01), "y")
+    gain = diagnosis.coefficients[2]
+    assert (gain.refitted, gain.refitted_deviation) == (gain.nominal, 0.0)  # a free decay says nothing of it
     content = diagnosis.improved.to_mapping()
     assert abs(content["plant"]["pendulum"]["natural_frequency"] - 5.5) < 0.01
     assert load_simulation(content).to_mapping() == content

@@ -7,9 +7,11 @@ import pytest
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import second_order
+from camid.diagnosis.report.page import render
 from camid.effects import known_effects
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
+from camid.number_text import apart_from
 
 COUNT, PERIOD, NOISE = 600, 0.05, 0.03
 # A few of each place.
@@ -35,9 +37,15 @@ def recording(effects, seed):
 
 
 @pytest.fixture(scope="module")
-def limits():
+def sound():
+    """Diagnosis of a rig that has nothing that its simulation leaves out."""
+    return camid.diagnose(recording([], 0), SIMULATION)
+
+
+@pytest.fixture(scope="module")
+def limits(sound):
     """Effects at the smallest detectable size that the diagnosis of a sound rig states."""
-    found = camid.diagnose(recording([], 0), SIMULATION)
+    found = sound
     assert found.verdict == "adequate"
     return {
         u.identifier: known_effects()[u.identifier](**{u.parameter: u.value}, **u.others)
@@ -68,3 +76,18 @@ def test_effects_of_the_smallest_detectable_size_are_detected(limits, seeds, lea
 def test_effects_of_a_third_of_that_size_are_mostly_not_detected(limits):
     assert set(limits) == set(EFFECTS)
     assert rate(limits.values(), 1.0 / 3.0, 8) <= 0.3
+
+
+def test_of_a_limit_smaller_values_show(sound):
+    """And a number that is nearly that of no effect has digits that tell it from that."""
+    stated = {u.identifier: u for u in sound.undetectable if u.value is not None}
+    assert stated["coulomb-friction"].shows_above
+    assert stated["coulomb-friction"].neutral == 0.0
+    for name in ("rate-limit", "saturation", "gain-asymmetry"):
+        assert not stated[name].shows_above
+    assert stated["gain-asymmetry"].neutral == 1.0
+    assert stated["rate-limit"].to_mapping()["smallest_detectable"]["shows"] == "below"
+    page = render(sound)
+    assert ">≥ " in page
+    assert ">≤ " in page
+    assert f">≤ {apart_from(stated['gain-asymmetry'].value, 1.0)}<" in page

@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 
 from camid.diagnosis.diagnosis import NormalisedErrors, Undetectable
+from camid.diagnosis.explanation import headline
+from camid.diagnosis.finding import ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
+from camid.diagnosis.laws.learned_effect_file import effect_file
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
 from camid.diagnosis.report import page as report
 from camid.diagnosis.report import pictures, summary
+from camid.diagnosis.verdict import parameters_of
 from camid.number_text import SPACE
 from camid.recording.options import Reading
 from camid.recording.units import Conversion
 from tests.support import written_diagnoses
+from tests.support.mass_on_spring import effect
 from tests.support.report_page import Page
 
 
@@ -135,6 +140,21 @@ def test_a_name_that_is_not_simulated_is_marked():
     assert resembling.to_mapping()["simulated"] is False
 
 
+def test_a_law_is_as_large_as_it_is_where_the_recording_goes(capsys):
+    """At the ends of its knots, where hardly a row lies, a curve goes on as it likes."""
+    part = replace(LEARNED, knots=[-9.0, -1.0, 0.0, 1.0, 9.0], values=[0.9, 0.1, 0.0, 0.2, 1.0], visited=(-1.0, 2.0))
+    part = replace(part, standard_deviations=[0.5, 0.01, 0.01, 0.01, 0.5])
+    assert part.largest == pytest.approx(0.3)
+    assert part.to_mapping()["visited"] == [-1.0, 2.0]
+    diagnosis = written_diagnoses.diagnosis("partly-explained", learned=[part])
+    page = texts(diagnosis, capsys)[1]
+    values = list(summary._table_of_findings(in_declared_units(diagnosis)).columns[4].cells)
+    assert f"5 values, up to 0.3{SPACE}u s/y there" in values
+    assert "Up to 0.3 u s/y." in page
+    assert "Drawn over the middle 98 % of the rows" in page
+    assert "# Up to 0.3 from -1.0 to 2.0, where the middle 98 % of the rows lie." in effect_file(diagnosis)
+
+
 def test_a_law_without_a_name_is_shown_and_not_claimed(capsys):
     diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED])
     for text in texts(diagnosis, capsys):
@@ -203,3 +223,49 @@ def test_formulas_that_cannot_be_told_apart_are_all_shown(capsys):
 def test_what_a_learned_law_leaves_is_said(structured, left):
     diagnosis = replace(written_diagnoses.diagnosis("partly-explained"), learned=[LEARNED], structured=structured)
     assert left in summary.verdict_words(diagnosis)[2]
+
+
+def test_a_remainder_has_the_same_digits_in_the_title_and_in_the_sentence(capsys):
+    diagnosis = written_diagnoses.diagnosis("adequate", output_column="way", known_remainder=0.4901)
+    assert "declared remainder of 0.49 way (root" in summary.verdict_words(diagnosis)[2]
+
+
+def test_a_number_at_its_bound_has_no_deviation_and_does_not_lead(capsys):
+    """The curvature of a fit that has ended at a bound says nothing of what lies beyond."""
+    law = effect("position-dependent-friction", force=1.4e-18, gradient=0.1)
+    parameters = parameters_of(law, {"force": 2e-7, "gradient": 0.005})
+    assert parameters["force"] == ParameterEstimate(0.0, None, "u", at_bound=True)
+    assert not parameters["gradient"].at_bound
+    finding = replace(written_diagnoses.finding(), parameters=parameters)
+    diagnosis = written_diagnoses.diagnosis("explained", findings=[finding])
+    assert summary.estimate_text(parameters["force"]) == f"0{SPACE}u (at its bound)"
+    assert headline(finding).startswith("Coulomb friction (gradient")
+    assert "0 (at its bound)" in texts(diagnosis, capsys)[1]
+
+
+def test_printed_shares_add_up():
+    """What is less than a per cent has a decimal, and so have all."""
+    diagnosis = written_diagnoses.diagnosis("explained")
+    places = {"plant": 0.9958, "disturbance": 0.0042, "actuator": 0.0, "sensor": 0.0, "noise": 0.0}
+    diagnosis = replace(diagnosis, location=replace(diagnosis.location, place="plant", places=places))
+    shares = [box.share_text for box in report.chain(diagnosis) if box.share is not None]
+    assert sorted(shares)[-2:] == [f"0.4{SPACE}%", f"99.6{SPACE}%"]
+
+
+def test_a_region_of_positions_says_what_they_are_counted_from():
+    """Where the sensor's zero shifts what is recorded."""
+    simulation = written_diagnoses.diagnosis("adequate").improved
+    assert summary.state_text(("position", -92.0, 50.0), simulation).endswith(f"50{SPACE}y")
+    moved = replace(simulation, offset=320.0)
+    assert summary.state_text(("position", -92.0, 50.0), moved).endswith(f"50{SPACE}y (counted from the rest)")
+    assert "counted" not in summary.state_text(("input", -92.0, 50.0), moved)
+
+
+def test_the_weight_of_what_a_law_only_acts_like_is_that_of_the_name():
+    finding = replace(written_diagnoses.finding(), weight=0.45, alternatives=[("unlisted", 0.55)])
+    assert headline(finding).endswith("; 45 % that it is this)")
+
+
+def test_the_text_says_what_the_lines_of_a_law_are():
+    page = Page(report.render(written_diagnoses.diagnosis("explained"))).text
+    assert "Dashed: the law that was found; where the recording can only be shown smoothed" in page

@@ -47,6 +47,13 @@ def test_equal_fits_have_equal_weights():
     assert found["coulomb-friction"] == pytest.approx(found["quadratic-drag"])
 
 
+def test_a_name_that_is_there_twice_is_named_once_with_both_weights():
+    """As a rival of its own, and as the sum of two effects that are found."""
+    apart = of(Member("asymmetric-friction", 2.0, 0.0), Member("dead-zone", 7.0, 0.0))
+    twice = of(Member("asymmetric-friction", 2.0, 0.0), Member("asymmetric-friction", 7.0, 0.0))
+    assert twice["asymmetric-friction"] == pytest.approx(apart["asymmetric-friction"] + apart["dead-zone"])
+
+
 def test_an_exact_law_that_the_criterion_rules_out_may_still_be_another_of_its_name():
     found = of(Member("near", 100.0, 0.01), Member("far", 100.0, 0.5))
     assert found["near"] / found["coulomb-friction"] == pytest.approx(0.3 * 2.718281828 ** (-0.2), rel=1e-6)
@@ -118,10 +125,10 @@ def test_an_effect_on_the_noise_may_be_the_shadow_of_another():
 
 def test_a_rig_may_have_what_makes_two_laws_of_the_same_special_case_general():
     """LuGre friction is hysteresis while it sticks and Stribeck friction while it slides."""
-    special = Member("coulomb-friction", 500.0, 0.9, special=True)
+    special = Member("dead-zone", 500.0, 0.9, special=True)
     near, far = (Member("stribeck-friction", 480.0, left, sibling=True) for left in (-0.01, 0.4))
     found = of(special, near)
-    assert found["stribeck-friction"] == pytest.approx(3.0 / 7.0 * found["coulomb-friction"])
+    assert found["stribeck-friction"] == pytest.approx(3.0 / 7.0 * found["dead-zone"])
     assert "stribeck-friction" not in of(special, far)
 
 

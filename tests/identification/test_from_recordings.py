@@ -313,3 +313,20 @@ def test_more_rows_than_are_fitted_at_once_are_refused_with_a_cut_that_helps(mon
     assert camid.identify(recorded, rig.simulation() | {"recording": cut}).converged
     with pytest.raises(InputError, match="name fewer recordings"):
         camid.identify([recorded.iloc[:half], recorded.iloc[half:]], rig.simulation())
+
+
+def test_of_a_gap_between_regular_rows_only_the_missing_rows_are_said():
+    """What the floating point leaves of regular times is no irregularity."""
+    recorded = pd.DataFrame({"t": 0.02 * np.arange(200), "u": 1.0, "y": np.sin(0.3 * np.arange(200))})
+    recorded = recorded.drop(index=range(100, 110))
+    (found,) = load(recorded, recording={"gaps": "hold", "missing": "leave-out"})
+    assert [w.partition(": ")[2] for w in found.warnings] == [
+        "10 rows are missing (5 % of the grid), the input held over them, not compared"
+    ]
+
+
+def test_rows_without_output_are_said_once():
+    recorded = pd.DataFrame({"t": 0.02 * np.arange(200), "u": 1.0, "y": np.sin(0.3 * np.arange(200))})
+    recorded.loc[100:109, "y"] = np.nan
+    (found,) = load(recorded, recording={"missing": "leave-out"})
+    assert [w.partition(": ")[2] for w in found.warnings] == ["10 rows (5 %) without output, not compared"]

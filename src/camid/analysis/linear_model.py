@@ -152,7 +152,9 @@ def _linearised(simulation: Simulation, name: str, effects: tuple[Effect, ...]) 
     """What a linear picture of this model leaves out of its physics."""
     said = []
     if simulation.pendulum is not None:
-        said.append(f"{name}: a pendulum, linearised about its rest at {plain(simulation.pendulum.rest, 4, 'rad')}")
+        units = simulation.units
+        rest = plain(units.shown(simulation.pendulum.rest, "y"), 4, units.text("y"))
+        said.append(f"{name}: a pendulum, linearised about its rest at {rest}")
     physical = simulation.physical
     if physical is not None and physical.equations is not None:
         said.append(f"{name}: nonlinear equations, {_where_linearised(simulation)}")

@@ -7,10 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camid.analysis.diagnosed_responses import DiagnosedResponses
 from camid.commands.results import DiagnosisResult
 from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis
+from camid.diagnosis.moments_in_gaps import moments_in_gaps
 from camid.diagnosis.provenance import provenance_of
 from camid.diagnosis.residual.validation_rows import (
     refuse_too_short_to_diagnose,
@@ -32,7 +34,7 @@ from camid.identification.from_recordings import (
     warnings_of,
 )
 from camid.linear_algebra_threads import one_blas_thread
-from camid.number_text import with_deviation
+from camid.number_text import printable, with_deviation
 from camid.recording.recording import Recording
 from camid.side_by_side import with_a_copy
 from camid.simulation.file import load_simulation
@@ -139,8 +141,10 @@ def _diagnosed(
         provenance=provenance_of(sources, believed.source, _first_stamps(sources, recordings)),
         recordings=[r.source for r in recordings],
         period=recordings[0].period,
+        fit=replace(diagnosis.fit, of_recording=_judged(recordings, problem.runs, validation)),
         warnings=[
             *warnings_of(recordings),
+            *moments_in_gaps(diagnosis.findings, recordings),
             *diagnosis.warnings,
             *problem.kind.remarks(diagnosis.improved),
             *_left_open(diagnosis.improved),
@@ -156,6 +160,18 @@ def _responses(believed: Simulation, diagnosis: Diagnosis, recordings: Sequence[
     if not (diagnosis.findings or diagnosis.learned):
         del models[IMPROVED]
     return DiagnosedResponses({name: model for name, model in models.items() if model is not None}, recordings)
+
+
+def _judged(recordings: Sequence[Recording], runs: Sequence[int], rows: Sequence[NDArray[np.bool_]]) -> str:
+    """Which of several recordings hold the rows that judge: several columns of one are one."""
+    every = sorted(set(runs))
+    judging = [run for run in every if rows[run].any()]
+    if len(every) == 1:
+        return ""
+    if len(judging) > 1:
+        return f"the first of {len(judging)} recordings, and likewise of the others"
+    one = recordings[judging[0]]
+    return printable(f"run {one.experiment}" if one.experiment else one.source)
 
 
 def _first_stamps(sources: Sequence[RecordingSource], recordings: Sequence[Recording]) -> list[float | None]:

@@ -210,7 +210,7 @@ class DiagnosisResult(Diagnosis, Drawable):
     def _headline(self) -> str:
         errors = self.fit
         return (
-            f"{self.verdict}; error on held-out rows {percentage(errors.as_given)} as given, "
+            f"{self.verdict_in_words}; error on held-out rows {percentage(errors.as_given)} as given, "
             f"{percentage(errors.refitted)} re-estimated, {percentage(errors.improved)} improved, "
             f"{percentage(errors.noise_floor)} noise"
         )

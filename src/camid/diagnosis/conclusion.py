@@ -70,7 +70,7 @@ def concluded(
     deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
-    first, *further = signals_of(problem, setting.start, base, final, setting.validation)
+    first, *further = signals_of(problem, setting.in_place, base, final, setting.validation)
     remainder = remainder_of(bool(found or learned), bool(named.reasons), believed, problem, final, judging)
     conditions = conditions_of(problem, final)
     diagnosis = Diagnosis(
@@ -122,11 +122,16 @@ def _location(
     before: list[mismatch_location.PlaceTest],
     residue: Residue,
 ) -> mismatch_location.Location:
-    """Where the mismatch sits: at the strongest effect or the law in its place, or where the tests say it is."""
+    """Where the mismatch sits: where the effects, or the law in their place, have most of it, or where the tests say.
+
+    Physics outside the catalogue that the effects only act like may sit anywhere: its share alone names no place.
+    """
     if found:
         shares = mismatch_location.shares_of(found, mismatch_location.shares(residue.places), learned)
         names_noise = all(known_effects()[finding.identifier].noise_like for finding in found)
-        place = learned[0].place if learned and (names_noise or not found[0].simulated) else found[0].place
+        place = max((f.place for f in found), key=lambda name: shares.get(name, 0.0))
+        if learned and (names_noise or not found[0].simulated):
+            place = learned[0].place
         return mismatch_location.locate(problem, base, place, shares)
     shares = mismatch_location.shares(before)
     if not residue.reasons:

@@ -24,6 +24,8 @@ POWER = 1.645
 ACCURACY = 0.03
 SIMULATIONS = 6
 LARGEST_FACTOR = 1e4
+# By how much an effect is made stronger to see to which side of a size it shows: of a limit smaller values do.
+STRONGER = 1.25
 
 
 def needed(problem: Problem, effect: type[Effect], level: float = FALSE_ALARM) -> float:
@@ -138,5 +140,23 @@ def _smallest(problem: Problem, fitted: Fitted, view: Metric, candidate: Screene
     idle = candidate.effect.idle | {parameter.name}
     rest = {name: value for name, value in effect.stated().items() if name not in idle}
     value = float(effect.values[parameter.name])
-    reason = f"{share} below this size"
-    return Undetectable(kind.identifier, reason, parameter.name, value, parameter.unit, rest, shape=shape)
+    none, more = (_scaled_value(effect, times, parameter.name) for times in (0.0, STRONGER))
+    return Undetectable(
+        kind.identifier,
+        f"{share} where it is weaker",
+        parameter.name,
+        value,
+        parameter.unit,
+        rest,
+        shape=shape,
+        neutral=none if np.isfinite(none) and none != value else None,
+        shows_above=more >= value,
+    )
+
+
+def _scaled_value(effect: Effect, times: float, name: str) -> float:
+    """A parameter of an effect of another strength; infinite where a limit that does nothing has no value."""
+    try:
+        return float(effect.scaled(times).values[name])
+    except (ValueError, ArithmeticError):
+        return float(np.inf)

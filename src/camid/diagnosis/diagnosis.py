@@ -12,6 +12,7 @@ from camid.diagnosis.finding import Finding
 from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.provenance import Provenance
+from camid.number_text import span
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 
 # What the simulations before and after are called in pictures.
 AS_GIVEN, REFITTED, IMPROVED = "as given", "re-estimated", "improved"
+# Error, as a share of the output's standard deviation, from which a simulation explains hardly anything.
+EXPLAINS_NOTHING = 0.9
 
 
 @dataclass(frozen=True)
@@ -72,8 +75,8 @@ class NormalisedErrors:
     Attributes
     ----------
     nominal, refitted, improved : float
-        RMSE over the standard deviation of the recorded output: the simulation as given, with its coefficients
-        re-estimated, and with the effects found.
+        RMSE over the standard deviation of the recorded output in these rows, or over that of the whole recording where
+        it rests in them: the simulation as given, with its coefficients re-estimated, and with the effects found.
     noise_floor : float
         What a perfect model would leave, from the noise of the improved model.
     validation : tuple of float
@@ -86,6 +89,12 @@ class NormalisedErrors:
     nominal_in_place : float or None
         As ``nominal``, with the sensor's zero and the input's bias estimated where the simulation leaves them open;
         None where it leaves neither open.
+    at_rest : bool
+        Whether the output rests in these rows, so that its standard deviation there is that of the noise.
+    improved_everywhere : float or None
+        As ``improved``, on all rows and over the standard deviation of all.
+    of_recording : str
+        Which of several recordings those rows are of; empty where there is one.
     """
 
     nominal: float
@@ -96,6 +105,25 @@ class NormalisedErrors:
     chosen: bool = True
     position: tuple[float, float] | None = None
     nominal_in_place: float | None = None
+    at_rest: bool = False
+    improved_everywhere: float | None = None
+    of_recording: str = ""
+
+    @property
+    def explains_nothing(self) -> bool:
+        """Whether the simulation explains hardly anything, neither of these rows nor of the whole recording."""
+        everywhere = self.improved if self.improved_everywhere is None else self.improved_everywhere
+        return min(self.improved, everywhere) >= EXPLAINS_NOTHING
+
+    @property
+    def rows(self) -> str:
+        """Which rows those are: their times, and of what."""
+        return span(self.validation, "s") + (f" of {self.of_recording}" if self.of_recording else "")
+
+    @property
+    def reference(self) -> str:
+        """Which standard deviation of the output the errors are over."""
+        return "over the whole recording, as it rests in these rows" if self.at_rest else "in these rows"
 
     @property
     def as_given(self) -> float:
@@ -114,7 +142,13 @@ class NormalisedErrors:
             "nrmse_refitted": self.refitted,
             "nrmse_improved": self.improved,
             "noise_floor": self.noise_floor,
-            "validation": {"start": self.validation[0], "end": self.validation[1]},
+            "reference": "whole-recording" if self.at_rest else "validation",
+            "explains_output": not self.explains_nothing,
+            "validation": {
+                "start": self.validation[0],
+                "end": self.validation[1],
+                **({"recording": self.of_recording} if self.of_recording else {}),
+            },
         }
 
 
@@ -132,6 +166,10 @@ class Undetectable:
         Values of the effect's other parameters at which this holds.
     shape : dict
         Values and units of those of them that are numbers.
+    neutral : float or None
+        Value of the parameter that means no effect; None where no number does.
+    shows_above : bool
+        Whether larger values would have shown, and not smaller ones, as of a limit.
     shows : bool
         Whether an effect without a number, so that it has no smallest size, would have shown.
     """
@@ -144,6 +182,8 @@ class Undetectable:
     others: dict[str, Any] = field(default_factory=dict)
     shows: bool = False
     shape: dict[str, tuple[float, str]] = field(default_factory=dict)
+    neutral: float | None = None
+    shows_above: bool = True
 
     @property
     def would_show(self) -> bool:
@@ -152,7 +192,10 @@ class Undetectable:
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""
-        smallest = None if self.value is None else {"parameter": self.parameter, "value": self.value, "unit": self.unit}
+        smallest = None
+        if self.value is not None:
+            side = "above" if self.shows_above else "below"
+            smallest = {"parameter": self.parameter, "value": self.value, "unit": self.unit, "shows": side}
         return {
             "id": self.identifier,
             "reason": self.reason,
@@ -316,6 +359,16 @@ class Diagnosis:
     refitted: Simulation | None = None
     response_source: DiagnosedResponses | None = None
     provenance: Provenance | None = None
+
+    @property
+    def explains_nothing(self) -> bool:
+        """Whether nothing structured is left of an output of which the simulation explains hardly anything."""
+        return self.verdict == "adequate" and self.known_remainder is None and self.fit.explains_nothing
+
+    @property
+    def verdict_in_words(self) -> str:
+        """The verdict; that of an adequate simulation says nothing where it explains nothing."""
+        return "nothing explained" if self.explains_nothing else self.verdict
 
     @property
     def responses(self) -> FrequencyResponses | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, StructureTest
 from camid.diagnosis.residual.mismatch_location import PlaceTest
+from camid.diagnosis.residual.validation_rows import AT_REST_SHARE
 from camid.diagnosis.search.decision import Decision
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
@@ -24,11 +25,33 @@ def removed_shares(base: Fitted, decision: Decision) -> list[float]:
     return [min(max((w.cost - decision.fitted.cost) / total, 0.0), 1.0) for w in decision.without]
 
 
+def is_at_rest(problem: Problem, rows: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether the recorded output rests in some rows, where its spread is that of the noise and no measure of errors.
+
+    Another part is taken where one moves, see :mod:`camid.diagnosis.residual.validation_rows`.
+    """
+    still = all(np.ptp(e.output[r]) == 0.0 for e, r in zip(problem.experiments, rows, strict=True) if r.any())
+    return still or problem.spread(rows) ** 2 < AT_REST_SHARE * problem.spread(_all_rows(problem, rows)) ** 2
+
+
+def _all_rows(problem: Problem, rows: Sequence[NDArray[np.bool_]]) -> list[NDArray[np.bool_]]:
+    """Rows that are fitted, and others."""
+    return [e.used | r for e, r in zip(problem.experiments, rows, strict=True)]
+
+
+def _reference(problem: Problem, rows: Sequence[NDArray[np.bool_]]) -> float:
+    """Standard deviation of the recorded output that errors on some rows are measured by."""
+    return problem.spread(_all_rows(problem, rows) if is_at_rest(problem, rows) else rows)
+
+
 def simulated_error(problem: Problem, model: Model, rows: Sequence[NDArray[np.bool_]]) -> float:
-    """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there."""
+    """Root of the mean square error on some rows of all recordings, over the spread of the recorded output there.
+
+    Where the output rests in those rows it is over the spread of the whole recordings.
+    """
     simulated = problem.simulate(model)
     errors = np.concatenate([(e.output - s)[r] for e, s, r in zip(problem.experiments, simulated, rows, strict=True)])
-    return float(np.sqrt(np.mean(errors**2))) / problem.spread(rows)
+    return float(np.sqrt(np.mean(errors**2))) / _reference(problem, rows)
 
 
 def errors(
@@ -59,11 +82,13 @@ def errors(
         simulated_error(problem, given, validation),
         simulated_error(problem, decision.base.model, validation),
         simulated_error(problem, final.model, validation),
-        float(np.sqrt(variance)) / problem.spread(validation),
+        float(np.sqrt(variance)) / _reference(problem, validation),
         (float(times[0]), float(times[-1])),
         chosen,
         problem.kind.position_errors(problem, (decision.base.model, final.model), validation),
         None if in_place is given else simulated_error(problem, in_place, validation),
+        is_at_rest(problem, validation),
+        simulated_error(problem, final.model, _all_rows(problem, validation)),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import EXPLAINS_NOTHING, Coefficient, Diagnosis, Location, NormalisedErrors
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
@@ -12,8 +12,6 @@ from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
 from camid.number_text import SPACE, percentage, plain, with_deviation
 
-# Error, as a share of the output's standard deviation, from which a simulation explains hardly anything.
-EXPLAINS_NOTHING = 0.9
 # A simulation as given that errs more than the re-estimated one by this factor, with coefficients that are off by as
 # many standard deviations, had wrong coefficients.
 WRONG_ERROR_RATIO = 1.5
@@ -69,7 +67,8 @@ def headline(finding: Finding) -> str:
         )
     if finding.weight < RESEMBLANCE:
         return f"physics outside the catalogue at the {finding.place}"
-    return f"physics outside the catalogue, which acts like {within_sentence(finding.title)}{_details(finding)}"
+    acts = f"which acts like {within_sentence(finding.title)}{_details(finding, ' that it is this')}"
+    return f"physics outside the catalogue, {acts}"
 
 
 def explained(diagnosis: Diagnosis) -> str:
@@ -127,13 +126,13 @@ def explanation(
         )
     sentences = []
     names_noise = all(known_effects()[f.identifier].noise_like for f in found)
-    if fit.improved >= EXPLAINS_NOTHING:
+    if fit.explains_nothing:
         sentences.append(
             f"The simulation explains hardly anything of the output: at its best it leaves {_share(fit.improved)} of "
             f"the output's standard deviation on rows that were not fitted."
         )
     if verdict == "adequate":
-        sentences += _adequate(fit, coefficients)
+        sentences += _of_no_structure(fit) if fit.explains_nothing else _adequate(fit, coefficients)
     elif verdict == "unexplained":
         sentences.append(
             f"Something is left out, and no effect of the catalogue explains it: re-estimating the coefficients leaves "
@@ -179,6 +178,21 @@ def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> lis
     ]
 
 
+def _of_no_structure(fit: NormalisedErrors) -> list[str]:
+    """What is said where nothing structured is left of an output of which nothing is explained."""
+    return [
+        "So nothing can be said of its structure: what it leaves shows none, and neither would an output that has "
+        "nothing to do with this input.",
+        f"As given{_in_place(fit)}, the simulation leaves {_share(fit.as_given)}; re-estimated, "
+        f"{_share(fit.refitted)}, and the noise alone is {_share(fit.noise_floor)}.",
+        "Is the right column compared, did the rig move, and was it driven by this input?",
+    ]
+
+
+def _in_place(fit: NormalisedErrors) -> str:
+    return "" if fit.nominal_in_place is None else " but for the sensor's zero"
+
+
 def _of_noise_alone(found: Sequence[Finding], fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> list[str]:
     """What is said where nothing of the motion is left out: effects on the noise take no error away."""
     wrong = wrong_coefficients(coefficients, fit)
@@ -192,10 +206,10 @@ def _corrected(wrong: Sequence[Coefficient], fit: NormalisedErrors) -> list[str]
     more = len(wrong) - len(values)
     if more:
         values.append(f"{more} more {'is' if more == 1 else 'are'} off")
-    in_place = "" if fit.nominal_in_place is None else " but for the sensor's zero"
     return [
         f"The structure is right and the coefficients were wrong: {', '.join(values)}.".replace(SPACE, " "),
-        f"As given{in_place}, the simulation leaves {_share(fit.as_given)}; re-estimated, it leaves {_left(fit)}.",
+        f"As given{_in_place(fit)}, the simulation leaves {_share(fit.as_given)}; re-estimated, it leaves "
+        f"{_left(fit)}.",
     ]
 
 
@@ -267,7 +281,9 @@ def _indistinct(found: Sequence[Finding]) -> list[str]:
 def rivals(finding: Finding) -> tuple[list[str], list[str]]:
     """Identifiers of rivals of a name that fit about as well, and of those that fit worse with the catalogue's law."""
     names = [n for n, weight in finding.alternatives if n != UNLISTED and weight >= RIVAL_WEIGHT]
-    gaps = {m.identifier: m.gap for m in finding.comparison.members} if finding.comparison else {}
+    gaps: dict[str, float] = {}
+    for member in finding.comparison.members if finding.comparison else ():
+        gaps[member.identifier] = min(member.gap, gaps.get(member.identifier, member.gap))
     own = gaps.get(finding.identifier, 0.0)
     worse = [name for name in names if gaps.get(name, 0.0) - own >= FITS_WORSE]
     return [name for name in names if name not in worse], worse
@@ -298,10 +314,11 @@ def _estimate(coefficient: Coefficient) -> str:
     return with_deviation(coefficient.improved, coefficient.improved_deviation, coefficient.unit)
 
 
-def _details(finding: Finding) -> str:
-    """What it is of, the leading parameter, one that is determined where there is such, and the weight."""
-    parts = [] if finding.weight >= 0.995 else [_share(finding.weight, 2)]
-    numbers = {name: p for name, p in finding.parameters.items() if isinstance(p.value, float)}
+def _details(finding: Finding, of_weight: str = "") -> str:
+    """What it is of, the leading parameter, one that is determined where there is such, and the weight of what."""
+    parts = [] if finding.weight >= 0.995 else [f"{_share(finding.weight, 2)}{of_weight}"]
+    # What ended at its bound is no number that leads.
+    numbers = {n: p for n, p in finding.parameters.items() if isinstance(p.value, float) and not p.at_bound}
     leading = next((name for name, p in numbers.items() if _is_determined(p)), next(iter(numbers), None))
     if leading is not None:
         parts.insert(0, f"{leading.replace('_', ' ')} {_shown(numbers[leading])}")

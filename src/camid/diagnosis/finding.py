@@ -10,11 +10,15 @@ from camid.diagnosis.weights import UNLISTED, Comparison
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """A parameter of an effect: value, standard deviation and unit (in u, y and s)."""
+    """A parameter of an effect: value, standard deviation and unit (in u, y and s).
+
+    Where the fit ends at a bound of the parameter the curvature there is no standard deviation: it has none.
+    """
 
     value: float | str
     standard_deviation: float | None
     unit: str
+    at_bound: bool = False
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""

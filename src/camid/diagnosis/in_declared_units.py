@@ -116,6 +116,8 @@ def _undetectable(effect: Undetectable, units: DeclaredUnits) -> Undetectable:
     return replace(
         effect,
         value=units.shown(effect.value, effect.unit),
+        neutral=units.shown(effect.neutral, effect.unit),
+        shows_above=effect.shows_above == (units.factor(effect.unit) > 0.0),
         unit=units.text(effect.unit),
         reason=f"{effect.reason} (at {shape})".replace(SPACE, " ") if shape else effect.reason,
     )
@@ -146,10 +148,15 @@ def learned_shown(part: LearnedPart, units: DeclaredUnits) -> LearnedPart:
         standard_deviations=units.shown(part.standard_deviations, part.unit),
         knot_unit=units.text(part.knot_unit),
         unit=units.text(part.unit),
+        visited=None if part.visited is None else _limits(units.shown(list(part.visited), part.knot_unit)),
         formula=None if part.formula is None else formula_shown(part.formula, part, units),
         rivals=[formula_shown(formula, part, units) for formula in part.rivals],
         curve=None if part.curve is None else _curve(part.curve, part, units),
     )
+
+
+def _limits(values: Sequence[float]) -> tuple[float, float]:
+    return min(values), max(values)
 
 
 def _curve(curve: Curve, part: LearnedPart, units: DeclaredUnits) -> Curve:

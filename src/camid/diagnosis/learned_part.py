@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import exp
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from camid.diagnosis.weights import UNLISTED
 from camid.number_text import SPACE, plain, with_deviation
@@ -86,6 +90,18 @@ class Curve:
     standard_deviations: list[float]
 
 
+def over_visited(
+    visited: tuple[float, float] | None, points: Sequence[float], *values: Sequence[float]
+) -> tuple[NDArray[np.float64], ...]:
+    """Points of a curve over what a recording visits, its ends among them, and values there."""
+    at = np.asarray(points, dtype=float)
+    if visited is not None:
+        low, high = max(visited[0], float(at[0])), min(visited[1], float(at[-1]))
+        if low < high:
+            at = np.concatenate([[low], at[(at > low) & (at < high)], [high]])
+    return at, *(np.interp(at, points, each) for each in values)
+
+
 @dataclass(frozen=True)
 class LearnedPart:
     """A law without a name that the improved simulation holds for what the laws of the findings leave.
@@ -109,6 +125,8 @@ class LearnedPart:
         The law in words; empty where nothing is known.
     curve : Curve or None
         The learned curve that a formula was compared with, where the values are those of the formula.
+    visited : tuple of float or None
+        Where the middle 98 % of the fitted rows lie: at the ends of its knots few rows, or none, say what it is.
     """
 
     identifier: str
@@ -126,6 +144,21 @@ class LearnedPart:
     rivals: list[Formula] = field(default_factory=list)
     description: str = ""
     curve: Curve | None = None
+    visited: tuple[float, float] | None = None
+
+    @property
+    def largest(self) -> float:
+        """The largest of what was learned over what the recording visits, without its sign."""
+        heights = over_visited(self.visited, self.learned.knots, self.heights)[1]
+        return float(np.max(np.abs(heights)))
+
+    @property
+    def heights(self) -> list[float]:
+        """What was learned: of a curve by how much it bends."""
+        learned = self.learned
+        if self.identifier != "learned-curve":
+            return learned.values
+        return [value - knot for value, knot in zip(learned.values, learned.knots, strict=True)]
 
     @property
     def learned(self) -> Curve:
@@ -164,6 +197,7 @@ class LearnedPart:
             "place": self.place,
             "variables": self.variables,
             "knots": self.knots,
+            "visited": None if self.visited is None else list(self.visited),
             "values": self.values,
             "standard_deviations": self.standard_deviations,
             "values_from": "curve" if self.curve is None else "formula",

@@ -71,7 +71,7 @@ def residue_of(setting: Setting, decision: Decision, final: Fitted, before: list
 def left_by(setting: Setting, decision: Decision, residue: Residue) -> tuple[float, NormalisedErrors]:
     """Share of the mismatch that a decision leaves, where that is more than noise, and its errors."""
     problem, judging, chosen = setting.problem, setting.judging, setting.chosen
-    nominal = (setting.simulated, setting.start)
+    nominal = (setting.simulated, setting.in_place)
     fits = errors(problem, nominal, decision, judging, chosen, [])
     left = share_left(decision.base, decision.improved, residue.places, residue.reasons, fits)
     if residue.reasons:

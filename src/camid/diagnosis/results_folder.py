@@ -89,7 +89,7 @@ def write_diagnosis(
         FILES[0]: json.dumps(without_infinities(diagnosis.to_mapping()), indent=2, ensure_ascii=False) + "\n",
         FILES[1]: simulation_text(
             diagnosis.improved,
-            f"improved by camid diagnose from {', '.join(diagnosis.recordings)}: {diagnosis.verdict}"
+            f"improved by camid diagnose from {', '.join(diagnosis.recordings)}: {diagnosis.verdict_in_words}"
             + "".join(f"\nwith effects of your own: --effects {name}" for name in diagnosis.own_files),
         ),
         FILES[2]: _as_csv(residuals(diagnosis)),

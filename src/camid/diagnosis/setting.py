@@ -12,8 +12,10 @@ from camid.diagnosis.residual.noise_recognition import spoiled_rows
 from camid.diagnosis.search.decision import Searches
 from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
 from camid.diagnosis.watch import Watch
+from camid.engine.work import Work
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.linear import misfit
 from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
 
@@ -21,6 +23,8 @@ from camid.simulation.model import Simulation
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
+# Largest number of evaluations in a fit of the initial states of the simulation as given.
+STATE_STEPS = 40
 
 
 @dataclass(frozen=True)
@@ -32,9 +36,10 @@ class Setting:
     believed : Simulation
     whole, problem : Problem
         With and without the rows that say nothing of the motion.
-    nominal, simulated, start : Model
-        As the simulation says; without effects on the noise and with the initial states that suit it, as ``simulate``
-        runs it; and the same with the offset that suits it where none is declared.
+    nominal, simulated, in_place, start : Model
+        As the simulation says; without effects on the noise and with the initial states that suit it best, as
+        ``simulate`` runs it; the same with the offset that suits it where none is declared; and that with initial
+        states that a fit can start from.
     base : Fitted
         The nominal structure re-estimated.
     screened : list of ScreenedEffect
@@ -56,6 +61,7 @@ class Setting:
     problem: Problem
     nominal: Model
     simulated: Model
+    in_place: Model
     start: Model
     base: Fitted
     screened: list[ScreenedEffect]
@@ -121,13 +127,15 @@ def prepared(
     searches = Searches()
     screened = screen(problem, base, signatures=searches.signatures)
     settled = _settled(problem, base)
-    simulated = _as_simulated(whole, nominal, start)
+    in_place = _in_best_state(whole, start)
+    simulated = _as_simulated(whole, nominal, in_place)
     return Setting(
         believed,
         whole,
         problem,
         nominal,
         simulated,
+        in_place,
         start,
         base,
         screened,
@@ -155,13 +163,31 @@ def over_noise(setting: Setting, noise: tuple[NDArray[np.float64], ...]) -> Sett
     return replace(setting, problem=problem, base=base, screened=screened, searches=searches)
 
 
-def _as_simulated(whole: Problem, nominal: Model, start: Model) -> Model:
+def _as_simulated(whole: Problem, nominal: Model, in_place: Model) -> Model:
     """The nominal model as ``simulate`` runs it, which takes an offset of which nothing is said for zero."""
     if not any(e.estimate_offset or e.estimate_bias for e in whole.experiments):
-        return start
+        return in_place
     known = whole.with_known_constants()
     effects = tuple(e for e in nominal.effects if not e.noise_like)
-    return known.with_initial_states(replace(nominal, effects=effects, constants=known.kind.constants()))
+    given = replace(nominal, effects=effects, constants=known.kind.constants())
+    return _in_best_state(known, known.with_initial_states(given))
+
+
+def _in_best_state(problem: Problem, model: Model) -> Model:
+    """The model with the initial states, and the offset and bias where nothing is said of them, that suit it best.
+
+    What a fit starts from suits the linear part, or the first rows, and a motion that nothing damps never forgets it.
+    """
+    unknown = any(e.estimate_initial_state for e in problem.experiments)
+    if not unknown or problem.kind.finds_initial_states(model):
+        return model
+    # What is only said of the simulation as given is no part of the work that the effort bounds.
+    fixed = replace(problem, structure=problem.structure.all_fixed(), work=Work()).all_fixed()
+    try:
+        best = fit(fixed, model, steps=STATE_STEPS, fixed=len(model.effects)).model
+    except (ValueError, ArithmeticError):
+        return model
+    return min((best, model), key=lambda each: misfit(problem, each))
 
 
 def _without_spoiled(

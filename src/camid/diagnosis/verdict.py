@@ -18,22 +18,42 @@ from camid.diagnosis.search.hypothesis import members_of
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED, Comparison, Member, weights
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.parameter import Parameter
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
+from camid.engine.work import Work
 from camid.fitting.covariance import effect_deviations
+from camid.fitting.learned_law import over_of, visited
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
+# Distance from a bound, in standard deviations, up to which a fit has ended there: a search stays a hair inside.
+AT_BOUND = 1e-3
 # Difference of two inputs, as a share of the sum of their sizes, up to which one is a repetition of the other.
 SAME_INPUT = 0.05
 
 
 def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dict[str, ParameterEstimate]:
     """Values with standard deviations and units; none of a number of which the recording shows nothing."""
-    units = {p.name: p.unit for p in effect.parameters}
+    declared = {p.name: p for p in effect.parameters}
     shown = {n: None if n in effect.idle else d for n, d in deviations.items()}
-    return {n: ParameterEstimate(v, shown.get(n), units[n]) for n, v in effect.stated().items()}
+    found = {}
+    for name, value in effect.stated().items():
+        bound = _bound_at(declared[name], value, shown.get(name))
+        if bound is None:
+            found[name] = ParameterEstimate(value, shown.get(name), declared[name].unit)
+        else:
+            found[name] = ParameterEstimate(bound, None, declared[name].unit, at_bound=True)
+    return found
+
+
+def _bound_at(parameter: Parameter, value: Any, deviation: float | None) -> float | None:
+    """The bound of a parameter that a fit has ended at; None where it lies within them."""
+    if deviation is None or not isinstance(value, float):
+        return None
+    bounds = (b for b in (parameter.lower, parameter.upper) if np.isfinite(b))
+    return next((b for b in bounds if abs(value - b) <= AT_BOUND * deviation), None)
 
 
 def findings(
@@ -45,7 +65,7 @@ def findings(
     left: float,
     beside_laws: float,
 ) -> list[Finding]:
-    """One finding per effect, the strongest first.
+    """One finding per effect, the one first that costs most to leave out, in rows that were not fitted.
 
     Parameters
     ----------
@@ -104,7 +124,7 @@ def findings(
                 comparison,
             )
         )
-    return sorted(result, key=lambda f: -f.evidence["share"])
+    return sorted(result, key=lambda f: (-f.evidence["nrmse_without"], -f.evidence["share"]))
 
 
 def _evidence(
@@ -112,12 +132,15 @@ def _evidence(
 ) -> dict[str, Any]:
     """What diagnosis.json says for one of the effects found, but for the shares that it removes."""
     ranked, other = decision.rivals[index], decision.without[index]
+    gained = float(other.criterion_beyond(ranked[0].fitted) - ranked[0].penalty)
     runner = ranked[1] if len(ranked) > 1 else None
+    if runner is not None and runner.beyond(ranked[0]) >= gained:
+        runner = None  # what is worse than nothing is no next best
     return {
         "validation_gain": 1.0 - (without[-1] / without[index]) ** 2 if without[index] > 0.0 else None,
         "nrmse_without": without[index],
         "false_alarm_probability": p_value(problem, other, decision.fitted, effect.identifier),
-        "delta_bic": float(other.criterion_beyond(ranked[0].fitted) - ranked[0].penalty),
+        "delta_bic": gained,
         "next_best": None if runner is None else runner.identifier,
         "delta_bic_to_next_best": None if runner is None else float(runner.beyond(ranked[0])),
     }
@@ -167,6 +190,9 @@ def learned_parts(decision: Decision) -> list[LearnedPart]:
     """The laws without a name that the improved model holds behind the effects that are named."""
     result = []
     before, total = decision.fitted.cost, max(decision.base.cost, 1e-300)
+    # What is only said of a law is no part of the work that the effort bounds.
+    uncounted = replace(decision.improved.problem, work=Work())
+    seen = visited(uncounted, decision.improved) if decision.laws else {}
     for learned in decision.laws:
         law = learned.law
         result.append(
@@ -182,10 +208,17 @@ def learned_parts(decision: Decision) -> list[LearnedPart]:
                 law.unit,
                 learned.log_evidence - learned.without,
                 min(max((before - learned.fitted.cost) / total, 0.0), 1.0),
+                visited=_middle(seen[over_of(law)]),
             )
         )
         before = learned.fitted.cost
     return result
+
+
+def _middle(values: Array) -> tuple[float, float]:
+    """Where the middle 98 % of some values lie."""
+    low, high = np.percentile(values, [1.0, 99.0])
+    return float(low), float(high)
 
 
 def recognised(recognition: Recognition) -> Finding:

@@ -176,9 +176,13 @@ def weights(comparison: Comparison, constants: Constants | None = None) -> tuple
     constants = constants or calibrated()
     unlisted = weight_outside(comparison, constants)
     members = [replace(m, gap=m.gap + penalty_of_generality(m, comparison)) for m in comparison.members]
-    raw = [(m.identifier, relative_weight(m, comparison.chances, constants)) for m in members]
-    total = sum(value for _, value in raw)
-    raw = sorted(((name, value / total) for name, value in raw), key=lambda item: -item[1])
+    # An effect may be a rival of its own and, as the sum of two that are found, one more: its name is there once.
+    of_name: dict[str, float] = {}
+    for member in members:
+        weight = relative_weight(member, comparison.chances, constants)
+        of_name[member.identifier] = of_name.get(member.identifier, 0.0) + weight
+    total = sum(of_name.values())
+    raw = sorted(((name, value / total) for name, value in of_name.items()), key=lambda item: -item[1])
     kept = [item for item in raw if item[1] >= LEAST_WEIGHT][:LARGEST_CLASS]
     total = sum(value for _, value in kept)
     return [(name, value / total * (1.0 - unlisted)) for name, value in kept], unlisted

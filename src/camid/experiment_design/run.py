@@ -24,6 +24,7 @@ from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.search import Candidate, Search
 from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, most_left, pairs_of
 from camid.experiment_design.together import Earlier
+from camid.fitting.plants.kind import PlantKind
 
 Array = NDArray[np.float64]
 
@@ -265,7 +266,8 @@ def readable_names(hypothesis: Hypothesis, packed: Sequence[str]) -> list[str]:
     from camid.diagnosis.remaining_hypotheses import stable_names
 
     problem, model = hypothesis.problem, hypothesis.model
-    coefficients = [name for name, _, _ in problem.kind.estimates(problem.structure, model, None)]
+    # What is packed of a pendulum are coefficients, though it is told of by its own constants.
+    coefficients = [name for name, _, _ in PlantKind.estimates(problem.kind, problem.structure, model, None)]
     found = []
     for name in stable_names(packed, model.effects):
         head, _, tail = name.partition(" ")

@@ -220,6 +220,12 @@ def visited(problem: Problem, fitted: Fitted) -> dict[str, Array]:
     }
 
 
+def over_of(law: LearnedEffect) -> str:
+    """Which of these a law is over."""
+    name = str(law.values["variables"])
+    return FORCES.get(name, (name, None))[0]
+
+
 def coefficient_is_free(problem: Problem, name: str) -> bool:
     """Whether a free coefficient does what a straight line, or a constant factor, in the law's place would."""
     free, structure = problem.structure.free, problem.structure

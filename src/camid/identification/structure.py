@@ -42,6 +42,12 @@ class Structure:
         numerator, denominator = np.array(monic.numerator), np.array(monic.denominator)
         return cls(numerator, denominator, np.zeros(len(numerator), bool), np.zeros(len(denominator), bool))
 
+    def all_fixed(self) -> Structure:
+        """The same with nothing to be estimated."""
+        return Structure(
+            self.numerator, self.denominator, np.zeros(len(self.numerator), bool), np.zeros(len(self.denominator), bool)
+        )
+
     @property
     def order(self) -> int:
         """Number of poles n."""

@@ -249,7 +249,16 @@ class ExperimentRows:
         """What was done to the rows."""
         said = []
         lost = grid.rows_missing()
-        if not grid.regular and (lost or not all(grid.negligible_for(v) for v in values.values())):
+        empty = max((int(np.isnan(v).sum()) for v in values.values()), default=0)
+        absent = int(missing.sum())
+        held = ", the input held over them" if driven and grid.gaps is not None else ""
+        if not grid.regular and lost and grid.off_by_rounding:
+            share = f"{100 * lost / len(grid.time):.3g} %"
+            alone = absent == lost and not empty
+            verb, compared = "is" if lost == 1 else "are", ", not compared" if alone else ""
+            said.append(f"{_rows(lost)} {verb} missing ({share} of the grid){held}{compared}")
+            absent = 0 if alone else absent
+        elif not grid.regular and (lost or not all(grid.negligible_for(v) for v in values.values())):
             said.append(
                 f"the times are off a regular grid of {_time(grid.period)} by {_time(grid.scatter)} RMS and at "
                 f"most {_time(grid.deviation * grid.period)} ({100 * grid.deviation:.2g} % of the period)"
@@ -258,12 +267,14 @@ class ExperimentRows:
                 + (", the input brought there by its hold" if driven else "")
                 + (" and held over the gaps" if driven and grid.gaps is not None else "")
             )
-        empty = max((int(np.isnan(v).sum()) for v in values.values()), default=0)
         if empty:
-            said.append(f"{_rows(empty)} ({100 * empty / len(grid.recorded):.3g} %) without output")
-        if missing.any():
-            share = 100 * float(np.mean(missing))
-            said.append(f"{_rows(int(missing.sum()))} of the grid ({share:.3g} %) without output near, not compared")
+            alone = grid.regular and absent == empty  # the grid is that of the rows, and nothing else is missing in it
+            compared = ", not compared" if alone else ""
+            said.append(f"{_rows(empty)} ({100 * empty / len(grid.recorded):.3g} %) without output{compared}")
+            absent = 0 if alone else absent
+        if absent:
+            share = f"{100 * absent / len(missing):.3g} %"
+            said.append(f"{_rows(absent)} of the grid ({share}) without output near, not compared")
         if grid.period > LONG_PERIOD and self.reading.period is None and self.reading.time.unit is None:
             said.append(f"the period is {grid.period:g} s: if the times are milliseconds, say unit: ms under time")
         return said

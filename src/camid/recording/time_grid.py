@@ -76,6 +76,12 @@ class Grid:
             return 0
         return max(round(float(np.sum(np.diff(self.recorded)[self.gaps])) / self.period) - int(self.gaps.sum()), 0)
 
+    @property
+    def off_by_rounding(self) -> bool:
+        """Whether all recorded times are those of the grid, but for the rounding that regular times have, too."""
+        resolutions = [r for r in _resolutions(self.recorded) if r <= COARSEST_RESOLUTION * self.period]
+        return self.deviation <= max([PERIOD_TOLERANCE, *(1.5 * r / self.period for r in resolutions)])
+
     def negligible_for(self, values: Array) -> bool:
         """Whether what the scatter of the times changes in recorded values, shape (M,), is lost in their noise.
 

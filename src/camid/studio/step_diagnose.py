@@ -30,9 +30,10 @@ def draw(page: Page) -> None:
     found = project.diagnosis
     if found is None:
         return
-    from camid.diagnosis.report.summary import VERDICT_WORDS
+    from camid.diagnosis.report.summary import HARDLY_ANYTHING, VERDICT_WORDS
 
-    symbol, word, _ = VERDICT_WORDS[found["verdict"]]
+    explains = found["verdict"] != "adequate" or found["fit"].get("explains_output", True)
+    symbol, word, _ = VERDICT_WORDS[found["verdict"]] if explains else HARDLY_ANYTHING
     ui.label(f"{symbol} {word.upper()}").classes("studio-verdict").mark("verdict")
     ui.label(found["explanation"]).classes("studio-fact")
     address = page.address(REPORT)

@@ -12,7 +12,7 @@ import numpy as np
 
 from camid.diagnosis.diagnosis import Array, Diagnosis
 from camid.diagnosis.laws.formula_program import DEFINED, IMPORTED, FormulaProgram, program_of
-from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.learned_part import LearnedPart, over_visited
 from camid.diagnosis.weights import HEADLINE_WEIGHT
 from camid.effects import known_effects
 from camid.effects.plant_force import motion_sign, static_force
@@ -265,6 +265,7 @@ def _curve_law(part: LearnedPart, words: Sequence[str]) -> _Law:
     lines = [
         "",
         "",
+        *_visited(part),
         f"# In {part.knot_unit} and {part.unit or 'pure numbers'}: straight lines between points, constant beyond.",
         f"{name} = Curve(",
         f"    knots={_tuple(part.knots)},",
@@ -283,6 +284,15 @@ def _curve_law(part: LearnedPart, words: Sequence[str]) -> _Law:
         rf"s\,g({form.symbol})",
         frozenset({"Curve"} if part.place == "sensor" else {"Curve", "on_curve"}),
     )
+
+
+def _visited(part: LearnedPart) -> list[str]:
+    """A comment on how large a law is where the recording says what it is."""
+    if part.visited is None:
+        return []
+    low, high = (_number(value) for value in part.visited)
+    largest = float(np.max(np.abs(over_visited(part.visited, part.knots, _heights(part).tolist())[1])))
+    return [f"# Up to {float(f'{largest:.3g}')!r} from {low} to {high}, where the middle 98 % of the rows lie."]
 
 
 def _formula_law(program: FormulaProgram, part: LearnedPart, words: Sequence[str], units: dict[str, str]) -> _Law:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from base64 import b64encode
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from hashlib import sha256
 from importlib import import_module
@@ -49,6 +49,8 @@ class Box:
         Empty, ``here`` (where the mismatch sits) or ``also here`` (the place of a weaker effect).
     area : str
         Its place in the drawing.
+    share_text : str
+        The share as it is printed.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Box:
     share: float | None = None
     flag: str = ""
     area: str = ""
+    share_text: str = ""
 
 
 def equation(latex: str, size: float = 17.0) -> str | None:
@@ -104,11 +107,11 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     boxes = [_box_of(f) for f in diagnosis.findings]
     flags = dict.fromkeys(boxes, "also here")
     if location.place is not None:
-        strongest = diagnosis.findings[0] if diagnosis.findings else None
-        at_strongest = strongest is not None and strongest.place == location.place
-        flags[boxes[0] if at_strongest else location.place] = "here"
+        there = [box for box, finding in zip(boxes, diagnosis.findings, strict=True) if finding.place == location.place]
+        flags[there[0] if there else location.place] = "here"
     # Where there is no mismatch, or the noise is all of it, no place has a share of it.
     shares = {} if location.place in {None, "noise"} else location.places
+    printed = dict(zip(shares, number_text.percentages([*shares.values()]), strict=True))
     sensor = "instant"
     if simulation.sensor == "camera":
         exposure = diagnosis.period if simulation.exposure is None else simulation.exposure
@@ -117,7 +120,7 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
         sensor += f", latency {number_text.plain(1e3 * simulation.known_latency, unit='ms')}"
 
     def box(place: str, detail: str, kind: str = "box") -> Box:
-        return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place)
+        return Box(place, detail, kind, shares.get(place), flags.get(place, ""), place, printed.get(place, ""))
 
     order = simulation.plant.order
     held = HOLDS.get(simulation.hold, simulation.hold) if simulation.input_column else "no input"
@@ -135,6 +138,15 @@ def chain(diagnosis: Diagnosis) -> list[Box]:
     ]
 
 
+def _larger_share(diagnosis: Diagnosis) -> str | None:
+    """A place with more of the mismatch than the one that is named, where its share is shown."""
+    location = diagnosis.location
+    if location.place in {None, "noise"} or not diagnosis.findings:
+        return None
+    largest = max(location.places, key=lambda place: location.places[place])
+    return largest if location.places[largest] > location.places.get(str(location.place), 0.0) else None
+
+
 def _box_of(finding: Finding) -> str:
     """Box of the chain that an effect is marked at."""
     known = known_effects().get(finding.identifier)
@@ -149,6 +161,8 @@ def _parameter_rows(finding: Finding) -> list[dict[str, str]]:
             value, interval = HOLDS.get(parameter.value, parameter.value), "–"
         elif isinstance(parameter.value, list | tuple):
             value, interval = number_text.with_deviation(parameter.value, parameter.standard_deviation), "–"
+        elif parameter.at_bound:
+            value, interval = summary.at_bound_text(replace(parameter, unit="")), "–"
         else:
             value = number_text.with_deviation(parameter.value, parameter.standard_deviation)
             interval = number_text.interval(parameter.value, parameter.standard_deviation)
@@ -224,6 +238,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
     return {
         "diagnosis": diagnosis,
         "verdict": summary.verdict_words(diagnosis),
+        "larger_share": _larger_share(diagnosis),
         "corrected": summary.needs_new_coefficients(diagnosis),
         "chain": chain(diagnosis),
         "findings": _findings(diagnosis),
@@ -240,7 +255,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
         # It is ours, and what it is hashed to is all that the page may run.
         "script": Markup(_script()),
         "script_hash": f"sha256-{b64encode(sha256(_script().encode()).digest()).decode('ascii')}",
-        "state": state and summary.state_text(state, units),
+        "state": state and summary.state_text(state, diagnosis.improved),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
         "bent": bool(diagnosis.findings),
         "seen": [(u, u.unit or "") for u in seen],
@@ -253,6 +268,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
         "headline_weight": HEADLINE_WEIGHT,
         "number": number_text.number,
         "plain": number_text.plain,
+        "apart_from": number_text.apart_from,
         "span": number_text.span,
         "percentage": number_text.percentage,
         "probability": number_text.probability,
@@ -268,6 +284,8 @@ def _headings(diagnosis: Diagnosis) -> dict[str, str]:
     structure = "What the missing part depends on"
     if diagnosis.known_remainder is not None:
         structure = "What the declared remainder depends on"
+    elif diagnosis.explains_nothing:
+        structure = "What is left"
     elif diagnosis.verdict == "adequate":
         structure = "What is left depends on nothing"
     elif named:

@@ -8,19 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Undetectable
-from camid.diagnosis.explanation import EXPLAINS_NOTHING as NOTHING_EXPLAINED
 from camid.diagnosis.explanation import LISTED_WEIGHT, carries_over, rivals, wrong_coefficients
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
-from camid.number_text import number, percentage, plain, printable, probability, span, with_deviation
+from camid.number_text import SPACE, number, percentage, plain, printable, probability, span, with_deviation
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from camid.simulation.declared_units import DeclaredUnits
+    from camid.simulation.model import Simulation
 
 # Symbol, word and short meaning of a verdict: symbol and word say what the colour says.
 VERDICT_WORDS = {
@@ -35,7 +34,12 @@ WITHOUT_A_NAME = {
     "partly-explained": "what is left out is modelled in part, has no name that is likely, and something remains",
 }
 CORRECTED = ("≠", "Coefficients were wrong", "the structure is right: re-estimated, it leaves out nothing that shows")
-HARDLY_ANYTHING = "but the simulation explains hardly anything of the output"
+# Where nothing structured is left of an output of which nothing is explained.
+HARDLY_ANYTHING = (
+    "?",
+    "Nothing explained",
+    "the simulation explains hardly anything of the output, so that nothing can be said of its structure",
+)
 # Evidence of squares, which diagnosis.json holds and no reader is shown: the page speaks of root mean squares alone.
 SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
@@ -63,20 +67,17 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
         meaning += " in the rows that were fitted"
     if needs_new_coefficients(diagnosis):
         symbol, word, meaning = CORRECTED
-    if diagnosis.verdict == "adequate" and diagnosis.fit.improved >= NOTHING_EXPLAINED:
-        symbol, meaning = "?", f"{meaning}, {HARDLY_ANYTHING}"
+    if diagnosis.explains_nothing:
+        symbol, word, meaning = HARDLY_ANYTHING
     if diagnosis.known_remainder is not None:
-        size = number(diagnosis.known_remainder)
-        meaning = (
-            f"the simulation leaves out nothing beyond the declared remainder of {size} "
-            f"{diagnosis.compared_signal.symbol} (root mean square)"
-        )
+        size = plain(diagnosis.known_remainder, 3, diagnosis.compared_signal.symbol).replace(SPACE, " ")
+        meaning = f"the simulation leaves out nothing beyond the declared remainder of {size} (root mean square)"
     return symbol, word, meaning
 
 
 def needs_new_coefficients(diagnosis: Diagnosis) -> bool:
     """Whether a simulation of the right structure had wrong coefficients."""
-    if diagnosis.verdict != "adequate" or diagnosis.known_remainder is not None:
+    if diagnosis.verdict != "adequate" or diagnosis.known_remainder is not None or diagnosis.fit.explains_nothing:
         return False
     return bool(wrong_coefficients(diagnosis.coefficients, diagnosis.fit))
 
@@ -98,7 +99,14 @@ def estimate_text(parameter: ParameterEstimate) -> str:
     """Value, standard deviation and unit, as they are shown, in one line."""
     if isinstance(parameter.value, str):
         return parameter.value
+    if parameter.at_bound:
+        return at_bound_text(parameter)
     return with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
+
+
+def at_bound_text(parameter: ParameterEstimate) -> str:
+    """A number that a fit has left at its bound."""
+    return f"{plain(float(parameter.value), unit=parameter.unit)} (at its bound)"
 
 
 def is_noise_only(evidence: dict[str, Any]) -> bool:
@@ -164,6 +172,8 @@ def alternatives_text(finding: Finding, own: Mapping[str, str] | None = None) ->
 def place_text(diagnosis: Diagnosis) -> str:
     """Place, time, band and region of the mismatch in a line, in declared units as they are given."""
     location = diagnosis.location
+    if diagnosis.explains_nothing:
+        return "not to be said: the simulation explains hardly anything of the output"
     if location.place is None and diagnosis.verdict == "adequate":
         return "nowhere" if diagnosis.known_remainder is None else "not looked for within the declared remainder"
     parts = [location.place or "no place of the chain stands out"]
@@ -172,14 +182,15 @@ def place_text(diagnosis: Diagnosis) -> str:
     if location.frequency is not None:
         parts.append(span(location.frequency, "Hz"))
     if location.state is not None:
-        parts.append(state_text(location.state, diagnosis.improved.units))
+        parts.append(state_text(location.state, diagnosis.improved))
     return ", ".join(parts)
 
 
-def state_text(state: tuple[str, float, float], units: DeclaredUnits) -> str:
-    """Region of a signal, in declared units as it is given."""
+def state_text(state: tuple[str, float, float], simulation: Simulation) -> str:
+    """Region of a signal, in declared units as it is given; positions are the plant's, and the sensor shifts them."""
     variable, low, high = state
-    return f"{variable} from {span((low, high), units.text(UNITS_OF_STATE[variable]))}"
+    counted = " (counted from the rest)" if variable == "position" and simulation.known_offset else ""
+    return f"{variable} from {span((low, high), simulation.units.text(UNITS_OF_STATE[variable]))}{counted}"
 
 
 def _table_of_findings(diagnosis: Diagnosis) -> Table:
@@ -197,8 +208,8 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
             value = estimate_text(parameter)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for part in diagnosis.learned:
-        range_shown = span((part.learned.knots[0], part.learned.knots[-1]), part.knot_unit)
-        values = f"{len(part.knots)} values, up to {plain(max(map(abs, part.learned.values)), unit=part.unit)}"
+        range_shown = span(part.visited or (part.learned.knots[0], part.learned.knots[-1]), part.knot_unit)
+        values = f"{len(part.knots)} values, up to {plain(part.largest, unit=part.unit)} there"
         over = part.variables.rpartition(" over ")[2]
         table.add_row(part.name, "–", part.place, f"{over} {range_shown}", values, "–")
     return table
@@ -289,8 +300,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     fit = diagnosis.fit
     in_place = "" if fit.nominal_in_place is None else " (sensor's zero estimated)"
     console.print(
-        f"error on held-out rows ({span(fit.validation, 's')}"
-        f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation: "
+        f"error on held-out rows ({fit.rows}"
+        f"{', chosen by camid' if fit.chosen else ''}), RMS in % of the output's standard deviation {fit.reference}: "
         f"as given {percentage(fit.as_given)}{in_place}, coefficients re-estimated {percentage(fit.refitted)}, "
         f"improved {percentage(fit.improved)}, noise floor {percentage(fit.noise_floor)}",
         soft_wrap=True,

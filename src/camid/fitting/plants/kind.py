@@ -348,6 +348,10 @@ class PlantKind:
         """The model with the initial states that a fit starts from."""
         return recorded_start(problem, model)
 
+    def finds_initial_states(self, model: Model) -> bool:
+        """Whether :meth:`with_initial_states` finds those that suit the model best, and not only near them."""
+        return False
+
     def starts_from_regression(self, problem: Problem, model: Model) -> list[Model]:
         """Models that the recorded motion itself suggests, without any simulation."""
         return []

@@ -110,6 +110,10 @@ class LinearPlant(PlantKind):
         # it.
         return min((found, recorded_start(problem, model)), key=lambda start: misfit(problem, start))
 
+    def finds_initial_states(self, model: Model) -> bool:
+        """Without effects, by linear least squares."""
+        return not model.effects
+
     def _fitted_constants(
         self, problem: Problem, model: Model, predictor: Predictor, parameters: Array
     ) -> dict[str, float]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.companion_form import time_scale
+from camid.chain.pendulum import PARAMETERS, Pendulum
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.pendulum import SineRestoringForce
@@ -98,6 +99,20 @@ class PendulumKind(PlantKind):
             constants[REST.name] = angle + 2.0 * np.pi * round((constants[REST.name] - angle) / (2.0 * np.pi))
         suggested = replace(model, coefficients=self.completed(coefficients, constants), constants=constants)
         return [recorded_start(problem, suggested)]
+
+    def estimates(self, structure: Structure, model: Model, fitted: Fitted | None) -> list[tuple[str, float, float]]:
+        """Natural frequency, damping, gain and rest, as they are declared."""
+        coefficients, rest = model.coefficients, float(model.constants[REST.name])
+        gain_fixed = not structure.free_numerator[0]
+        pendulum = Pendulum(1.0, 0.0, gain=float(coefficients[0] / coefficients[-1])).estimated(
+            structure.plant(coefficients),
+            rest,
+            np.zeros((4, 4)) if fitted is None else _covariance(fitted, structure),
+            gain_fixed=gain_fixed,
+        )
+        deviations = pendulum.standard_deviations or dict.fromkeys(PARAMETERS, np.inf)
+        rows = pendulum.coefficient_rows()
+        return [(name, value, deviations[name.replace(" ", "_")]) for name, value, _, _ in rows]
 
     def written_back(self, believed: Simulation, structure: Structure, fitted: Fitted) -> Simulation:
         """The simulation with natural frequency, damping, gain and rest, and their accuracy."""
