@@ -18,7 +18,7 @@ from camid.experiment_design.hypothesis import Hypothesis, Played
 from camid.experiment_design.left_out import left_out
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.other_values import own_sums
-from camid.experiment_design.prediction import TIMES, NoiseModel, Response, travelled
+from camid.experiment_design.prediction import SMALLEST_INFORMATION, TIMES, NoiseModel, Response, travelled
 from camid.experiment_design.refit import Past
 from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.search import Candidate, Search
@@ -38,6 +38,8 @@ MOST_EARLIER_ROWS = 6000
 CHECKED = 4
 # Evidence below which names stay together whatever is played (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
 NO_EVIDENCE = 2.0
+# Information on a parameter, measured by its size, below which it counts as that.
+LEAST_INFORMATION = 1e-6
 # Times as long as was allowed for which the growth of the evidence is carried on.
 LONGEST = 20.0
 
@@ -150,9 +152,25 @@ def _same_laws(expectations: Sequence[Expectation]) -> list[str]:
 
 
 def information(found: Response) -> float:
-    """Logarithm of the determinant of the information on all parameters, each measured by its size: D-optimality."""
-    values = np.linalg.eigvalsh(found.information)
-    return float(0.5 * np.sum(np.log(np.maximum(values, 1e-6))))
+    """Logarithm of the determinant of the information on all parameters, each measured by its value: D-optimality.
+
+    A fit measures parameters by what they do to the output that it is given. Experiments are held against each other by
+    sizes that are the same for all of them: one that moves nothing would otherwise be taken for the best. What an
+    experiment takes to tell its own initial state is no loss, and no gain.
+    """
+    packing = found.packing
+    values = packing.pack(packing.template)
+    sizes = np.where(values == 0.0, 1.0 / packing.units, np.abs(values))
+    measured = found.information * np.outer(sizes, sizes)
+    initial = np.array([name.startswith("initial") for name in packing.names], bool)
+    return _log_determinant(measured) - _log_determinant(measured[np.ix_(initial, initial)])
+
+
+def _log_determinant(products: Array) -> float:
+    """Half of the logarithm of a determinant; what carries no information counts little instead of endlessly."""
+    lengths = np.sqrt(np.maximum(np.diag(products), LEAST_INFORMATION))
+    values = np.linalg.eigvalsh(products / np.outer(lengths, lengths))
+    return float(np.sum(np.log(lengths)) + 0.5 * np.sum(np.log(np.maximum(values, SMALLEST_INFORMATION))))
 
 
 def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, float]) -> Design:
