@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.report.summary import title_of
 from camid.diagnosis.watch import Watch
 from camid.errors import InputError
 from camid.experiment_design.check import Check
@@ -23,6 +24,7 @@ from camid.experiment_design.refit import Past
 from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.search import Candidate, Search
 from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, most_left, pairs_of
+from camid.experiment_design.sums import laws_that_are_sums, warnings_of
 from camid.experiment_design.together import Earlier
 
 Array = NDArray[np.float64]
@@ -71,7 +73,8 @@ class Task:
     @cached_property
     def judge(self) -> Judge:
         """What turns evidence into weights after the next experiment."""
-        return Judge(self.hypotheses, self.rows_before, self.experiments + 1, general_laws(self.hypotheses))
+        every = self.hypotheses
+        return Judge(every, self.rows_before, self.experiments + 1, general_laws(every), laws_that_are_sums(every))
 
     @property
     def names(self) -> list[int]:
@@ -127,7 +130,8 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     others = {c.kind: c.score for c in best}
     said = _said(task, chosen, pairs, others)
     seconds = perf_counter() - started
-    return replace(said, looked_at=search.looked_at, seconds=seconds, warnings=_same_laws(said.expectations))
+    warnings = [*_same_laws(said.expectations), *warnings_of(task.hypotheses)]
+    return replace(said, looked_at=search.looked_at, seconds=seconds, warnings=warnings)
 
 
 def _with_rivals(task: Task) -> tuple[Task, Past | None]:
@@ -146,7 +150,8 @@ def _same_laws(expectations: Sequence[Expectation]) -> list[str]:
     lost = {(e.identifier, e.rival) for e in expectations if e.seconds is None and abs(e.evidence) < NO_EVIDENCE}
     pairs = sorted({tuple(sorted(pair)) for pair in lost if pair[::-1] in lost})
     return [
-        f"{one} and {other} are the same law within these limits: no experiment that was looked at tells them apart"
+        f"{title_of(one)} and {title_of(other)} are the same law within these limits: "
+        f"no experiment that was looked at tells them apart"
         for one, other in pairs
     ]
 

@@ -127,12 +127,15 @@ class Judge:
         Experiments with different inputs, the next one included.
     general : sequence of GeneralLaw
         Laws of the catalogue that are no hypotheses, and have one of these for a special case.
+    sums : sequence of GeneralLaw
+        Laws that are one of these beside a constant that is estimated anyway.
     """
 
     hypotheses: Sequence[Hypothesis]
     rows_before: int
     experiments: int = 2
     general: Sequence[GeneralLaw] = ()
+    sums: Sequence[GeneralLaw] = ()
 
     def evidence(self, pair: Pair, rows: int) -> float:
         """Expected difference of the criterion that the experiment adds."""
@@ -195,6 +198,8 @@ class Judge:
         It is the mean over the noise of the next recording: evidence of ten may as well come as two or eighteen.
         """
         name, rivals = self.hypotheses[true].identifier, self._members(true, pairs, rows)
+        # Nothing that is played takes these away, so that a search has nothing to do with them.
+        rivals += [(Member(law.identifier, law.penalty, 0.0), 0.0) for law in self.sums if law.special == name]
         gain, mean = self._gain(true, pairs), 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
             names, outside = weights(self._comparison(true, _recorded(name, rivals, float(noise)), gain))

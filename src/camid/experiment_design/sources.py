@@ -22,6 +22,7 @@ from camid.experiment_design.earlier_recordings import of_diagnosis, of_files, o
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis, hypothesis_of
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.prediction import NoiseModel
+from camid.experiment_design.sums import without_sums
 from camid.experiment_design.together import Earlier
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
@@ -131,7 +132,7 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
     """The same from what diagnosis.json holds."""
     conditions = content["conditions"]
     period = float(conditions["period"])
-    every = content["hypotheses"]
+    every = _merged(content["hypotheses"])
     named = [h for h in every if h["id"] is not None]
     kept = [h for h in named if h["weight"] >= LEAST_WEIGHT] or named[:1]
     questions = {h["instead_of"] for h in kept}
@@ -152,7 +153,7 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
     ]
     noise = conditions["noise"]
     return Known(
-        hypotheses,
+        without_sums(hypotheses),
         float(noise["standard_deviation"]),
         np.array(noise["whitening"], float),
         int(conditions["rows"]),
@@ -161,6 +162,17 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
         source,
         _unlisted_law(content["effects"]),
     )
+
+
+def _merged(every: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The hypotheses of a diagnosis, a name that stands there twice once: with the better of both and their weights."""
+    found: dict[tuple[str | None, str], Mapping[str, Any]] = {}
+    for one in every:
+        key = one["id"], one["instead_of"]
+        same = [one] if key not in found else [found[key], one]
+        better = min(same, key=lambda h: float(h["criterion"]))
+        found[key] = {**better, "weight": sum(float(h["weight"]) for h in same)}
+    return list(found.values())
 
 
 def _unlisted_law(effects: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:

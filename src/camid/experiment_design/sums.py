@@ -1,0 +1,64 @@
+"""Laws that are exactly two others together: whatever is played, nothing tells them from these.
+
+Friction of another size in each direction is Coulomb friction beside a constant force. Where a constant is estimated
+anyway, of the sensor or of the input, a diagnosis lists both names, and no experiment takes one of them away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from camid.diagnosis.report.summary import title_of
+from camid.diagnosis.search.hypothesis import general_law_penalty
+from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.experiment_design.general_laws import GeneralLaw
+from camid.experiment_design.hypothesis import Hypothesis
+
+
+def laws_that_are_sums(hypotheses: Sequence[Hypothesis]) -> list[GeneralLaw]:
+    """Those of all names, with the prior odds that a diagnosis gives them."""
+    return [
+        GeneralLaw(law.identifier, hypothesis.identifier, 0, 0.0 if _found_apart(hypothesis) else general_law_penalty())
+        for hypothesis in hypotheses
+        if hypothesis.is_name and hypothesis.effect is not None
+        for law in sums_with(hypothesis)
+    ]
+
+
+def sums_with(hypothesis: Hypothesis) -> list[type[Effect]]:
+    """Laws that are the effect in question together with what stands beside it."""
+    kind, name = hypothesis.problem.kind, hypothesis.identifier
+    present = {e.identifier for e in hypothesis.model.effects}
+    constant = kind.offset_free or kind.bias_free or _found_apart(hypothesis)
+    return [
+        law
+        for law in known_effects().values()
+        if law.sum_of
+        and all(part in present or (constant and _is_constant(part)) for part in law.sum_of)
+        and any(part == name or (_is_constant(part) and _is_constant(name)) for part in law.sum_of)
+    ]
+
+
+def without_sums(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The hypotheses but for laws that are another one of them beside a constant; the likelier stands for both."""
+    sums = {(h.question, law.identifier) for h in hypotheses if h.is_name for law in sums_with(h)}
+    return [h for h in hypotheses if (h.question, h.identifier) not in sums]
+
+
+def warnings_of(hypotheses: Sequence[Hypothesis]) -> list[str]:
+    """Sentences that say which names stay possible whatever is played."""
+    return [
+        f"{title_of(law.identifier)} stays possible beside {title_of(law.special)} whatever is played: it is that and a "
+        f"constant, and one is estimated; declare the sensor's offset and the input's bias if they are known"
+        for law in laws_that_are_sums(hypotheses)
+    ]
+
+
+def _found_apart(hypothesis: Hypothesis) -> bool:
+    """Whether a constant is one of the effects that were found."""
+    return any(e.is_constant for e in hypothesis.model.effects)
+
+
+def _is_constant(name: str) -> bool:
+    return name in known_effects() and known_effects()[name].is_constant
