@@ -257,7 +257,7 @@ def test_a_written_input_never_leaves_its_range():
         ({"frame_rate": -1.0}, "frame rate"),
         ({"noise": 0.0}, "noise 0"),
         ({"exposure": 0.5}, "exposure 0.5 s"),
-        ({"initial_position": 50.0, "travel": (-1.0, 1.0)}, "the initial position 50 lies outside"),
+        ({"initial_position": 50.0, "travel": (-1.0, 1.0)}, "the initial position 50 y lies outside"),
     ],
 )
 def test_limits_that_cannot_be_kept_are_refused_in_one_line(diagnosis, options, said):

@@ -115,7 +115,8 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     if not best:
         raise InputError(
             "no experiment keeps the travel under every hypothesis",
-            hint="allow more travel, or a smaller input",
+            where=task.limits.where,
+            hint="allow more with --travel, or a smaller input with --amplitude",
         )
     pairs: list[Pair] = []
     chosen = best[0]
@@ -304,11 +305,13 @@ def _refuse_rest_outside(task: Task) -> None:
     travel = task.limits.travel
     if travel is None:
         return
-    still = Played(np.zeros(10), task.limits.periods[0])
+    still, columns = Played(np.zeros(10), task.limits.periods[0]), task.limits.columns
     for hypothesis in task.hypotheses:
         low, high = travelled(hypothesis, still)
         if low <= travel[0] or high >= travel[1]:
             raise InputError(
-                f"the rig rests at {low:.4g}, which lies outside of the travel from {travel[0]:g} to {travel[1]:g}",
-                hint="give the travel as readings of the sensor",
+                f"the rig rests at {columns.output_text(low)}, which lies outside of the travel from "
+                f"{columns.output_range(*travel)}",
+                where=task.limits.where,
+                hint="allow more with --travel, in readings of the sensor",
             )

@@ -267,7 +267,10 @@ class Search:
                 return None
             if factor >= 1.0:
                 return played
-            played = replace(played, signal=self.limits.slowed(SHRINK * factor * played.signal, played.period))
+            # Towards the least that the rig may be given, which is not zero for each.
+            least = min(max(0.0, self.limits.low), self.limits.high)
+            smaller = least + SHRINK * factor * (played.signal - least)
+            played = replace(played, signal=self.limits.slowed(smaller, played.period))
         return None
 
     def band(self, period: float) -> Band:
