@@ -96,7 +96,7 @@ def test_the_first_recording_leaves_two_names_and_designs_an_experiment(diagnosi
     finding = diagnosis.findings[0]
     names = dict([(finding.identifier, finding.weight), *finding.alternatives])
     assert min(names["gain-asymmetry"], names["input-bias"]) > 0.1
-    assert "expected ΔBIC" in finding.separating_experiment
+    assert "if it is Asymmetric gain of the actuator: ΔBIC" in finding.separating_experiment
     assert "camid design" in finding.separating_experiment
     ids = [h.identifier for h in diagnosis.hypotheses]
     assert {"gain-asymmetry", "input-bias", None} <= set(ids)

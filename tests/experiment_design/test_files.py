@@ -1,6 +1,7 @@
 """``camid design``: its folder, its formats, and one line for what is wrong."""
 
 import json
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -12,6 +13,7 @@ from ruamel.yaml import YAML
 import camid
 from camid.cli import main
 from camid.diagnosis.results_folder import write_diagnosis
+from camid.experiment_design.quick import with_designed_experiments
 from camid.experiment_design.results_folder import input_text, write_design
 from camid.experiment_design.words import described, sentence
 from camid.number_text import SPACE
@@ -105,11 +107,40 @@ def test_an_input_is_written_in_the_units_of_its_column(diagnosis, bench):
 
 
 def test_a_sentence_for_a_report(design):
-    said = sentence(design)
+    soon = [replace(e, seconds=1.0) for e in design.expectations]
+    said = sentence(replace(design, expectations=soon))
     assert said.startswith("Play ")
-    assert "expected ΔBIC" in said
+    assert "Expected if it is " in said
     assert "95 % after about" in said
+    assert "longer than" not in said
     assert "\n" not in said
+
+
+def test_a_sentence_says_what_stays_open(design):
+    """Each likely name has its own number; a time beyond the experiment is called one."""
+    late = [replace(e, seconds=2.0 * design.duration) for e in design.expectations]
+    assert "longer than this experiment" in sentence(replace(design, expectations=late))
+    one, *others = [replace(e, seconds=1.0) for e in design.expectations]
+    some = sentence(replace(design, expectations=[replace(one, seconds=None, weight=0.4), *others]))
+    assert some.startswith("Play ")
+    assert "its weight 40 % afterwards, and never 95 %" in some.replace(SPACE, " ")
+    never = [replace(e, seconds=None) for e in design.expectations]
+    said = sentence(replace(design, expectations=never))
+    assert said.startswith("No experiment that was looked at decides within the limits of the recording")
+
+
+def test_the_report_of_a_diagnosis_promises_what_is_there(diagnosis):
+    """Of a recording with one input, that a design needs to be told more; of names that are one, that they are."""
+    plain = replace(diagnosis, findings=[replace(diagnosis.findings[0], separating_experiment="Record more.")])
+    (designed,) = with_designed_experiments(plain).findings
+    assert designed.separating_experiment.startswith("Play ")
+    assert "which may be another input" in designed.separating_experiment
+    conditions = replace(diagnosis.conditions, signal=(1.0, 1.0))
+    (still,) = with_designed_experiments(replace(plain, conditions=conditions)).findings
+    assert still.separating_experiment.startswith(
+        "Record more. camid design on this folder computes one once it is told"
+    )
+    assert "the input can only be 1 u; give two limits with --amplitude" in still.separating_experiment
 
 
 def test_nothing_is_written_where_a_limit_is_refused(bench, capsys):

@@ -99,7 +99,7 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     for period, exposure in task.limits.settings:
         for hypothesis in task.hypotheses:  # refuses a camera that cannot be
             hypothesis.at(Played(np.zeros(10), period, exposure))
-    _refuse_rest_outside(task)
+    refuse_rest_outside(task)
     task, past = _with_rivals(task)
     judge, noise, names = task.judge, task.noise, task.names
 
@@ -300,7 +300,7 @@ def readable_names(hypothesis: Hypothesis, packed: Sequence[str]) -> list[str]:
     return found
 
 
-def _refuse_rest_outside(task: Task) -> None:
+def refuse_rest_outside(task: Task) -> None:
     """Refuse a travel that does not hold the rest."""
     travel = task.limits.travel
     if travel is None:
