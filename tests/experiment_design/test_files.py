@@ -13,11 +13,13 @@ from ruamel.yaml import YAML
 import camid
 from camid.cli import main
 from camid.diagnosis.results_folder import write_diagnosis
+from camid.experiment_design.prediction import NoiseModel, responses
 from camid.experiment_design.quick import with_designed_experiments
 from camid.experiment_design.results_folder import input_text, write_design
-from camid.experiment_design.words import described, sentence
+from camid.experiment_design.run import determined_by
+from camid.experiment_design.words import described, deviations_shown, sentence
 from camid.number_text import SPACE
-from tests.experiment_design.test_design import believed
+from tests.experiment_design.test_design import believed, hypothesis, steps
 from tests.support.mass_on_spring import effect
 
 SCHEMA = json.loads(files("camid").joinpath("schemas/design.schema.json").read_text(encoding="utf-8"))
@@ -104,6 +106,28 @@ def test_an_input_is_written_in_the_units_of_its_column(diagnosis, bench):
     assert np.max(np.abs(np.diff(signal, prepend=0.0))) <= 50.0 * 0.02 + 1e-6
     cells = np.array([float(line.split(",")[1]) for line in input_text(found).splitlines()[1:]])
     np.testing.assert_allclose(cells, 1000.0 * signal, rtol=1e-5, atol=1e-6)
+
+
+def test_deviations_are_shown_in_the_units_of_the_files():
+    """As the diagnosis shows them beside a travel in millimetres; files hold SI units."""
+    spring = hypothesis(
+        "cubic-stiffness",
+        effect("cubic-stiffness", coefficient=1e6),
+        plant={"numerator": [0.6], "denominator": [1.0, 2.0, 100.0]},
+        input={"column": "u", "hold": "zoh", "unit": "V"},
+        sensor={"column": "y", "kind": "camera", "unit": "mm"},
+    )
+    found = {
+        d.name: deviations_shown(d, spring.simulation) for d in determined_by(responses([spring], steps(), NOISE)[0])
+    }
+    assert found["b0"][1].startswith("600.")
+    assert {name: unit.replace(SPACE, " ") for name, (*_, unit) in found.items()} == {
+        "b0": "mm/(V s²)",
+        "a1": "s⁻¹",
+        "a0": "s⁻²",
+        "cubic-stiffness coefficient": "V/mm³",
+        "offset": "mm",
+    }
 
 
 def test_a_sentence_for_a_report(design):

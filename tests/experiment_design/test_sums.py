@@ -27,7 +27,7 @@ def test_friction_of_two_sizes_is_coulomb_friction_beside_a_constant_that_is_est
     assert (law.identifier, law.special) == ("asymmetric-friction", "coulomb-friction")
     assert without_sums(two) == two[:1]
     (said,) = warnings_of(two)
-    assert said.startswith("Asymmetric Coulomb friction stays possible beside Coulomb friction whatever is played")
+    assert said.startswith("if it is Coulomb friction, Asymmetric Coulomb friction stays possible whatever is played")
 
 
 def test_with_every_constant_declared_an_experiment_tells_them_apart():

@@ -60,7 +60,7 @@ def _advice(diagnosis: Diagnosis, general: str) -> str:
             watch = Watch(None, SECONDS)
             said = sentence(design_for(task, watch, simulated_rows=SIMULATED_ROWS, checked=1))
             return f"{said} {WRITE_IT}"
-        together = [f"{one}." for one in warnings_of(likely)]
+        together = [f"{one[0].upper()}{one[1:]}." for one in warnings_of(likely)]
         return " ".join([*together, general, COMPUTE_IT])
     except InputError as refusal:
         needs = f"; {refusal.hint}" if refusal.hint else ""

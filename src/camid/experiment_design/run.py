@@ -26,6 +26,7 @@ from camid.experiment_design.search import Candidate, Search
 from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, most_left, pairs_of
 from camid.experiment_design.sums import laws_that_are_sums, warnings_of
 from camid.experiment_design.together import Earlier
+from camid.fitting.packing import Packing
 
 Array = NDArray[np.float64]
 
@@ -200,7 +201,7 @@ def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, fl
         chosen.described,
         played,
         expectations,
-        _determined(chosen.found[likeliest]),
+        determined_by(chosen.found[likeliest]),
         {r.hypothesis.identifier: r.output for r in chosen.found if r.hypothesis.is_name},
         (min(r[0] for r in ranges), max(r[1] for r in ranges)),
         others,
@@ -271,15 +272,15 @@ def _beyond(judge: Judge, true: int, own: list[Pair], rows: int, played: Played)
     return None
 
 
-def _determined(found: Response) -> list[Determined]:
+def determined_by(found: Response) -> list[Determined]:
     """The parameters of a hypothesis with what is known of them before and after."""
     packing, hypothesis = found.packing, found.hypothesis
     values = packing.pack(packing.template) * packing.units
     before, after = found.deviations(with_experiment=False), found.deviations(with_experiment=True)
-    names = readable_names(hypothesis, packing.names)
+    names, units = readable_names(hypothesis, packing.names), units_of(hypothesis, packing)
     return [
-        Determined(name, float(v), float(b), float(a))
-        for name, v, b, a in zip(names, values, before, after, strict=True)
+        Determined(name, float(v), float(b), float(a), unit)
+        for name, v, b, a, unit in zip(names, values, before, after, units, strict=True)
         if not name.startswith("initial")
     ]
 
@@ -297,6 +298,19 @@ def readable_names(hypothesis: Hypothesis, packed: Sequence[str]) -> list[str]:
             found.append(coefficients[int(tail)])
         else:
             found.append(tail if head == "constant" else name)
+    return found
+
+
+def units_of(hypothesis: Hypothesis, packing: Packing) -> list[str]:
+    """Units of packed parameters in u, y and s; of a plant's named constants those that it declares."""
+    effects = {f"{e.identifier} {p.name}": p.unit for e in hypothesis.model.effects for p in e.parameters}
+    constants = {c.name.removeprefix("constant "): c.unit for c in packing.constants}
+    found = []
+    for packed, name in zip(packing.names, readable_names(hypothesis, packing.names), strict=True):
+        if packed.startswith(("coefficient", "constant ")):
+            found.append(hypothesis.simulation.unit_of_coefficient(name))
+        else:
+            found.append(effects.get(name) or constants.get(name, ""))
     return found
 
 

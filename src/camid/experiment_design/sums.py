@@ -49,8 +49,8 @@ def without_sums(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
 def warnings_of(hypotheses: Sequence[Hypothesis]) -> list[str]:
     """Sentences that say which names stay possible whatever is played."""
     return [
-        f"{title_of(law.identifier)} stays possible beside {title_of(law.special)} whatever is played: it is that and "
-        f"a constant, and one is estimated; declare the sensor's offset and the input's bias if they are known"
+        f"if it is {title_of(law.special)}, {title_of(law.identifier)} stays possible whatever is played: it is that "
+        f"and a constant, and one is estimated; declare the sensor's offset and the input's bias if they are known"
         for law in laws_that_are_sums(hypotheses)
     ]
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from camid.diagnosis.report.summary import title_of
 from camid.experiment_design.columns import Column, Columns
-from camid.experiment_design.result import Design, Expectation
+from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.sums import laws_that_are_sums
-from camid.number_text import number, percentage, plain, printable, span, with_deviation
+from camid.number_text import number, percentage, plain, printable, span, typeset, with_deviation
+from camid.simulation.model import Simulation
 
 # Weight of a name from which a sentence says what is expected if it is right.
 LIKELY = 0.1
@@ -68,7 +69,7 @@ def sentence(design: Design) -> str:
     if all(e.seconds is None for e in likely):
         text = f"No experiment that was looked at decides within the limits of the recording. What tells most: {text}"
     left = [
-        f" {title_of(law.identifier)} stays possible beside {title_of(law.special)} whatever is played."
+        f" If it is {title_of(law.special)}, {title_of(law.identifier)} stays possible whatever is played."
         for law in laws_that_are_sums([h for h in design.hypotheses if weights[h.identifier] >= LIKELY])
     ]
     return f"{text}. Expected {'; '.join(_expected(e, design.duration) for e in likely)}.{''.join(left)}"
@@ -119,10 +120,10 @@ def print_design(design: Design, written: list[Path]) -> None:
         console.print(_table_of_names(design, Table(title="What to expect", title_justify="left")))
     else:
         table = Table(title="Standard deviations", title_justify="left")
-        for heading in ("parameter", "known now", "after the experiment"):
+        for heading in ("parameter", "known now", "after the experiment", "unit"):
             table.add_column(heading)
         for one in design.determined:
-            table.add_row(one.name, with_deviation(one.value, one.before), with_deviation(one.value, one.after))
+            table.add_row(one.name, *deviations_shown(one, design.hypotheses[0].simulation))
         console.print(table)
     rate = "" if limits.rate == float("inf") else f", {plain(limits.rate / abs(columns.inputs.factor), 4)} {unit}/s"
     allowed = "" if limits.travel is None else f", travel {span(cells(columns.outputs, limits.travel), output)}"
@@ -133,6 +134,15 @@ def print_design(design: Design, written: list[Path]) -> None:
     )
     for path in written:
         console.print(f"written to {printable(str(path))}", soft_wrap=True)
+
+
+def deviations_shown(one: Determined, simulation: Simulation) -> list[str]:
+    """Value with its standard deviation before and after the experiment, and their unit, as people read them."""
+    units, named = simulation.units, simulation.physical
+    if named is not None and one.name in named.units:
+        return [*(with_deviation(one.value, d) for d in (one.before, one.after)), typeset(one.unit)]
+    value, before, after = (units.shown(v, one.unit) for v in (one.value, one.before, one.after))
+    return [*(with_deviation(value, d) for d in (before, after)), units.text(one.unit)]
 
 
 def _table_of_names(design: Design, table: Any) -> Any:
