@@ -64,3 +64,8 @@ def test_a_smaller_input_stays_in_its_range(diagnosis):
     limits = limits_of(known, Wishes(amplitude=(0.1, 1.0), travel=(-0.6, 0.6), duration=4.0))
     found = design_for(Task(known.hypotheses, limits, noise_of(known, Wishes()), known.rows), Watch(None, None))
     assert 0.1 <= found.played.signal.min() < found.played.signal.max() < 0.7
+
+
+def test_an_input_that_is_rounded_to_zero_has_no_sign():
+    limits = Limits(-1.0, 1.0, 10.0, 10.0, (0.02,))
+    assert not np.any(np.signbit(limits.written(np.array([-1e-9, 0.0, -0.0]))))

@@ -155,4 +155,5 @@ class Limits:
         decimals = DIGITS - 1 - int(np.floor(np.log10(size)))
         # Towards zero: what is rounded up would leave the range.
         factor = 10.0**decimals
-        return np.asarray(np.trunc(signal * factor + np.sign(signal) * 1e-6) / factor)
+        whole = np.trunc(signal * factor + np.sign(signal) * 1e-6)
+        return np.asarray((whole + 0.0) / factor)  # what is rounded to zero has no sign
