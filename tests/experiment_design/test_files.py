@@ -171,7 +171,7 @@ def test_nothing_is_written_where_a_limit_is_refused(bench, capsys):
     assert main(["design", "diagnosis", "--output", "next", "--travel", "0.5", "0.6"]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert error.startswith("camid: error: the rig rests at")
+    assert error.startswith("camid: error: diagnosis: the rig rests at")
     assert not (bench / "next").exists()
 
 
