@@ -12,6 +12,7 @@ from camid.experiment_design.hypothesis import Played, hypothesis_of
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.prediction import NoiseModel, responses
 from camid.experiment_design.refit import left_after_fit, refitted
+from camid.experiment_design.run import information
 from camid.experiment_design.separation import pairs_of
 from camid.experiment_design.signals import FAMILIES, Band
 from camid.simulation.file import load_simulation
@@ -95,7 +96,7 @@ def test_the_first_recording_leaves_two_names_and_designs_an_experiment(diagnosi
     finding = diagnosis.findings[0]
     names = dict([(finding.identifier, finding.weight), *finding.alternatives])
     assert min(names["gain-asymmetry"], names["input-bias"]) > 0.1
-    assert "expected ΔBIC" in finding.separating_experiment
+    assert "if it is Asymmetric gain of the actuator: ΔBIC" in finding.separating_experiment
     assert "camid design" in finding.separating_experiment
     ids = [h.identifier for h in diagnosis.hypotheses]
     assert {"gain-asymmetry", "input-bias", None} <= set(ids)
@@ -189,6 +190,18 @@ def test_one_hypothesis_is_determined(first):
     assert np.prod(after / before) < 0.5 ** (0.5 * len(after))
 
 
+def test_an_input_that_moves_nothing_determines_nothing():
+    """A rig that moves by millimetres, in metres: a fit measures its gain by the output, and by a metre without one."""
+    gap, small = effect("dead-zone", half_width=0.4), {"numerator": [0.1], "denominator": [1.0, 2.0, 100.0]}
+    names = [*(f"coefficient {i}" for i in range(3)), "dead-zone half_width"]
+    simulated = load_simulation(believed(gap, plant=small))
+    known = hypothesis_of(simulated, "dead-zone", PERIOD, parameters=names, information=np.diag([1e10, 1e4, 1e4, 1e5]))
+    noise = NoiseModel(2e-5, np.ones(1))
+    still, moved = (responses([known], Played(share * steps().signal, PERIOD), noise)[0] for share in (0.3, 1.0))
+    assert np.ptp(still.output) < 1e-12 < np.ptp(moved.output)
+    assert information(moved) > information(still)
+
+
 @pytest.mark.slow
 def test_expected_deviations_come_true(first):
     found = camid.design(believed(), recording=first, time_limit=None)
@@ -244,7 +257,7 @@ def test_a_written_input_never_leaves_its_range():
         ({"frame_rate": -1.0}, "frame rate"),
         ({"noise": 0.0}, "noise 0"),
         ({"exposure": 0.5}, "exposure 0.5 s"),
-        ({"initial_position": 50.0, "travel": (-1.0, 1.0)}, "the initial position 50 lies outside"),
+        ({"initial_position": 50.0, "travel": (-1.0, 1.0)}, "the initial position 50 y lies outside"),
     ],
 )
 def test_limits_that_cannot_be_kept_are_refused_in_one_line(diagnosis, options, said):

@@ -1,6 +1,7 @@
 """``camid design``: its folder, its formats, and one line for what is wrong."""
 
 import json
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -12,10 +13,13 @@ from ruamel.yaml import YAML
 import camid
 from camid.cli import main
 from camid.diagnosis.results_folder import write_diagnosis
+from camid.experiment_design.prediction import NoiseModel, responses
+from camid.experiment_design.quick import with_designed_experiments
 from camid.experiment_design.results_folder import input_text, write_design
-from camid.experiment_design.words import described, sentence
+from camid.experiment_design.run import determined_by
+from camid.experiment_design.words import described, deviations_shown, sentence
 from camid.number_text import SPACE
-from tests.experiment_design.test_design import believed
+from tests.experiment_design.test_design import believed, hypothesis, steps
 from tests.support.mass_on_spring import effect
 
 SCHEMA = json.loads(files("camid").joinpath("schemas/design.schema.json").read_text(encoding="utf-8"))
@@ -104,19 +108,70 @@ def test_an_input_is_written_in_the_units_of_its_column(diagnosis, bench):
     np.testing.assert_allclose(cells, 1000.0 * signal, rtol=1e-5, atol=1e-6)
 
 
+def test_deviations_are_shown_in_the_units_of_the_files():
+    """As the diagnosis shows them beside a travel in millimetres; files hold SI units."""
+    spring = hypothesis(
+        "cubic-stiffness",
+        effect("cubic-stiffness", coefficient=1e6),
+        plant={"numerator": [0.6], "denominator": [1.0, 2.0, 100.0]},
+        input={"column": "u", "hold": "zoh", "unit": "V"},
+        sensor={"column": "y", "kind": "camera", "unit": "mm"},
+    )
+    small = NoiseModel(1e-5, np.ones(1))
+    determined = determined_by(responses([spring], steps(), small)[0])
+    found = {d.name: deviations_shown(d, spring.simulation) for d in determined}
+    assert found["b0"][1].startswith("600.")
+    assert {name: unit.replace(SPACE, " ") for name, (*_, unit) in found.items()} == {
+        "b0": "mm/(V s²)",
+        "a1": "s⁻¹",
+        "a0": "s⁻²",
+        "cubic-stiffness coefficient": "V/mm³",
+        "offset": "mm",
+    }
+
+
 def test_a_sentence_for_a_report(design):
-    said = sentence(design)
+    soon = [replace(e, seconds=1.0) for e in design.expectations]
+    said = sentence(replace(design, expectations=soon))
     assert said.startswith("Play ")
-    assert "expected ΔBIC" in said
+    assert "Expected if it is " in said
     assert "95 % after about" in said
+    assert "longer than" not in said
     assert "\n" not in said
+
+
+def test_a_sentence_says_what_stays_open(design):
+    """Each likely name has its own number; a time beyond the experiment is called one."""
+    late = [replace(e, seconds=2.0 * design.duration) for e in design.expectations]
+    assert "longer than this experiment" in sentence(replace(design, expectations=late))
+    one, *others = [replace(e, seconds=1.0) for e in design.expectations]
+    some = sentence(replace(design, expectations=[replace(one, seconds=None, weight=0.4), *others]))
+    assert some.startswith("Play ")
+    assert "its weight 40 % afterwards, and never 95 %" in some.replace(SPACE, " ")
+    never = [replace(e, seconds=None) for e in design.expectations]
+    said = sentence(replace(design, expectations=never))
+    assert said.startswith("No experiment that was looked at decides within the limits of the recording")
+
+
+def test_the_report_of_a_diagnosis_promises_what_is_there(diagnosis):
+    """Of a recording with one input, that a design needs to be told more; of names that are one, that they are."""
+    plain = replace(diagnosis, findings=[replace(diagnosis.findings[0], separating_experiment="Record more.")])
+    (designed,) = with_designed_experiments(plain).findings
+    assert designed.separating_experiment.startswith("Play ")
+    assert "which may be another input" in designed.separating_experiment
+    conditions = replace(diagnosis.conditions, signal=(1.0, 1.0))
+    (still,) = with_designed_experiments(replace(plain, conditions=conditions)).findings
+    assert still.separating_experiment.startswith(
+        "Record more. camid design on this folder computes one once it is told"
+    )
+    assert "the input can only be 1 u; give two limits with --amplitude" in still.separating_experiment
 
 
 def test_nothing_is_written_where_a_limit_is_refused(bench, capsys):
     assert main(["design", "diagnosis", "--output", "next", "--travel", "0.5", "0.6"]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert error.startswith("camid: error: the rig rests at")
+    assert error.startswith("camid: error: diagnosis: the rig rests at")
     assert not (bench / "next").exists()
 
 

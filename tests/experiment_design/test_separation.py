@@ -83,6 +83,28 @@ def test_two_names_decided_are_worth_more_than_one_beyond_doubt():
     assert score(60.0, 60.0) > score(40.0, 40.0)  # more in reserve
 
 
+def test_an_effect_has_to_show_and_not_only_that_it_is_no_rival():
+    """Physics outside the catalogue keeps what the effect does not show: two hundred variances of noise are 95 %."""
+    two = judge(0.5, 0.5)
+
+    def found(left, mismatch):
+        pairs = [Pair(0, 1, left, mismatch), Pair(1, 0, left, mismatch)]
+        return two.score(pairs, 500), two.weight(0, pairs, 500)
+
+    (beyond_doubt, one), (shown, other) = found(190.0, 190.0), found(24.0, 400.0)
+    assert 0.95 < one < other
+    assert shown > beyond_doubt
+
+
+def test_simulations_held_against_each_other_have_nothing_outside():
+    pairs = [Pair(0, 1, 60.0, 60.0)]
+    given, named = (
+        Judge([name("one", None, question), name("other", None, question)], 500).separation(0, pairs, 500)
+        for question in (GIVEN, "friction")
+    )
+    assert given > named + 0.3
+
+
 def test_all_rivals_count_and_not_the_nearest_alone():
     few, many = judge(0.5, 0.5), judge(0.5, 0.2, 0.2, 0.1)
     one = few.weight(0, [Pair(0, 1, 12.0, 1e4)], 500)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence, Set
+
 from camid.effects import known_effects
 from camid.effects.base import Effect
 
@@ -31,3 +33,35 @@ def detail_of(effect: Effect) -> list[str]:
 def in_the_same_detail(kind: type[Effect], effect: Effect) -> type[Effect]:
     """The law of a kind that has an effect's detail; the plain one where no law of it has."""
     return kind.with_keys([*(p.name for p in kind.parameters), *detail_of(effect)])
+
+
+def sums_with(identifier: str, named: Set[str], effects: Sequence[Effect], *, constant: bool) -> list[type[Effect]]:
+    """Laws that are exactly an effect together with what stands beside it, in the detail that it has.
+
+    Parameters
+    ----------
+    identifier : str
+        Of the effect.
+    named : set of str
+        All effects of a model, this one among them.
+    effects : sequence of Effect
+        As the model holds them.
+    constant : bool
+        Whether a constant at input or sensor is estimated, which stands for the other.
+    """
+
+    def holds(part: str) -> bool:
+        return part in named or (constant and is_constant(part))
+
+    found = []
+    for kind in known_effects().values():
+        laws = [in_the_same_detail(kind, effect) for effect in effects if effect.identifier in kind.sum_of]
+        exact = bool(kind.sum_of) and all(law.sum_of for law in laws) and all(holds(part) for part in kind.sum_of)
+        if exact and any(part == identifier or is_constant(part, identifier) for part in kind.sum_of):
+            found.append(kind)
+    return found
+
+
+def is_constant(*names: str) -> bool:
+    """Whether effects of these names add a constant to a signal."""
+    return all(name in known_effects() and known_effects()[name].is_constant for name in names)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.number_text import printable, typeset
+from camid.number_text import plain, printable, typeset
 from camid.recording.units import Conversion
 from camid.simulation.declared_units import UNNAMED
 from camid.simulation.model import Simulation
@@ -62,6 +62,25 @@ class Columns:
     input_unit: str = "u"
     output_unit: str = "y"
 
+    def input_text(self, value: float, *, per_second: bool = False) -> str:
+        """An input, or its change in a second, as its cells have it, and its unit."""
+        if per_second:
+            return _with_unit(value / abs(self.inputs.factor), f"{self.input_unit}/s")
+        return _with_unit(float(self.inputs.cells(np.array(value))), self.input_unit)
+
+    def input_range(self, low: float, high: float) -> str:
+        """Two inputs as their cells have them."""
+        return f"{plain(float(self.inputs.cells(np.array(low))))} to {self.input_text(high)}"
+
+    def output_text(self, value: float) -> str:
+        """A reading as its cells have it, and its unit."""
+        return _with_unit(float(self.outputs.cells(np.array(value))), self.output_unit)
+
+    def output_range(self, low: float, high: float) -> str:
+        """Two readings as their cells have them."""
+        first, second = (low, high) if self.outputs.factor > 0.0 else (high, low)
+        return f"{plain(float(self.outputs.cells(np.array(first))))} to {self.output_text(second)}"
+
     @classmethod
     def of(cls, simulation: Simulation) -> Columns:
         """Of the recordings that a simulation reads."""
@@ -81,3 +100,12 @@ class Columns:
                 )
             ),
         )
+
+
+def _with_unit(value: float, unit: str) -> str:
+    """With an ordinary space: a terminal shows errors, too."""
+    return f"{plain(value)} {unit}"
+
+
+# Of a rig whose files are as the simulation takes them.
+AS_SIMULATED = Columns("t", "u", "y", Column(), Column(), Column())

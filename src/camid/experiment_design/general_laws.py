@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from camid.diagnosis.search.hypothesis import prior_penalty
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.special_cases import special_case
 from camid.experiment_design.hypothesis import Hypothesis
 
 
@@ -44,7 +45,7 @@ def general_laws(hypotheses: Sequence[Hypothesis]) -> list[GeneralLaw]:
             continue
         problem = hypothesis.problem
         for guess in _guesses(hypothesis):
-            simple = guess.simplified()
+            simple = special_case(guess)
             if simple is not None and simple.identifier == special.identifier != guess.identifier:
                 penalty = prior_penalty(problem, guess) - prior_penalty(problem, special)
                 more = len(guess.numeric()) - len(special.numeric())

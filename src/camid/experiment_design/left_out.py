@@ -16,6 +16,7 @@ from camid.diagnosis.search.hypothesis import prior_penalty
 from camid.diagnosis.search.hypothesis_fit import fitted_hypothesis
 from camid.diagnosis.search.screening import screen
 from camid.effects.base import Effect
+from camid.effects.special_cases import special_case
 from camid.experiment_design.hypothesis import Hypothesis
 from camid.experiment_design.other_values import around
 from camid.experiment_design.together import Earlier, Together
@@ -53,7 +54,7 @@ def left_out(hypotheses: Sequence[Hypothesis], earlier: Earlier, sums: Sequence[
         effects: dict[str, Effect] = {}
         for candidate in screened:
             effect = candidate.effect.scaled(candidate.factor) if candidate.factor > 0.0 else candidate.effect
-            simple = effect.simplified()
+            simple = special_case(effect)
             # A law that is more general than a name stays behind it whatever is played.
             if effect.identifier not in present and not (simple and simple.identifier in present):
                 effects.setdefault(effect.identifier, effect)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.errors import InputError
+from camid.experiment_design.columns import AS_SIMULATED, Columns
 
 Array = NDArray[np.float64]
 
@@ -38,6 +39,10 @@ class Limits:
         Least and largest position, in units of the output; None where nothing limits it.
     positions : tuple of float
         Positions from which the rig can be released at rest instead of where it rests.
+    columns : Columns
+        In whose units people are told what is wrong.
+    where : str or None
+        What the limits are for.
 
     Raises
     ------
@@ -53,43 +58,62 @@ class Limits:
     exposures: tuple[float, ...] = ()
     travel: tuple[float, float] | None = None
     positions: tuple[float, ...] = ()
+    columns: Columns = AS_SIMULATED
+    where: str | None = None
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.low) and isfinite(self.high) and self.low <= self.high):
-            raise InputError(f"amplitude {self.low:g} to {self.high:g}", hint="give a least and a largest input")
-        if self.low == self.high and not self.positions:
-            raise InputError(f"the input can only be {self.low:g}", hint="give two limits, or an initial position")
-        if not self.rate > 0.0:
-            raise InputError(f"rate {self.rate:g}", hint="give the largest change of the input in a second, above zero")
+        self._refuse_inputs()
         if not (isfinite(self.duration) and self.duration > 0.0):
-            raise InputError(f"duration {self.duration:g} s", hint="give a positive number of seconds")
+            raise self._refusal(f"duration {self.duration:g} s", "give a positive number of seconds with --duration")
         if not self.periods or not all(isfinite(p) and p > 0.0 for p in self.periods):
-            raise InputError("no frame rate", hint="give one in frames per second")
+            raise self._refusal("no frame rate", "give one in frames per second with --frame-rate")
         self._refuse_lengths()
-        if self.travel is not None and not self.travel[0] < self.travel[1]:
-            raise InputError(f"travel {self.travel[0]:g} to {self.travel[1]:g}", hint="give the least position first")
-        for position in self.positions:
-            if self.travel is not None and not self.travel[0] <= position <= self.travel[1]:
-                raise InputError(
-                    f"the initial position {position:g} lies outside of the travel",
-                    hint=f"it lies between {self.travel[0]:g} and {self.travel[1]:g}",
-                )
+        self._refuse_positions()
         for exposure in self.exposures:
             if not 0.0 < exposure <= max(self.periods):
-                raise InputError(f"exposure {exposure:g} s", hint="it is positive, and no longer than a frame")
+                raise self._refusal(f"exposure {exposure:g} s", "it is positive, and no longer than a frame")
+
+    def _refusal(self, problem: str, hint: str) -> InputError:
+        return InputError(problem, where=self.where, hint=hint)
+
+    def _refuse_inputs(self) -> None:
+        if not (isfinite(self.low) and isfinite(self.high) and self.low <= self.high):
+            shown = self.columns.input_range(self.low, self.high)
+            raise self._refusal(f"amplitude {shown}", "give a least and a largest input with --amplitude")
+        if self.low == self.high and not self.positions:
+            raise self._refusal(
+                f"the input can only be {self.columns.input_text(self.low)}",
+                "give two limits with --amplitude, or a position to release the rig from with --initial-position",
+            )
+        if not self.rate > 0.0:
+            shown = self.columns.input_text(self.rate, per_second=True)
+            raise self._refusal(f"rate {shown}", "give the largest change of the input in a second, above zero")
+
+    def _refuse_positions(self) -> None:
+        if self.travel is None:
+            return
+        allowed = self.columns.output_range(*self.travel)
+        if not self.travel[0] < self.travel[1]:
+            raise self._refusal(f"travel {allowed}", "give the least position first")
+        for position in self.positions:
+            if not self.travel[0] <= position <= self.travel[1]:
+                raise self._refusal(
+                    f"the initial position {self.columns.output_text(position)} lies outside of the travel",
+                    f"it lies within {allowed}, or allow more with --travel",
+                )
 
     def _refuse_lengths(self) -> None:
         for period in self.periods:
             rows = self.rows(period)
             if rows < FEWEST_ROWS:
-                raise InputError(
+                raise self._refusal(
                     f"{self.duration:g} s at {1.0 / period:g} frames per second are {rows} rows",
-                    hint=f"a diagnosis needs {FEWEST_ROWS}: allow at least {FEWEST_ROWS * period:g} s",
+                    f"a diagnosis needs {FEWEST_ROWS}: allow at least {FEWEST_ROWS * period:g} s",
                 )
             if rows > MOST_ROWS:
-                raise InputError(
+                raise self._refusal(
                     f"{self.duration:g} s at {1.0 / period:g} frames per second are {rows} rows",
-                    hint=f"at most {MOST_ROWS}: name a shorter duration",
+                    f"at most {MOST_ROWS}: name a shorter duration",
                 )
 
     def rows(self, period: float) -> int:
@@ -131,4 +155,5 @@ class Limits:
         decimals = DIGITS - 1 - int(np.floor(np.log10(size)))
         # Towards zero: what is rounded up would leave the range.
         factor = 10.0**decimals
-        return np.asarray(np.trunc(signal * factor + np.sign(signal) * 1e-6) / factor)
+        whole = np.trunc(signal * factor + np.sign(signal) * 1e-6)
+        return np.asarray((whole + 0.0) / factor)  # what is rounded to zero has no sign

@@ -9,18 +9,21 @@ import numpy as np
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.watch import Watch
-from camid.diagnosis.weights import UNLISTED
 from camid.engine.mechanics import NotApplicable
 from camid.errors import InputError
-from camid.experiment_design.run import Task, design_for
+from camid.experiment_design.run import Task, design_for, refuse_rest_outside
 from camid.experiment_design.sources import Wishes, known_from_mapping, limits_of, noise_of
+from camid.experiment_design.sums import warnings_of
 from camid.experiment_design.words import sentence
 
 # Weight of two names from which an experiment is designed for the report.
 OPEN = 0.10
 # Rows of simulations that it may cost, and seconds after which it stops: a few.
 SIMULATED_ROWS, SECONDS = 6e5, 10.0
-WRITE_IT = "camid design on this folder writes it as a file, and takes the limits of the rig."
+WRITE_IT = (
+    "camid design on this folder searches longer, within the limits of the rig, and writes what it finds, which may be "
+    "another input."
+)
 COMPUTE_IT = "camid design on this folder computes one, within the limits of the rig."
 
 
@@ -40,21 +43,27 @@ def _with_experiment(diagnosis: Diagnosis, finding: Finding) -> Finding:
         return finding
     if improved.input_column is None or improved.controller is not None or improved.output_columns:
         return finding  # no input that could be designed
-    likely = [w for n, w in [(finding.identifier, finding.weight), *finding.alternatives] if n != UNLISTED]
-    text = None
-    if sum(weight >= OPEN for weight in likely) > 1:
-        text = _designed(replace(diagnosis, hypotheses=own))
-    text = f"{text} {WRITE_IT}" if text else f"{finding.separating_experiment} {COMPUTE_IT}"
+    text = _advice(replace(diagnosis, hypotheses=own), finding.separating_experiment)
     return replace(finding, separating_experiment=text)
 
 
-def _designed(diagnosis: Diagnosis) -> str | None:
-    """The best experiment that a short search finds, in words; None where none can be designed."""
+def _advice(diagnosis: Diagnosis, general: str) -> str:
+    """What to play, what it would say and what it leaves open; general advice where no input can be designed yet."""
     try:
-        known = known_from_mapping(diagnosis.to_mapping(), "diagnosis")
-        likely = [h for h in known.hypotheses if not h.identifier or h.weight >= OPEN]
-        known = replace(known, hypotheses=likely)
-        task = Task(likely, limits_of(known, Wishes()), noise_of(known, Wishes()), known.rows, known.experiments)
-        return sentence(design_for(task, Watch(None, SECONDS), simulated_rows=SIMULATED_ROWS, checked=1))
-    except (InputError, NotApplicable, ValueError, ArithmeticError, KeyError, np.linalg.LinAlgError):
-        return None
+        known = replace(known_from_mapping(diagnosis.to_mapping(), "diagnosis"), source="")
+        task = Task(
+            known.hypotheses, limits_of(known, Wishes()), noise_of(known, Wishes()), known.rows, known.experiments
+        )
+        refuse_rest_outside(task)
+        likely = [h for h in known.hypotheses if h.is_name and h.weight >= OPEN]
+        if len(likely) > 1:
+            watch = Watch(None, SECONDS)
+            said = sentence(design_for(task, watch, simulated_rows=SIMULATED_ROWS, checked=1))
+            return f"{said} {WRITE_IT}"
+        together = [f"{one[0].upper()}{one[1:]}." for one in warnings_of(likely)]
+        return " ".join([*together, general, COMPUTE_IT])
+    except InputError as refusal:
+        needs = f"; {refusal.hint}" if refusal.hint else ""
+        return f"{general} camid design on this folder computes one once it is told more: {refusal.problem}{needs}."
+    except (NotApplicable, ValueError, ArithmeticError, KeyError, np.linalg.LinAlgError):
+        return f"{general} {COMPUTE_IT}"

@@ -59,12 +59,16 @@ class Expectation:
 
 @dataclass(frozen=True)
 class Determined:
-    """A parameter of the likeliest hypothesis: value, and standard deviations before and after the experiment."""
+    """A parameter of the likeliest hypothesis: value, and standard deviations before and after the experiment.
+
+    ``unit`` is in u, y and s, or what a plant of named constants declares.
+    """
 
     name: str
     value: float
     before: float
     after: float
+    unit: str = ""
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of design.json."""

@@ -107,7 +107,7 @@ def input_text(design: Design) -> str:
     """The input as a table: time and input, in the units of the rig's columns."""
     columns, played = Columns.of(design.hypotheses[0].simulation), design.played
     time = columns.seconds.cells(np.asarray(played.period * np.arange(len(played.signal)), dtype=np.float64))
-    signal = columns.inputs.cells(played.signal)
+    signal = columns.inputs.cells(played.signal) + 0.0  # a zero has no sign
     reading = design.hypotheses[0].simulation.reading
     alone = reading.period is not None
     text = StringIO(newline="")

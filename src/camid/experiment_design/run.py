@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.report.summary import title_of
 from camid.diagnosis.watch import Watch
 from camid.errors import InputError
 from camid.experiment_design.check import Check
@@ -18,12 +19,14 @@ from camid.experiment_design.hypothesis import Hypothesis, Played
 from camid.experiment_design.left_out import left_out
 from camid.experiment_design.limits import Limits
 from camid.experiment_design.other_values import own_sums
-from camid.experiment_design.prediction import TIMES, NoiseModel, Response, travelled
+from camid.experiment_design.prediction import SMALLEST_INFORMATION, TIMES, NoiseModel, Response, travelled
 from camid.experiment_design.refit import Past
 from camid.experiment_design.result import Design, Determined, Expectation
 from camid.experiment_design.search import Candidate, Search
 from camid.experiment_design.separation import DECIDED, Judge, Pair, excludes, most_left, pairs_of
+from camid.experiment_design.sums import laws_that_are_sums, warnings_of
 from camid.experiment_design.together import Earlier
+from camid.fitting.packing import Packing
 from camid.fitting.plants.kind import PlantKind
 
 Array = NDArray[np.float64]
@@ -39,6 +42,8 @@ MOST_EARLIER_ROWS = 6000
 CHECKED = 4
 # Evidence below which names stay together whatever is played (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773–795).
 NO_EVIDENCE = 2.0
+# Information on a parameter, measured by its size, below which it counts as that.
+LEAST_INFORMATION = 1e-6
 # Times as long as was allowed for which the growth of the evidence is carried on.
 LONGEST = 20.0
 
@@ -70,7 +75,8 @@ class Task:
     @cached_property
     def judge(self) -> Judge:
         """What turns evidence into weights after the next experiment."""
-        return Judge(self.hypotheses, self.rows_before, self.experiments + 1, general_laws(self.hypotheses))
+        every = self.hypotheses
+        return Judge(every, self.rows_before, self.experiments + 1, general_laws(every), laws_that_are_sums(every))
 
     @property
     def names(self) -> list[int]:
@@ -95,7 +101,7 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     for period, exposure in task.limits.settings:
         for hypothesis in task.hypotheses:  # refuses a camera that cannot be
             hypothesis.at(Played(np.zeros(10), period, exposure))
-    _refuse_rest_outside(task)
+    refuse_rest_outside(task)
     task, past = _with_rivals(task)
     judge, noise, names = task.judge, task.noise, task.names
 
@@ -111,7 +117,8 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     if not best:
         raise InputError(
             "no experiment keeps the travel under every hypothesis",
-            hint="allow more travel, or a smaller input",
+            where=task.limits.where,
+            hint="allow more with --travel, or a smaller input with --amplitude",
         )
     pairs: list[Pair] = []
     chosen = best[0]
@@ -126,7 +133,8 @@ def design_for(task: Task, watch: Watch, *, simulated_rows: float = SIMULATED_RO
     others = {c.kind: c.score for c in best}
     said = _said(task, chosen, pairs, others)
     seconds = perf_counter() - started
-    return replace(said, looked_at=search.looked_at, seconds=seconds, warnings=_same_laws(said.expectations))
+    warnings = [*_same_laws(said.expectations), *warnings_of(task.hypotheses)]
+    return replace(said, looked_at=search.looked_at, seconds=seconds, warnings=warnings)
 
 
 def _with_rivals(task: Task) -> tuple[Task, Past | None]:
@@ -145,15 +153,32 @@ def _same_laws(expectations: Sequence[Expectation]) -> list[str]:
     lost = {(e.identifier, e.rival) for e in expectations if e.seconds is None and abs(e.evidence) < NO_EVIDENCE}
     pairs = sorted({tuple(sorted(pair)) for pair in lost if pair[::-1] in lost})
     return [
-        f"{one} and {other} are the same law within these limits: no experiment that was looked at tells them apart"
+        f"{title_of(one)} and {title_of(other)} are the same law within these limits: "
+        f"no experiment that was looked at tells them apart"
         for one, other in pairs
     ]
 
 
 def information(found: Response) -> float:
-    """Logarithm of the determinant of the information on all parameters, each measured by its size: D-optimality."""
-    values = np.linalg.eigvalsh(found.information)
-    return float(0.5 * np.sum(np.log(np.maximum(values, 1e-6))))
+    """Logarithm of the determinant of the information on all parameters, each measured by its value: D-optimality.
+
+    A fit measures parameters by what they do to the output that it is given. Experiments are held against each other by
+    sizes that are the same for all of them: one that moves nothing would otherwise be taken for the best. What an
+    experiment takes to tell its own initial state is no loss, and no gain.
+    """
+    packing = found.packing
+    values = packing.pack(packing.template)
+    sizes = np.where(values == 0.0, 1.0 / packing.units, np.abs(values))
+    measured = found.information * np.outer(sizes, sizes)
+    initial = np.array([name.startswith("initial") for name in packing.names], bool)
+    return _log_determinant(measured) - _log_determinant(measured[np.ix_(initial, initial)])
+
+
+def _log_determinant(products: Array) -> float:
+    """Half of the logarithm of a determinant; what carries no information counts little instead of endlessly."""
+    lengths = np.sqrt(np.maximum(np.diag(products), LEAST_INFORMATION))
+    values = np.linalg.eigvalsh(products / np.outer(lengths, lengths))
+    return float(np.sum(np.log(lengths)) + 0.5 * np.sum(np.log(np.maximum(values, SMALLEST_INFORMATION))))
 
 
 def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, float]) -> Design:
@@ -177,7 +202,7 @@ def _said(task: Task, chosen: Candidate, pairs: list[Pair], others: dict[str, fl
         chosen.described,
         played,
         expectations,
-        _determined(chosen.found[likeliest]),
+        determined_by(chosen.found[likeliest]),
         {r.hypothesis.identifier: r.output for r in chosen.found if r.hypothesis.is_name},
         (min(r[0] for r in ranges), max(r[1] for r in ranges)),
         others,
@@ -248,15 +273,15 @@ def _beyond(judge: Judge, true: int, own: list[Pair], rows: int, played: Played)
     return None
 
 
-def _determined(found: Response) -> list[Determined]:
+def determined_by(found: Response) -> list[Determined]:
     """The parameters of a hypothesis with what is known of them before and after."""
     packing, hypothesis = found.packing, found.hypothesis
     values = packing.pack(packing.template) * packing.units
     before, after = found.deviations(with_experiment=False), found.deviations(with_experiment=True)
-    names = readable_names(hypothesis, packing.names)
+    names, units = readable_names(hypothesis, packing.names), units_of(hypothesis, packing)
     return [
-        Determined(name, float(v), float(b), float(a))
-        for name, v, b, a in zip(names, values, before, after, strict=True)
+        Determined(name, float(v), float(b), float(a), unit)
+        for name, v, b, a, unit in zip(names, values, before, after, units, strict=True)
         if not name.startswith("initial")
     ]
 
@@ -278,16 +303,31 @@ def readable_names(hypothesis: Hypothesis, packed: Sequence[str]) -> list[str]:
     return found
 
 
-def _refuse_rest_outside(task: Task) -> None:
+def units_of(hypothesis: Hypothesis, packing: Packing) -> list[str]:
+    """Units of packed parameters in u, y and s; of a plant's named constants those that it declares."""
+    effects = {f"{e.identifier} {p.name}": p.unit for e in hypothesis.model.effects for p in e.parameters}
+    constants = {c.name.removeprefix("constant "): c.unit for c in packing.constants}
+    found = []
+    for packed, name in zip(packing.names, readable_names(hypothesis, packing.names), strict=True):
+        if packed.startswith(("coefficient", "constant ")):
+            found.append(hypothesis.simulation.unit_of_coefficient(name))
+        else:
+            found.append(effects.get(name) or constants.get(name, ""))
+    return found
+
+
+def refuse_rest_outside(task: Task) -> None:
     """Refuse a travel that does not hold the rest."""
     travel = task.limits.travel
     if travel is None:
         return
-    still = Played(np.zeros(10), task.limits.periods[0])
+    still, columns = Played(np.zeros(10), task.limits.periods[0]), task.limits.columns
     for hypothesis in task.hypotheses:
         low, high = travelled(hypothesis, still)
         if low <= travel[0] or high >= travel[1]:
             raise InputError(
-                f"the rig rests at {low:.4g}, which lies outside of the travel from {travel[0]:g} to {travel[1]:g}",
-                hint="give the travel as readings of the sensor",
+                f"the rig rests at {columns.output_text(low)}, which lies outside of the travel from "
+                f"{columns.output_range(*travel)}",
+                where=task.limits.where,
+                hint="allow more with --travel, in readings of the sensor",
             )

@@ -1,4 +1,4 @@
-"""The search for an experiment: every family is sampled, the best members are refined, and pairs of them are joined."""
+"""The search for an experiment: families are sampled, the best ones more; the best members are refined, and joined."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ SHRINK = 0.97
 # Frequencies of candidates reach so far below and above those of the plant; of the frame rate at most this share.
 BELOW, ABOVE, FASTEST = 0.1, 4.0, 0.35
 FEWEST_CYCLES = 1.5
-# Members of the best families that are refined; shares of the effort for the first look and for joining pairs.
+# Families that are looked at more closely, and whose best members are refined; shares of the effort after which only
+# these are sampled, for the whole first look, and for joining pairs.
 REFINED = 3
-FIRST_LOOK, JOINING = 0.5, 0.15
+EVERY_FAMILY, FIRST_LOOK, JOINING = 0.25, 0.5, 0.15
 RELEASE = "release from a position"
 
 
@@ -109,6 +110,9 @@ class Search:
                 self._keep(best, self.played(RELEASE, {"position": released}, still, setting, released))
         turn = 0
         while families and not self._over(FIRST_LOOK):
+            if len(families) > REFINED and best and self._over(EVERY_FAMILY):
+                promising = _ranked(best)[:REFINED]
+                families = [f for f in families if f.name in {c.kind for c in promising}]
             for family in families:
                 if best and self._over(1.0):  # long experiments: one family may cost as much as all may
                     break
@@ -118,10 +122,10 @@ class Search:
             turn += 1
         if not best:
             return []
-        for candidate in sorted(best.values(), key=lambda c: -c.score)[:REFINED]:
+        for candidate in _ranked(best)[:REFINED]:
             self._keep(best, self._refined(candidate, (1.0 - FIRST_LOOK - JOINING) / REFINED * self.budget))
         self._join(best)
-        return sorted(best.values(), key=lambda c: -c.score)
+        return _ranked(best)
 
     def again(self, earlier: Sequence[Candidate], others: Sequence[Hypothesis], more_rows: float) -> list[Candidate]:
         """What is best of earlier candidates, of those near them and of pairs, now that rivals have other values, too.
@@ -143,12 +147,12 @@ class Search:
             setting = one.played.period, one.played.exposure
             new = self.played(one.kind, one.described, one.played.signal, setting, one.played.position)
             self._keep(best, None if new is None else replace(new, numbers=one.numbers))
-        alone = [c for c in sorted(best.values(), key=lambda c: -c.score) if len(c.numbers)]
+        alone = [c for c in _ranked(best) if len(c.numbers)]
         share = (1.0 - JOINING) * (self.budget - self.spent) / REFINED
         for candidate in alone[:REFINED]:
             self._keep(best, self._refined(candidate, share))
         self._join(best)
-        return sorted(best.values(), key=lambda c: -c.score)
+        return _ranked(best)
 
     def member(
         self, family: Family, numbers: Array, setting: tuple[float, float | None], position: float | None
@@ -232,7 +236,7 @@ class Search:
     def _join(self, best: dict[str, Candidate]) -> None:
         """Try the best members one after another, each for half of the time: one may separate what another does not."""
         # What has no numbers is a release, or joined already.
-        ranked = [c for c in sorted(best.values(), key=lambda c: -c.score) if len(c.numbers)][: REFINED + 1]
+        ranked = [c for c in _ranked(best) if len(c.numbers)][: REFINED + 1]
         for one in ranked:
             for other in ranked:
                 if one is other or one.played.period != other.played.period or self._over(1.0):
@@ -263,7 +267,10 @@ class Search:
                 return None
             if factor >= 1.0:
                 return played
-            played = replace(played, signal=self.limits.slowed(SHRINK * factor * played.signal, played.period))
+            # Towards the least that the rig may be given, which is not zero for each.
+            least = min(max(0.0, self.limits.low), self.limits.high)
+            smaller = least + SHRINK * factor * (played.signal - least)
+            played = replace(played, signal=self.limits.slowed(smaller, played.period))
         return None
 
     def band(self, period: float) -> Band:
@@ -276,6 +283,11 @@ class Search:
         low = float(np.clip(BELOW * np.min(poles, initial=fastest), slowest, 0.25 * fastest))
         high = float(np.clip(ABOVE * np.max(poles, initial=low), 2.0 * low, fastest))
         return Band(low, high, period, rows)
+
+
+def _ranked(best: dict[str, Candidate]) -> list[Candidate]:
+    """Candidates, the best first."""
+    return sorted(best.values(), key=lambda c: -c.score)
 
 
 def shrink_factor(reached: tuple[float, float], travel: tuple[float, float], rest: float) -> float | None:

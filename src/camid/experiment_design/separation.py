@@ -9,7 +9,16 @@ from math import hypot, inf, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.weights import Comparison, Member, penalty_of_generality, relative_weight, weights
+from camid.diagnosis.weights import (
+    Comparison,
+    Member,
+    calibrated,
+    penalty_of_generality,
+    relative_weight,
+    weight_outside,
+    weights,
+)
+from camid.effects.special_cases import special_case
 from camid.experiment_design.general_laws import GeneralLaw
 from camid.experiment_design.hypothesis import GIVEN, Hypothesis
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
@@ -18,10 +27,11 @@ Array = NDArray[np.float64]
 
 # Weight of one name from which it is the answer.
 DECIDED = 0.95
-# Odds of all rivals together at which one name is nearly the answer: physics outside the catalogue keeps the rest.
-LEFT_TO_RIVALS = 0.02
-# What more odds count than that, at most, and half of it at so many natural units: a search climbs it from where
-# nothing is decided, and afterwards prefers what has more in reserve.
+# Odds of all else together, physics outside the catalogue included, at which it is just the answer.
+LEFT_TO_OTHERS = (1.0 - DECIDED) / DECIDED
+# What more odds count than that, at most, and half of it at so many natural units, those of the rivals alone and those
+# of all else together: a search climbs it from where nothing is decided, and afterwards prefers what has more in
+# reserve.
 RESERVE, HALFWAY = 0.5, 10.0
 LARGEST_ODDS = 1e25
 # A name that is not listed may come back: it is behind by so much evidence now, and leaves such a share of the mismatch
@@ -81,7 +91,7 @@ def most_left(true: Hypothesis, rival: Hypothesis) -> float:
 
 def _special_case(hypothesis: Hypothesis) -> str | None:
     """Name of the special case of a hypothesis's effect."""
-    simple = None if hypothesis.effect is None else hypothesis.effect.simplified()
+    simple = None if hypothesis.effect is None else special_case(hypothesis.effect)
     return None if simple is None else simple.identifier
 
 
@@ -118,12 +128,15 @@ class Judge:
         Experiments with different inputs, the next one included.
     general : sequence of GeneralLaw
         Laws of the catalogue that are no hypotheses, and have one of these for a special case.
+    sums : sequence of GeneralLaw
+        Laws that are one of these beside a constant that is estimated anyway.
     """
 
     hypotheses: Sequence[Hypothesis]
     rows_before: int
     experiments: int = 2
     general: Sequence[GeneralLaw] = ()
+    sums: Sequence[GeneralLaw] = ()
 
     def evidence(self, pair: Pair, rows: int) -> float:
         """Expected difference of the criterion that the experiment adds."""
@@ -186,6 +199,8 @@ class Judge:
         It is the mean over the noise of the next recording: evidence of ten may as well come as two or eighteen.
         """
         name, rivals = self.hypotheses[true].identifier, self._members(true, pairs, rows)
+        # Nothing that is played takes these away, so that a search has nothing to do with them.
+        rivals += [(Member(law.identifier, law.penalty, 0.0), 0.0) for law in self.sums if law.special == name]
         gain, mean = self._gain(true, pairs), 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
             names, outside = weights(self._comparison(true, _recorded(name, rivals, float(noise)), gain))
@@ -195,17 +210,24 @@ class Judge:
         return mean
 
     def separation(self, true: int, pairs: Sequence[Pair], rows: int) -> float:
-        """What a search climbs for a name that is right: about the probability that one recording decides for it."""
+        """What a search climbs for a name that is right: about the probability that its stated weight reaches 95 %.
+
+        That weight leaves a share to physics outside the catalogue, which falls with what the effect removes: an
+        experiment has to show the effect, and not only that it is none of its rivals.
+        """
         name, rivals = self.hypotheses[true].identifier, self._members(true, pairs, rows)
-        chances = self._comparison(true).chances
+        comparison = self._comparison(true, gain=self._gain(true, pairs))
+        outside = 0.0
         if self.hypotheses[true].question != GIVEN:
+            outside = weight_outside(comparison, calibrated())
             rivals.append(self._not_listed(next(p for p in pairs if p.true == true), rows))
         mean = 0.0
         for noise, probability in zip(NOISE, PROBABILITIES, strict=True):
-            own, *others = (relative_weight(m, chances) for m in _recorded(name, rivals, float(noise)))
+            own, *others = (relative_weight(m, comparison.chances) for m in _recorded(name, rivals, float(noise)))
             odds = max(sum(others), 1.0 / LARGEST_ODDS) / max(own, 1.0 / LARGEST_ODDS)
-            reserve = -log(odds) / (HALFWAY + abs(log(odds)))
-            mean += float(probability) * (LEFT_TO_RIVALS / (LEFT_TO_RIVALS + odds) + RESERVE * reserve)
+            of_all = (odds + outside) / (1.0 - outside)
+            decided = LEFT_TO_OTHERS / (LEFT_TO_OTHERS + of_all)
+            mean += float(probability) * (decided + 0.5 * (_reserve(odds) + _reserve(of_all)))
         return mean
 
     def _not_listed(self, pair: Pair, rows: int) -> tuple[Member, float]:
@@ -235,6 +257,11 @@ class Judge:
         total = sum(self.hypotheses[i].weight for i in names)
         parts = [self.hypotheses[i].weight * self.separation(i, pairs, rows) for i in names]
         return sum(parts) / total if total > 0.0 else 0.0
+
+
+def _reserve(odds: float) -> float:
+    """What odds against a name count beside the probability that it is the answer."""
+    return RESERVE * -log(odds) / (HALFWAY + abs(log(odds)))
 
 
 def _recorded(name: str, rivals: Sequence[tuple[Member, float]], noise: float) -> tuple[Member, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +19,10 @@ from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.experiment_design.columns import Columns
 from camid.experiment_design.earlier_recordings import of_diagnosis, of_files, of_problem
-from camid.experiment_design.hypothesis import GIVEN, Hypothesis, hypothesis_of
+from camid.experiment_design.hypothesis import GIVEN, Hypothesis, Played, hypothesis_of
 from camid.experiment_design.limits import Limits
-from camid.experiment_design.prediction import NoiseModel
+from camid.experiment_design.prediction import NoiseModel, travelled
+from camid.experiment_design.sums import without_sums
 from camid.experiment_design.together import Earlier
 from camid.fitting.fit import Fitted
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
@@ -38,6 +39,8 @@ SCHEMA = 1
 LEAST_WEIGHT = 0.01
 # How far the travel may reach beyond that of the recordings where nothing is said, as a share of it.
 BEYOND = 0.1
+# Rows that show where a rig rests.
+STILL_ROWS = 10
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
     """The same from what diagnosis.json holds."""
     conditions = content["conditions"]
     period = float(conditions["period"])
-    every = content["hypotheses"]
+    every = _merged(content["hypotheses"])
     named = [h for h in every if h["id"] is not None]
     kept = [h for h in named if h["weight"] >= LEAST_WEIGHT] or named[:1]
     questions = {h["instead_of"] for h in kept}
@@ -152,7 +155,7 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
     ]
     noise = conditions["noise"]
     return Known(
-        hypotheses,
+        without_sums(hypotheses),
         float(noise["standard_deviation"]),
         np.array(noise["whitening"], float),
         int(conditions["rows"]),
@@ -161,6 +164,17 @@ def known_from_mapping(content: Mapping[str, Any], source: str) -> Known:
         source,
         _unlisted_law(content["effects"]),
     )
+
+
+def _merged(every: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The hypotheses of a diagnosis, a name that stands there twice once: with the better of both and their weights."""
+    found: dict[tuple[str | None, str], Mapping[str, Any]] = {}
+    for one in every:
+        key = one["id"], one["instead_of"]
+        same = [one] if key not in found else [found[key], one]
+        better = min(same, key=lambda h: float(h["criterion"]))
+        found[key] = {**better, "weight": sum(float(h["weight"]) for h in same)}
+    return list(found.values())
 
 
 def _unlisted_law(effects: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
@@ -317,6 +331,8 @@ def limits_of(known: Known, wishes: Wishes) -> Limits:
         wishes.exposures,
         _travel(known, wishes),
         tuple(columns.outputs.value(p) for p in wishes.positions),
+        columns,
+        known.source or None,
     )
 
 
@@ -326,8 +342,12 @@ def _travel(known: Known, wishes: Wishes) -> tuple[float, float] | None:
     if not known.conditions:
         return None
     output = known.conditions["output"]
-    more = BEYOND * (output["high"] - output["low"])
-    return output["low"] - more, output["high"] + more
+    # An experiment begins where the rig rests, which a recording in motion need not have reached.
+    still = Played(np.zeros(STILL_ROWS), float(known.conditions["period"]))
+    rests = [r for h in known.hypotheses for r in travelled(h, still) if isfinite(r)]
+    low, high = min([output["low"], *rests]), max([output["high"], *rests])
+    more = BEYOND * (high - low)
+    return low - more, high + more
 
 
 def noise_of(known: Known, wishes: Wishes) -> NoiseModel:

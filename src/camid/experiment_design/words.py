@@ -9,10 +9,12 @@ import numpy as np
 
 from camid.diagnosis.report.summary import title_of
 from camid.experiment_design.columns import Column, Columns
-from camid.experiment_design.result import Design
-from camid.number_text import number, percentage, plain, printable, span, with_deviation
+from camid.experiment_design.result import Design, Determined, Expectation
+from camid.experiment_design.sums import laws_that_are_sums
+from camid.number_text import number, percentage, plain, printable, span, typeset, with_deviation
+from camid.simulation.model import Simulation
 
-# Weight of a name from which a sentence says that it stays undecided.
+# Weight of a name from which a sentence says what is expected if it is right.
 LIKELY = 0.1
 # Names of the numbers of families, and their units.
 NUMBERS = {
@@ -53,26 +55,34 @@ def described(kind: str, numbers: dict[str, Any], columns: Columns | None = None
 
 
 def sentence(design: Design) -> str:
-    """A design in two sentences, for a report: what to play, and what to expect."""
+    """A design in a few sentences, for a report: what to play, what to expect of it, and what it leaves open."""
     columns = Columns.of(design.hypotheses[0].simulation)
     signal, unit = columns.inputs.cells(design.played.signal), columns.input_unit
     text = (
         f"Play {described(design.kind, design.described, columns)} for {plain(design.duration, 3, 's')} between "
-        f"{plain(float(signal.min()))} and {plain(float(signal.max()), unit=unit)}: "
+        f"{plain(float(signal.min()))} and {plain(float(signal.max()), unit=unit)}"
     )
-    evidence = design.evidence
-    if evidence is None:
-        return text + "it determines the coefficients best."
-    rate = number(evidence / design.duration, 2)
-    text += f"expected ΔBIC {number(evidence, 2)} against the nearest rival ({rate} a second)"
+    if not design.expectations:
+        return f"{text}: it determines the coefficients best."
     weights = {h.identifier: h.weight for h in design.hypotheses}
     likely = [e for e in design.expectations if weights[e.identifier] >= LIKELY] or design.expectations
-    undecided = [e for e in likely if e.seconds is None]
-    if undecided:
-        pairs = "; ".join(f"{title_of(e.identifier)} from {title_of(e.rival)}" for e in undecided)
-        return f"{text}. Within the limits of the recording it would not tell apart: {pairs}."
-    decided = max(e.seconds or 0.0 for e in likely)
-    return f"{text}, one name at 95 % after about {number(decided, 2)} s."
+    if all(e.seconds is None for e in likely):
+        text = f"No experiment that was looked at decides within the limits of the recording. What tells most: {text}"
+    left = [
+        f" If it is {title_of(law.special)}, {title_of(law.identifier)} stays possible whatever is played."
+        for law in laws_that_are_sums([h for h in design.hypotheses if weights[h.identifier] >= LIKELY])
+    ]
+    return f"{text}. Expected {'; '.join(_expected(e, design.duration) for e in likely)}.{''.join(left)}"
+
+
+def _expected(expectation: Expectation, duration: float) -> str:
+    """What an experiment says if one name is right."""
+    e = expectation
+    text = f"if it is {title_of(e.identifier)}: ΔBIC {number(e.evidence, 2)} against {title_of(e.rival)}, "
+    if e.seconds is None:
+        return f"{text}its weight {percentage(e.weight, 2)} afterwards, and never 95 %"
+    after = f"{text}95 % after about {number(e.seconds, 2)} s"
+    return f"{after}, which is longer than this experiment" if e.seconds > duration else after
 
 
 def print_design(design: Design, written: list[Path]) -> None:
@@ -110,10 +120,10 @@ def print_design(design: Design, written: list[Path]) -> None:
         console.print(_table_of_names(design, Table(title="What to expect", title_justify="left")))
     else:
         table = Table(title="Standard deviations", title_justify="left")
-        for heading in ("parameter", "known now", "after the experiment"):
+        for heading in ("parameter", "known now", "after the experiment", "unit"):
             table.add_column(heading)
         for one in design.determined:
-            table.add_row(one.name, with_deviation(one.value, one.before), with_deviation(one.value, one.after))
+            table.add_row(one.name, *deviations_shown(one, design.hypotheses[0].simulation))
         console.print(table)
     rate = "" if limits.rate == float("inf") else f", {plain(limits.rate / abs(columns.inputs.factor), 4)} {unit}/s"
     allowed = "" if limits.travel is None else f", travel {span(cells(columns.outputs, limits.travel), output)}"
@@ -124,6 +134,15 @@ def print_design(design: Design, written: list[Path]) -> None:
     )
     for path in written:
         console.print(f"written to {printable(str(path))}", soft_wrap=True)
+
+
+def deviations_shown(one: Determined, simulation: Simulation) -> list[str]:
+    """Value with its standard deviation before and after the experiment, and their unit, as people read them."""
+    units, named = simulation.units, simulation.physical
+    if named is not None and one.name in named.units:
+        return [*(with_deviation(one.value, d) for d in (one.before, one.after)), typeset(one.unit)]
+    value, before, after = (units.shown(v, one.unit) for v in (one.value, one.before, one.after))
+    return [*(with_deviation(value, d) for d in (before, after)), units.text(one.unit)]
 
 
 def _table_of_names(design: Design, table: Any) -> Any:

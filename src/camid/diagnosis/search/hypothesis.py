@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
 
 from camid.diagnosis.search.screening import trials
 from camid.diagnosis.weights import GENERAL_LAW, Member
-from camid.effects import known_effects
 from camid.effects.base import Effect
-from camid.effects.special_cases import in_the_same_detail, special_case
+from camid.effects.special_cases import is_constant, special_case, sums_with
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 
@@ -97,41 +96,21 @@ def members_of(
             float(hypothesis.beyond(lead)),
             (hypothesis.fitted.cost - (least if sibling and least is not None else lead.fitted.cost)) / mismatch,
             # There is one law of a constant only.
-            hypothesis.identifier == special and not _is_finer(hypothesis, lead) and not _is_constant(special),
+            hypothesis.identifier == special and not _is_finer(hypothesis, lead) and not is_constant(special),
             of == lead.identifier,
             sibling,
             len(hypothesis.fitted.penalised_names) - len(lead.fitted.penalised_names),
         )
 
     # One effect that is exactly two which are found is as likely as these two: nothing tells them apart.
-    found_apart = any(_is_constant(name) for name in named)
+    found_apart = any(is_constant(name) for name in named)
     constant = constant or found_apart
 
-    def holds(part: str) -> bool:
-        return part in named or (constant and _is_constant(part))
-
-    sums = [
-        identifier
-        for identifier, parts in _sums(lead.fitted.model.effects)
-        if all(holds(part) for part in parts)
-        and any(part == lead.identifier or _is_constant(part, lead.identifier) for part in parts)
-    ]
+    laws = sums_with(lead.identifier, named, lead.fitted.model.effects, constant=constant)
+    sums = [law.identifier for law in laws]
     penalty = 0.0 if found_apart else general_law_penalty()
     ranked = [h for h in ranked if h.identifier not in sums]
     return (*(member(h) for h in ranked), *(Member(identifier, penalty, 0.0) for identifier in sums))
-
-
-def _sums(effects: Sequence[Effect]) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Effects that are exactly some others together, in the detail that those have in a model."""
-    for identifier, kind in known_effects().items():
-        laws = [in_the_same_detail(kind, effect) for effect in effects if effect.identifier in kind.sum_of]
-        if kind.sum_of and all(law.sum_of for law in laws):
-            yield identifier, kind.sum_of
-
-
-def _is_constant(*names: str) -> bool:
-    """Whether effects add a constant to a signal."""
-    return all(name in known_effects() and known_effects()[name].is_constant for name in names)
 
 
 def special_case_of(hypothesis: Hypothesis) -> str | None:
