@@ -35,7 +35,7 @@ def sums_beside(hypothesis: Hypothesis) -> list[type[Effect]]:
 
 def without_sums(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
     """The hypotheses but for laws that are another one of them beside a constant; the likelier stands for both."""
-    sums = {(h.question, law.identifier) for h in hypotheses if h.is_name for law in sums_with(h)}
+    sums = {(h.question, law.identifier) for h in hypotheses if h.is_name for law in sums_beside(h)}
     return [h for h in hypotheses if (h.question, h.identifier) not in sums]
 
 
