@@ -95,19 +95,18 @@ def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     """The last part of a recording that judges: another one where the rig rests or a single event makes the mismatch.
 
     Where the rig hardly moves in the last part (a free decay, the end of a chirp), it is the last one that does move;
-    where a single event makes most of the mismatch in it, the part with the least.
+    where a single event makes most of the mismatch in it, that of those that move with the least.
     """
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
-    square = without_outliers(residual) ** 2
-    energy = np.array([float(np.mean(square[p])) for p in parts])
+    # Rows that are not fitted, as the first of a recording that begins in motion, may be far from the simulation.
+    square = without_outliers(np.where(experiment.used, residual, 0.0)) ** 2
+    energy = np.array([float(np.sum(square[p])) / max(np.count_nonzero(experiment.used[p]), 1) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
     moving = np.flatnonzero(motion[1:] >= AT_REST_SHARE * float(np.max(motion[1:]))) + 1
-    if len(moving) and moving[-1] < len(parts) - 1:
-        part = parts[int(moving[-1])]
-    elif energy[-1] > CONCENTRATED_RATIO * float(np.mean(energy[:-1])):
-        part = parts[int(np.argmin(energy[1:])) + 1]
-    else:
-        part = parts[-1]
+    last = int(moving[-1]) if len(moving) else len(parts) - 1
+    if len(moving) and energy[last] > CONCENTRATED_RATIO * float(np.mean(np.delete(energy, last))):
+        last = int(moving[np.argmin(energy[moving])])
+    part = parts[last]
     rows = np.zeros(len(residual), bool)
     rows[part] = True
     return rows

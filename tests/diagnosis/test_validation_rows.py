@@ -1,0 +1,50 @@
+"""Which part of a recording judges."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from camid.diagnosis.residual.validation_rows import _quiet_part
+
+ROWS = 1000
+NOISE = np.random.default_rng(1).standard_normal(ROWS)
+MOTION = np.sin(0.3 * np.arange(ROWS))
+
+
+def judging(residual, motion=MOTION, first_used=0):
+    """Which fifth judges."""
+    experiment = SimpleNamespace(output=motion, used=np.arange(ROWS) >= first_used)
+    (rows,) = np.nonzero(_quiet_part(experiment, residual))
+    assert len(rows) == ROWS // 5
+    return rows[0] // (ROWS // 5)
+
+
+@pytest.fixture
+def blow():
+    """What a blow in the last fifth leaves."""
+    residual = NOISE.copy()
+    residual[850:900] += 20.0
+    return residual
+
+
+def test_the_last_fifth_judges_that_moves():
+    assert judging(NOISE) == 4
+    assert judging(NOISE, np.where(np.arange(ROWS) < 700, MOTION, 0.0)) == 3
+
+
+def test_an_event_is_fitted_and_does_not_judge(blow):
+    assert judging(blow) != 4
+
+
+def test_rows_that_are_not_fitted_hide_no_event(blow):
+    """The first rows of a recording that begins in motion may be anywhere."""
+    blow[:15] = 1e6
+    assert judging(blow) == 4  # beside them the event is nothing
+    assert judging(blow, first_used=20) != 4
+
+
+def test_an_event_is_fitted_where_the_rig_rests_in_the_end(blow):
+    residual = np.roll(blow, -200)
+    rests = np.where(np.arange(ROWS) < 800, MOTION, 0.0)
+    assert judging(residual, rests) in (1, 2)
