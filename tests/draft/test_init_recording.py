@@ -165,6 +165,18 @@ def test_times_of_frames_are_not_taken_for_an_output_of_every_row(capsys):
     assert (found.reading.frame_time, found.output_column) == (None, "y")
 
 
+@pytest.mark.parametrize("last", [True, False])
+def test_an_output_with_blank_cells_is_the_output_and_what_is_not_used_is_named(capsys, last):
+    table = rig.recording()
+    table.loc[[7, 60, 200, *([len(table) - 1] if last else [])], "y"] = np.nan
+    short = np.where(np.arange(len(table)) < 30, np.arange(len(table)) ** 2.0, np.nan)
+    table.assign(note="a", empty=np.nan, few=short).to_csv("a.csv", index=False)
+    found, text = drafted(capsys, "a.csv")
+    assert (found.input_column, found.output_column, found.reading.missing) == ("u", "y", "leave-out")
+    assert "# Not used: note (text); empty (blank); few (numbers in 30 rows only)." in text
+    assert camid.identify("a.csv", "drafted.yaml").nrmse < 0.2
+
+
 def test_a_closed_loop_is_recognised_by_its_reference(capsys):
     time = 0.01 * np.arange(1000)
     wanted = np.sin(2.0 * time)
