@@ -117,14 +117,14 @@ def _layout(reading: Reading, tables: list[Table]) -> Layout:
 
 
 def _why_none(filled: int, numbers: int) -> str:
-    """Why a column holds too few numbers for a recording, from its numbers of cells that are not blank and of numbers."""
+    """Why a column belongs to no recording, from how many of its cells are not blank and how many are numbers."""
     if filled == 0:
         return "blank"
     return "text" if numbers == 0 else f"numbers in only {numbers} of its rows"
 
 
 def _of_usual_length(values: Array, usual: set[int]) -> Array | None:
-    """A column that may end in blanks, or in a few rows more, than the others; None where it is much shorter or longer."""
+    """A column made as long as the others, whose last cells may be blank; None where it is much shorter or longer."""
     length = len(values)
     if length in usual:
         return values
