@@ -51,7 +51,9 @@ def test_friction_holds_the_plant_where_it_sticks():
     """With dry friction of 0.4 a step of 0.3 moves nothing, and one of 1 stops within the friction of the balance."""
     model = rig.simulation(effects=[{"id": "coulomb-friction", "parameters": {"force": 0.4}}])
     (still,) = camid.step(model, amplitude=0.3, duration=3.0).curves
-    assert np.max(np.abs(still.output)) < 1e-9
+    assert not np.any(still.output)  # the engine creeps by some 1e-15
+    assert still.characteristics == {"final_value": (0.0, None)}
+    assert "does not move it" in " ".join(camid.step(model, amplitude=0.3, duration=3.0).remarks)
     view = camid.step(model, amplitude=1.0, duration=5.0)
     (moved,) = view.curves
     final = moved.characteristics["final_value"][0]
@@ -103,6 +105,27 @@ def test_a_mode_that_rings_for_long_is_not_aliased():
     envelope = 1.0 + np.exp(-0.02 * curve.time)
     blocks = np.array_split(np.arange(len(curve.time)), 100)
     assert all(curve.output[b].max() > envelope[b[-1]] - 0.02 for b in blocks)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [((0.6,), (1.0, 2.2, 110.0)), ((3.0,), (1.0, 6.0)), ((2.0,), (1.0, 401.0, 400.0))]
+)
+@pytest.mark.parametrize("effects", [[], [{"id": "dead-zone", "parameters": {"half_width": 1e-9}}]])
+def test_a_long_duration_changes_nothing_that_is_read_off(first, second, effects):
+    model = rig.simulation(plant=rig.plant([*first], [*second]), effects=effects)
+    short, long = (
+        camid.step(model, duration=duration).curves[0].characteristics for duration in (10.0, 2e3 if effects else 3e6)
+    )
+    assert short.keys() == long.keys() >= {"rise_time", "settling_time"}
+    for name, (value, _) in short.items():
+        assert long[name][0] == pytest.approx(value, rel=2e-2 if effects else 1e-3), name
+
+
+def test_more_cycles_than_can_be_shown_are_refused_with_the_longest_duration():
+    ringing = rig.simulation(plant=rig.plant([100.0], [1.0, 1e-4, 100.0]))
+    with pytest.raises(InputError, match=r"cycles of the mode at 10 rad/s.* give a duration of at most 1600 s"):
+        camid.step(ringing, duration=3e4)
+    assert len(camid.step(ringing, duration=1550.0).curves[0].time) > 19000
 
 
 def test_an_integrator_comes_to_no_rest():

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import control
 import numpy as np
 import pandas as pd
 import pytest
@@ -128,6 +129,44 @@ def drafted_again(capsys, *arguments):
     return drafted(capsys, *arguments)
 
 
+def moved_by(plant, signal, period):
+    """Readings at the beginnings of the rows of a plant under a held input, with a little noise."""
+    time = period * np.arange(len(signal))
+    moved = control.forced_response(control.sample_system(control.tf(*plant), period, "zoh"), time, signal)
+    return time, moved.outputs + 0.003 * np.std(moved.outputs) * np.random.default_rng(2).standard_normal(len(time))
+
+
+@pytest.mark.parametrize(
+    ("plant", "said", "poles"),
+    [
+        (([0.1], [1.0, 0.03]), "A first-order plant fitted", 1),
+        (([0.2], [1.0, 0.0]), "An integrator fitted", 1),
+        (([2.0], [1.0, 1.5, 0.0]), "An integrator with a first-order lag fitted", 2),
+    ],
+)
+def test_a_plant_that_does_not_swing_has_its_own_structure(capsys, plant, said, poles):
+    signal = np.repeat(np.random.default_rng(1).choice([-2.0, -1.0, 0.0, 1.0, 2.2], 40), 10)
+    time, output = moved_by(plant, signal, 0.5)
+    pd.DataFrame({"t": time, "u": signal, "y": output}).to_csv("a.csv", index=False)
+    found, text = drafted(capsys, "a.csv")
+    assert said in text
+    assert "pendulum" not in text  # it would have nothing to swing with
+    assert found.plant.order == poles
+    np.testing.assert_allclose(found.plant.denominator, plant[1], rtol=0.1, atol=1e-6)
+    table = camid.simulate("a.csv", "drafted.yaml")
+    assert np.std(table["simulated"] - table["y"]) < 0.01 * np.std(output)
+
+
+def test_a_fit_that_explains_nothing_is_not_used(capsys):
+    noise = np.random.default_rng(3).standard_normal(400)
+    signal = np.repeat(np.random.default_rng(1).choice([-1.0, 1.0], 40), 10)
+    pd.DataFrame({"t": 0.1 * np.arange(400), "u": signal, "y": noise + 0.004 * np.arange(400)}).to_csv(
+        "a.csv", index=False
+    )
+    _, text = drafted(capsys, "a.csv")
+    assert "A guess: a resonance read off the output; a second-order fit leaves" in text
+
+
 def test_pixels_mean_a_camera_and_milliseconds_in_a_name_are_declared(capsys):
     table = rig.recording(exposure=1.0)
     pd.DataFrame({"t_ms": 1e3 * table["t"], "u": table["u"], "x [px]": 100.0 * table["y"]}).to_csv("a.csv", index=False)
@@ -163,6 +202,18 @@ def test_times_of_frames_are_not_taken_for_an_output_of_every_row(capsys):
     table.assign(y=encoder, x=np.nan).drop(columns="x").to_csv("encoder.csv", index=False)
     found, _ = drafted(capsys, "encoder.csv")
     assert (found.reading.frame_time, found.output_column) == (None, "y")
+
+
+@pytest.mark.parametrize("last", [True, False])
+def test_an_output_with_blank_cells_is_the_output_and_what_is_not_used_is_named(capsys, last):
+    table = rig.recording()
+    table.loc[[7, 60, 200, *([len(table) - 1] if last else [])], "y"] = np.nan
+    short = np.where(np.arange(len(table)) < 30, np.arange(len(table)) ** 2.0, np.nan)
+    table.assign(note="a", empty=np.nan, few=short).to_csv("a.csv", index=False)
+    found, text = drafted(capsys, "a.csv")
+    assert (found.input_column, found.output_column, found.reading.missing) == ("u", "y", "leave-out")
+    assert "# Not used: note (text); empty (blank); few (numbers in 30 rows only)." in text
+    assert camid.identify("a.csv", "drafted.yaml").nrmse < 0.2
 
 
 def test_a_closed_loop_is_recognised_by_its_reference(capsys):

@@ -21,6 +21,7 @@ from camid.analysis.linear_model import (
     rests_at_start,
 )
 from camid.analysis.spread import has_covariance, states_accuracy, varied
+from camid.analysis.step_times import StepTimes, step_times
 from camid.analysis.view import ShortTable, View, common_mapping
 from camid.chain.plant import TransferFunction
 from camid.effects.declared import effects_of
@@ -40,8 +41,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Points of a response: so many for each cycle of the fastest mode, within limits.
-POINTS_OF_CYCLE, FEWEST_POINTS, MOST_POINTS = 32, 1001, 20001
 # Of a standard deviation, what a simulation is moved by for the band.
 WHOLE = 1.0
 # Limits of rise and settling, as shares of the final value.
@@ -50,8 +49,10 @@ RISE, SETTLED = (0.1, 0.9), 0.02
 LONGER = 1.6
 # A motion whose last tenth still changes by more of its span has no final value yet.
 STILL_MOVING = 0.02
-# Less than this share past the final value is rounding.
-NO_OVERSHOOT = 1e-6
+# A motion that is a smaller share of the linear one is how friction and dead zones creep in the engine: none.
+STILL = 1e-9
+# Less than this share of the final value is rounding.
+ROUNDING = 1e-6
 PLACES = ("actuator", "plant")
 
 TOO_UNCERTAIN = "without a band, as a standard deviation away from it no such plant can be run"
@@ -85,8 +86,8 @@ class StepCurve:
     linear: bool
 
 
-def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
-    """Step response of a model on a grid of times from zero on, shape (N,).
+def step_curve(model: LinearModel, times: StepTimes, amplitude: float) -> StepCurve:
+    """Step response of a model at times from zero on.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
     """
     alone = _plant_alone(model.simulation)
     if alone is None:
-        return _linear(model, time, amplitude)
+        return _linear(model, times, amplitude)
     physical = alone.physical
     if physical is not None and physical.equations is not None:
         equations = physical.equations
@@ -111,31 +112,39 @@ def step_curve(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
             where=model.simulation.source,
             hint="under start, give a state at which no state changes without input",
         )
-    output = _by_engine(alone, time, amplitude)
+    scale = float(np.max(np.abs(_by_control(model.plant, times, amplitude)[1])))
+
+    def moved(simulation: Simulation) -> Array:
+        output = times.sampled(lambda grid: _by_engine(simulation, grid, amplitude))[1]
+        return output if np.max(np.abs(output)) > STILL * scale else np.zeros_like(output)
+
+    time, output = _by_control(model.plant, times, 0.0)[0], moved(alone)
     try:
-        spreads = [(_by_engine(a, time, amplitude), _by_engine(b, time, amplitude)) for a, b in varied(alone, WHOLE)]
+        spreads = [(moved(a), moved(b)) for a, b in varied(alone, WHOLE)]
     except (ValueError, ArithmeticError):  # a deviation away there is no such plant
         spreads = []
     return _curve(model.name, time, output, spreads, WHOLE, None, linear=False)
 
 
-def _linear(model: LinearModel, time: Array, amplitude: float) -> StepCurve:
-    output = _by_control(model.plant, time, amplitude)
+def _linear(model: LinearModel, times: StepTimes, amplitude: float) -> StepCurve:
+    time, output = _by_control(model.plant, times, amplitude)
     spreads = []
     finals = []
     for direction in () if model.factor is None else model.factor.T:
         ends = [model.moved(direction, side * SMALL) for side in (1.0, -1.0)]
-        spreads.append((_by_control(ends[0], time, amplitude), _by_control(ends[1], time, amplitude)))
+        spreads.append((_by_control(ends[0], times, amplitude)[1], _by_control(ends[1], times, amplitude)[1]))
         finals.append((amplitude * ends[0].static_gain(), amplitude * ends[1].static_gain()))
     stable = bool(np.all(model.plant.poles().real < 0.0))
     final = (amplitude * model.plant.static_gain(), finals) if stable else None
     return _curve(model.name, time, output, spreads, SMALL, final, linear=True)
 
 
-def _by_control(plant: TransferFunction, time: Array, amplitude: float) -> Array:
+def _by_control(plant: TransferFunction, times: StepTimes, amplitude: float) -> tuple[Array, Array]:
+    """Times and outputs."""
     import control
 
-    return amplitude * np.asarray(control.step_response(plant.to_control(), time).outputs).ravel()
+    system = plant.to_control()
+    return times.sampled(lambda grid: amplitude * np.asarray(control.step_response(system, grid).outputs).ravel())
 
 
 def _curve(
@@ -149,11 +158,11 @@ def _curve(
     linear: bool,
 ) -> StepCurve:
     """The curve with its band, from the responses to both sides of each direction."""
-    value = _final_value(output) if final is None and not linear else None if final is None else final[0]
+    value = _final_value(time, output) if final is None and not linear else None if final is None else final[0]
     found = _characteristics(time, output, value, linear=linear)
     sides: list[tuple[dict[str, float], dict[str, float]]] = []
     for i, (there, back) in enumerate(spreads):
-        ends = final[1][i] if final is not None else (_final_value(there), _final_value(back))
+        ends = final[1][i] if final is not None else (_final_value(time, there), _final_value(time, back))
         ends = ends if value is not None else (None, None)
         curves = zip((there, back), ends, strict=True)
         first, second = (_characteristics(time, curve, end, linear=linear) for curve, end in curves)
@@ -167,9 +176,9 @@ def _curve(
     return StepCurve(name, time, output, np.sqrt(np.sum(table**2, axis=0)) if spreads else None, stated, linear)
 
 
-def _final_value(output: Array) -> float | None:
+def _final_value(time: Array, output: Array) -> float | None:
     """Where a motion has come to rest; None where it has not."""
-    tail = output[-max(len(output) // 10, 2) :]
+    tail = output[time >= 0.9 * time[-1]]
     return float(tail[-1]) if np.ptp(tail) <= STILL_MOVING * max(float(np.ptp(output)), 1e-300) else None
 
 
@@ -181,8 +190,10 @@ def _characteristics(time: Array, output: Array, final: float | None, *, linear:
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
-    if final is None or final == 0.0 or not np.isfinite(final):
+    if final is None or not np.isfinite(final):
         return {}
+    if final == 0.0:  # nothing is a share of it
+        return {"final_value": 0.0}
     curve = (CubicSpline if linear else PchipInterpolator)(time, output / final)
     found = {"final_value": final}
     low, high = (_crossings(curve, level) for level in RISE)
@@ -190,7 +201,7 @@ def _characteristics(time: Array, output: Array, final: float | None, *, linear:
         found["rise_time"] = float(high[0] - low[0])
     peaks = curve.derivative().roots(extrapolate=False)
     peaks = peaks[np.isfinite(peaks)]
-    if len(peaks) and np.max(curve(peaks)) > 1.0 + NO_OVERSHOOT:
+    if len(peaks) and np.max(curve(peaks)) > 1.0 + ROUNDING:
         highest = int(np.argmax(curve(peaks)))
         found["overshoot"], found["peak_time"] = float(curve(peaks[highest]) - 1.0), float(peaks[highest])
     if abs(float(curve(time[-1])) - 1.0) < SETTLED:
@@ -202,7 +213,9 @@ def _characteristics(time: Array, output: Array, final: float | None, *, linear:
 def _crossings(curve: Any, level: float) -> Array:
     """Times at which a spline crosses a level, ascending."""
     times = np.asarray(curve.solve(level, extrapolate=False), dtype=float)
-    return np.sort(times[np.isfinite(times)])
+    times = np.sort(times[np.isfinite(times)])
+    # Where a spline is flat but for rounding, its polynomials have roots that are none.
+    return times[np.abs(curve(times) - level) < ROUNDING]
 
 
 def _plant_alone(simulation: Simulation) -> Simulation | None:
@@ -248,6 +261,8 @@ def remarks_of_step(model: LinearModel, curve: StepCurve) -> tuple[str, ...]:
     said = f"{model.name}: nonlinear, run as it is from {begin}: another amplitude has another shape"
     left_out = [e.identifier for e in model.simulation.effects if e not in alone.effects]
     said += f"; without {', '.join(left_out)}" if left_out else ""
+    if not np.any(curve.output):
+        said += "; this step does not move it"
     if curve.deviation is None and states_accuracy(alone):
         return said, *model.others, f"{model.name}: {TOO_UNCERTAIN if has_covariance(alone) else ONLY_DEVIATIONS}"
     if any(effect.standard_deviations for effect in alone.effects):
@@ -268,16 +283,15 @@ def _by_engine(simulation: Simulation, time: Array, amplitude: float) -> Array:
     return output
 
 
-def times_for(models: list[LinearModel], duration: float | None) -> Array:
-    """Times in seconds from zero on: as long as python-control takes for the slowest model, or as asked for."""
+def times_for(models: list[LinearModel], duration: float | None) -> StepTimes:
+    """Times from zero on: as long as python-control takes for the slowest model, or as asked for."""
     import control
 
     if duration is None:
         linear = [float(control.step_response(m.plant.to_control()).time[-1]) for m in models]
         nonlinear = any(_plant_alone(m.simulation) is not None for m in models)
         duration = max(linear) * (LONGER if nonlinear else 1.0)
-    cycles = duration / (2.0 * np.pi) * max(float(np.max(m.plant.poles().imag, initial=0.0)) for m in models)
-    return np.linspace(0.0, duration, int(np.clip(POINTS_OF_CYCLE * cycles, FEWEST_POINTS, MOST_POINTS)))
+    return step_times(models, duration)
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,20 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from camid import __version__
-from camid.commands.identify import identify
+from camid.commands.first_fit import fitted
 from camid.draft.layout import layout_of
 from camid.draft.roles import roles_of
-from camid.draft.simulation import MAIN_ROWS, Draft, bare_simulation, drafted, simulation_with_comments
+from camid.draft.simulation import bare_simulation, drafted, simulation_with_comments
 from camid.draft.templates import TEMPLATES
 from camid.errors import InputError, nearest_match
 from camid.identification.from_recordings import load_recordings
-from camid.number_text import percentage
-from camid.simulation.model import Simulation
 
 PathLike = str | os.PathLike[str]
-
-# A fit that leaves more than this is no better to start from than what was read off; with a free decay that tells more.
-LARGEST_RESIDUAL, LARGEST_OF_DECAY = 0.9, 0.3
 
 
 def init_recording(
@@ -72,43 +67,8 @@ def init_recording(
     bare = bare_simulation(layout, roles, period)
     found = [one for path in recordings for one in load_recordings(path, bare, output_needed=True)]
     draft = drafted(bare, layout, roles, found)
-    draft = _fitted(draft, recordings[0], found[0].period, float(found[0].time[0]), len(found[0]), progress)
+    draft = fitted(draft, recordings[0], found[0], progress)
     draft = replace(draft, template=None if plant is None else TEMPLATES[plant])
     return simulation_with_comments(
         draft, roles, layout, [p.name for p in recordings], f"camid {__version__} init recording"
     )
-
-
-def _fitted(
-    draft: Draft,
-    recording: Path,
-    period: float,
-    start: float,
-    rows: int,
-    progress: Callable[[str], None] | None,
-) -> Draft:
-    """The draft with coefficients that were fitted to the first rows, where they are better than those read off."""
-    believed = draft.simulation
-    read_off = "A guess: a resonance read off the output"
-    reading = believed.reading
-    if len(reading.runs) > 1:
-        reading = replace(reading, runs=reading.runs[:1])
-    if rows > MAIN_ROWS:
-        reading = replace(reading, end=start + (MAIN_ROWS - 0.5) * period)
-    order = None if believed.input_column is None else (2, 0)
-    try:
-        result = identify(recording, replace(believed, reading=reading), structure=order, progress=progress)
-    except InputError as refused:
-        return replace(draft, fit=f"{read_off}; a fit was not possible: {refused.problem}")
-    found: Simulation = result.simulation
-    share = percentage(result.nrmse)
-    largest = LARGEST_OF_DECAY if order is None else LARGEST_RESIDUAL
-    stable = not found.plant.unstable_poles().size
-    if not result.converged or not stable or not result.nrmse < largest:
-        return replace(draft, fit=f"{read_off}; a second-order fit leaves {share} and is not used")
-    used = f"the first {MAIN_ROWS}" if rows > MAIN_ROWS else f"all {rows}"
-    simulation = replace(
-        believed, plant=found.plant, free_numerator=found.free_numerator, free_denominator=found.free_denominator
-    )
-    said = f"A second-order plant fitted to {used} rows; it leaves {share} of the output's standard deviation"
-    return replace(draft, simulation=simulation, fit=said)

@@ -39,9 +39,9 @@ def step(*models: ModelSource, amplitude: float = 1.0, duration: float | None = 
         raise InputError(f"a duration of {duration:g} s", hint="give a positive number of seconds")
     simulations = named_models(models, plants_alone=True)
     linear = linear_models(simulations)
-    time = times_for(linear, duration)
+    times = times_for(linear, duration)
     units = units_of(linear[0].simulation)
     amplitude *= units.input.factor
-    curves = [step_curve(model, time, amplitude) for model in linear]
+    curves = [step_curve(model, times, amplitude) for model in linear]
     remarks = [s for model, curve in zip(linear, curves, strict=True) for s in remarks_of_step(model, curve)]
     return StepResponses(curves, amplitude, units, tuple(remarks))

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 FEWEST_ROWS = 20
 # Share of a step by which the time of a frame may lie outside of its row, as rounding makes it.
 IN_A_ROW = 0.01
+# Share of its rows by which a column may go on after the others.
+LONGER = 0.05
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Layout:
         Column with the times of frames between the samples of another clock, blank in rows without a frame.
     seen : tuple of str
         Columns that are blank in those rows, too.
+    left_out : dict of str to str
+        Columns that belong to no recording, and why.
     """
 
     reading: Reading
@@ -52,6 +56,7 @@ class Layout:
     experiments: tuple[str, ...] = ()
     frame_time: str | None = None
     seen: tuple[str, ...] = ()
+    left_out: dict[str, str] = field(default_factory=dict)
 
 
 def layout_of(path: Path) -> Layout:
@@ -80,6 +85,7 @@ def _layout(reading: Reading, tables: list[Table]) -> Layout:
     dates: list[str] = []
     values: dict[str, float] = {}
     numeric: dict[str, Array] = {}
+    left_out = {str(n): "not in every experiment" for n in first.columns if n not in common}
     for name in common:
         cells = pd.Series(first.columns[name]).reset_index(drop=True)
         numbers = as_floats(cells)
@@ -93,15 +99,40 @@ def _layout(reading: Reading, tables: list[Table]) -> Layout:
             columns[str(name)] = numbers[: known[-1] + 1]
         elif known.size == 1 and known[0] == 0:
             values[str(name)] = float(numbers[0])
+        else:
+            left_out[str(name)] = _why_none(len(cells) - int(cells.isna().sum()), known.size)
     frame_time, seen = _frames(numeric)
     columns |= {n: numeric[n] for n in (frame_time, *seen) if n is not None}
     values |= first.single
     lengths = Counter(len(c) for c in columns.values())
     # Columns of a recording have one length; runs side by side may have several, each more than once.
-    usual = {n for n, count in lengths.items() if count > 1} or set(lengths)
-    columns = {n: c for n, c in columns.items() if len(c) in usual}
+    usual = {n for n, count in lengths.items() if count > 1} or {max(lengths, default=0)}
+    fitted = {n: _of_usual_length(c, usual) for n, c in columns.items()}
+    left_out = {n: why for n, why in left_out.items() if n not in columns}
+    left_out |= {n: f"numbers in {len(columns[n])} rows only" for n, c in fitted.items() if c is None}
+    columns = {n: c for n, c in fitted.items() if c is not None}
     experiments = tuple(str(t.experiment) for t in tables) if len(tables) > 1 else ()
-    return Layout(reading, columns, tuple(d for d in dates if d in columns), values, experiments, frame_time, seen)
+    held = tuple(d for d in dates if d in columns)
+    return Layout(reading, columns, held, values, experiments, frame_time, seen, left_out)
+
+
+def _why_none(filled: int, numbers: int) -> str:
+    """Why a column belongs to no recording, from how many of its cells are not blank and how many are numbers."""
+    if filled == 0:
+        return "blank"
+    return "text" if numbers == 0 else f"numbers in only {numbers} of its rows"
+
+
+def _of_usual_length(values: Array, usual: set[int]) -> Array | None:
+    """A column made as long as the others, whose last cells may be blank; None where it is much shorter or longer."""
+    length = len(values)
+    if length in usual:
+        return values
+    above = min((n for n in usual if n > length), default=None)
+    if above is not None and np.isfinite(values).sum() >= 0.5 * above:
+        return np.concatenate([values, np.full(above - length, np.nan)])
+    below = max((n for n in usual if n < length), default=0)
+    return values[:below] if length - below <= LONGER * below else None
 
 
 def _frames(columns: dict[str, Array]) -> tuple[str | None, tuple[str, ...]]:

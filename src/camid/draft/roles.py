@@ -87,7 +87,8 @@ def roles_of(layout: Layout) -> Roles:
         raise InputError("no column beside the time changes", hint="a recording needs an output that moves")
     runs = _runs(rest, natures)
     considered = [n for n in rest if not runs or n in runs[0].values()]
-    unused = {
+    unused = dict(layout.left_out)
+    unused |= {
         n: ("constant" if nature.kind == "constant" else nature.words())
         for n, nature in natures.items()
         if n != time and n not in considered

@@ -275,6 +275,8 @@ def _input_lines(draft: Draft, roles: Roles) -> list[str]:
     ]
     if offset and draft.template is None:  # a plant of named constants need not be linear
         lines.append(f"  offset: {offset!r}  # {remarks['offset of u']}")
+    if simulation.bias == "estimate" and draft.template is None:
+        lines.append(f"  bias: estimate  # {remarks['bias of u']}")
     if roles.reference is not None:
         lines += [
             "# A closed loop: without these lines the input is taken as recorded. Write the gains of your controller:",
@@ -296,10 +298,15 @@ def _plant_lines(draft: Draft, roles: Roles) -> list[str]:
     found = _small_motions(plant, draft.resonance)
     if draft.template is not None:
         return draft.template.lines(found, *draft.means)
-    return [
+    lines = [
         "plant:",
         f"  # {draft.fit}",
         f"  transfer_function: {{numerator: [{', '.join(numerator)}], denominator: [{', '.join(denominator)}]}}",
+    ]
+    if len(denominator) != 3 or not plant.denominator[-1]:  # nothing that swings
+        return lines
+    return [
+        *lines,
         "  # or, for a pendulum, in place of the line above (angles in rad):",
         f"  # pendulum: {{natural_frequency: {_short(found.natural_frequency)}, damping: {_short(found.damping)}, "
         f"gain: {_short(found.gain if roles.input else 1.0)}, rest: 0.0}}",
