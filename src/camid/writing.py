@@ -19,14 +19,14 @@ PARQUET = {".parquet", ".pq"}
 NEAR_ENDS = 1 << 16
 
 
-def write_table(table: pd.DataFrame, path: str | os.PathLike[str]) -> None:
-    """Write CSV or Parquet, whole or not at all."""
+def write_table(table: pd.DataFrame, path: str | os.PathLike[str], missing: str = "nan") -> None:
+    """Write CSV or Parquet, whole or not at all; ``missing`` is what a cell of a CSV without a number says."""
 
     def write(temporary: Path) -> None:
         if Path(path).suffix.lower() in PARQUET:
             table.to_parquet(temporary, index=False)
         else:
-            table.to_csv(temporary, index=False, na_rep="nan")  # no blanks
+            table.to_csv(temporary, index=False, na_rep=missing)
 
     write_whole(path, write)
 

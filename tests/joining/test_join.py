@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 import camid
+from camid.cli import main
 from camid.errors import InputError
 from camid.joining.clocks import CommonSignal, aligned, first_alignment
 from camid.joining.rows import joined_rows
@@ -215,3 +216,36 @@ def test_what_the_simulation_says_wrongly_is_named(tables):
     """Not that nothing follows anything."""
     with pytest.raises(InputError, match=r"exposure = 3\.0 s is longer than the period"):
         camid.join(*tables, simulation={**SIMULATION, "sensor": {**SIMULATION["sensor"], "exposure": 3.0}})
+
+
+def test_a_command_is_not_taken_for_the_position_that_it_drives(tmp_path):
+    """They agree somewhat, and at a skew that no clocks have."""
+    generator = np.random.default_rng(5)
+    time = 0.01 * np.arange(2500)
+    u = np.repeat(generator.choice([-2.0, -1.0, 1.0, 2.0], 125), 20)
+    modes = np.exp((-1.0 + 10.2j) * time)
+    position = np.imag(np.convolve(u, modes)[: len(time)]) * 0.01
+    clip_time = np.arange(0.0, 20.0, 0.025)
+    seen = np.interp(3.2 + 1.0002 * clip_time, time, position)
+    pd.DataFrame({"t": time, "u": u, "encoder": position}).to_csv(tmp_path / "drive.csv", index=False)
+    pd.DataFrame({"t": clip_time, "x": seen}).to_csv(tmp_path / "clip.csv", index=False)
+    files = tmp_path / "clip.csv", tmp_path / "drive.csv"
+    with pytest.raises(InputError, match="does not follow 'u' of the drive"):
+        camid.join(*files, match=("x", "u"))
+    assert not any("same quantity" in r for r in camid.join(*files, match=("x", "encoder")).remarks)
+    pd.DataFrame({"t": 1.01 * clip_time, "x": seen}).to_csv(tmp_path / "slow.csv", index=False)
+    with_skew = camid.join(tmp_path / "slow.csv", files[1], match=("x", "encoder"))
+    assert "clocks hardly run apart by more than 1000·10⁻⁶" in with_skew.remarks[0]
+
+
+def test_rows_without_a_frame_are_blank_in_the_file(tmp_path, capsys):
+    drive_time = np.arange(0.0, 20.0, 0.01)
+    delivered = np.arange(1.0, 19.0, FRAME)
+    pd.DataFrame({"t": drive_time, "encoder": motion(drive_time)}).to_csv(tmp_path / "drive.csv", index=False)
+    pd.DataFrame({"t": delivered - 0.4, "x": motion(delivered)}).to_csv(tmp_path / "clip.csv", index=False)
+    arguments = [str(tmp_path / "clip.csv"), str(tmp_path / "drive.csv"), "--match", "x=encoder"]
+    assert main(["join", *arguments, "--output", str(tmp_path / "joined.csv")]) == 0
+    capsys.readouterr()
+    first, second = (tmp_path / "joined.csv").read_text().splitlines()[1:3]
+    assert first.endswith(",,")
+    assert second.endswith(",,")

@@ -76,7 +76,7 @@ def join(
             progress=progress,
             effects=effects,
         )
-    write_table(found.table, output)
+    write_table(found.table, output, missing="")
     written = [output]
     if write_simulation is not None and found.simulation is not None:
         write(found.simulation, write_simulation, f"{simulation}, for {output.name}: its latency is left open")

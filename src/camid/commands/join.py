@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from camid.effects.own_effects import EffectSource, own_effects
 from camid.errors import InputError
 from camid.identification.from_recordings import SimulationSource
-from camid.joining.clocks import LEAST_CORRELATION, Clocks, CommonSignal, aligned, first_alignment
+from camid.joining.clocks import LEAST_CORRELATION, USUAL_SKEW, Clocks, CommonSignal, aligned, first_alignment
 from camid.joining.rows import joined_rows
 from camid.joining.tables import TimedTable, timed_table
 from camid.joining.through_plant import WELL_EXPLAINED, aligned_through_plant
@@ -172,11 +172,9 @@ def join(
         if clocks.correlation < WELL_EXPLAINED:
             share = f"{100.0 * clocks.correlation**2:.0f} % of the motion"
             remarks = (f"the plant explains {share}: is the offset that of another swing? check the plant", *remarks)
-    elif exposure is None:
-        remarks = (
-            "the exposure is taken for zero; if it is not, the offset is off by half of it: --exposure",
-            *remarks,
-        )
+    else:
+        assumed = "the exposure is taken for zero; if it is not, the offset is off by half of it: --exposure"
+        remarks = (*_doubts(clocks), *([assumed] if exposure is None else []), *remarks)
     for column in (logged.time_column, rows.frame_time):
         rows.columns[column] = rows.columns[column] + first_drive
     clocks = clocks.counted_from(first, first_drive)
@@ -231,12 +229,36 @@ def _through_signal(
     if len(signal.edges) and exposure is None:  # a frame that an edge falls into says where in it
         signal = CommonSignal(other_time, other[other_known], frame, frame)
     clocks = aligned(time, values[known], signal, (offset, skew))
-    if clocks.correlation < LEAST_FOLLOWED:
+    # What is not the same quantity agrees by chance, and best where the clocks run apart as no clocks do.
+    apart = _runs_apart(clocks)
+    if clocks.correlation < (LEAST_CORRELATION if apart else LEAST_FOLLOWED):
         raise ValueError(
             f"'{pair[0]}' of the clip does not follow '{pair[1]}' of the drive: their correlation is "
-            f"{clocks.correlation:.2f}"
+            f"{clocks.correlation:.2f}{f' with a skew of {1e6 * clocks.skew:.0f}·10⁻⁶' if apart else ''}"
         )
     return clocks, f"'{pair[0]}' of the clip and '{pair[1]}' of the drive"
+
+
+def _runs_apart(clocks: Clocks) -> bool:
+    """Whether the skew is beyond that of clocks in general, for certain."""
+    return abs(clocks.skew) > USUAL_SKEW + 2.0 * clocks.skew_deviation
+
+
+def _doubts(clocks: Clocks) -> tuple[str, ...]:
+    """What speaks against two columns being the same quantity, a sentence each."""
+    doubts = []
+    if clocks.correlation < LEAST_CORRELATION:
+        doubts.append(
+            f"the correlation of what is matched is {clocks.correlation:.2f}: is it the same quantity? if not, "
+            "such as a position and a command, offset and skew are more wrong than they say; --simulation joins those"
+        )
+    if _runs_apart(clocks):
+        usual = f"{1e6 * USUAL_SKEW:.0f}·10⁻⁶"
+        doubts.append(
+            f"the skew is {1e6 * clocks.skew:.0f}·10⁻⁶, and clocks hardly run apart by more than {usual}: "
+            "is what is matched the same quantity, and are both times in seconds?"
+        )
+    return tuple(doubts)
 
 
 def _best_pair(seen: TimedTable, logged: TimedTable) -> tuple[str, str]:
