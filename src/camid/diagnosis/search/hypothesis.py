@@ -82,7 +82,8 @@ def members_of(
     """
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
-    special = special_case_of(lead)
+    # A law with detail of its own is not held to be a plainer one of another name.
+    special = _plainer_name(lead)
     simplest = next((h.fitted.cost for h in ranked if h.identifier == special), None)
     # Other laws of the same special case: the one among them that leaves least is the likeliest of them.
     siblings = [h.fitted.cost for h in ranked[1:] if special is not None and special_case_of(h) == special]
@@ -118,6 +119,13 @@ def special_case_of(hypothesis: Hypothesis) -> str | None:
     effect = _effect(hypothesis)
     special = None if effect is None else special_case(effect)
     return None if special is None else special.identifier
+
+
+def _plainer_name(hypothesis: Hypothesis) -> str | None:
+    """Name of the next plainer law than a hypothesis's, where that is another one."""
+    effect = _effect(hypothesis)
+    plainer = None if effect is None else effect.simplified()
+    return None if plainer is None or plainer.identifier == hypothesis.identifier else plainer.identifier
 
 
 def _is_finer(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
