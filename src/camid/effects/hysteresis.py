@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from math import exp, sqrt
 from typing import ClassVar
 
+import numpy as np
+
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
@@ -64,7 +66,9 @@ class Hysteresis(AgainstMotion):
         That with pre-sliding displacement, and that which turns round gradually.
         """
         values = {"force": self.values["strength"], "presliding": 1.0 / self.values["shape"]}
-        starts: list[Effect] = list(self.with_keys(["exponent"]).starts(situation, **self.values))
+        starts: list[Effect] = []
+        if np.any(situation.signal):  # a free decay runs through each loop once, and says little of its corners
+            starts += self.with_keys(["exponent"]).starts(situation, **self.values)
         for law in CoulombFriction.finer_laws:
             names = {p.name for p in law.parameters}
             starts += law.starts(situation, **{name: value for name, value in values.items() if name in names})
