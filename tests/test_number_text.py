@@ -13,6 +13,7 @@ from camid.number_text import (
     number,
     percentage,
     plain,
+    printable,
     probability,
     span,
     typeset,
@@ -128,3 +129,11 @@ def test_numbers_and_units():
     assert span((1000.012, 1000.034), "s") == f"1000.012 to 1000.034{SPACE}s"
     assert span((3.0, 3.0), "") == "3 to 3"
     assert percentage(None) == "–"
+
+
+def test_minus_zero_is_zero():
+    assert (number(-0.0), plain(-0.0, unit="V"), with_deviation(-0.0, 0.0)) == ("0.00", "0\u00a0V", "0 (fixed)")
+
+
+def test_a_message_has_blanks_for_hard_spaces():
+    assert printable(f"between {plain(0.16, unit='s')} and\n{plain(30.0, unit='s')}") == "between 0.16 s and?30 s"
