@@ -15,6 +15,7 @@ from camid.number_text import (
     percentage,
     percentages,
     plain,
+    printable,
     probability,
     span,
     typeset,
@@ -158,3 +159,11 @@ def test_numbers_and_units():
 )
 def test_shares_add_up_as_they_are_printed(shares, printed):
     assert percentages(shares) == [f"{each}{SPACE}%" for each in printed]
+
+
+def test_minus_zero_is_zero():
+    assert (number(-0.0), plain(-0.0, unit="V"), with_deviation(-0.0, 0.0)) == ("0.00", "0\u00a0V", "0 (fixed)")
+
+
+def test_a_message_has_blanks_for_hard_spaces():
+    assert printable(f"between {plain(0.16, unit='s')} and\n{plain(30.0, unit='s')}") == "between 0.16 s and?30 s"

@@ -28,12 +28,19 @@ class InputError(ValueError):
         super().__init__(line if hint is None else f"{line}; {hint}")
 
 
+# Of names that a message lists: a longer one is a line of text that was taken for a name.
+LONGEST_NAME = 60
+
+
 def nearest_match(name: str, known: Iterable[str]) -> str:
     """Sentence that offers the likeliest spelling of ``name`` among ``known``, or lists them all."""
     known = list(known)
     lower = {k.lower(): k for k in reversed(known)}
     near = get_close_matches(str(name).lower(), lower, n=1, cutoff=0.5)
-    return f"did you mean '{lower[near[0]]}'?" if near else f"known here: {', '.join(known)}"
+    if near:
+        return f"did you mean '{lower[near[0]]}'?"
+    short = [k if len(k) <= LONGEST_NAME else f"{k[: LONGEST_NAME - 1]}…" for k in known]
+    return f"known here: {', '.join(short)}"
 
 
 # What an extra of pyproject.toml brings: the names of its modules, as people call them.

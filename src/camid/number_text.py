@@ -37,6 +37,7 @@ def number(value: float, digits: int = 3) -> str:
     """A number with this many significant digits; powers of ten where it is very small or large."""
     if not math.isfinite(value):
         return "not determined" if math.isnan(value) else ("∞" if value > 0 else "−∞")
+    value += 0.0  # minus zero is zero
     mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
     exponent = int(power)
     if SCIENTIFIC_BELOW <= exponent <= SCIENTIFIC_ABOVE:
@@ -164,8 +165,8 @@ def equals_probability(value: float) -> str:
 
 
 def printable(name: str) -> str:
-    """A name from a file, without line breaks and control characters."""
-    return "".join(c if c.isprintable() else "?" for c in name)
+    """A text that may quote a file as one line: line breaks and control characters are ?, hard spaces are blanks."""
+    return "".join(c if c.isprintable() else " " if c in (SPACE, "\u202f", "\u2009") else "?" for c in name)
 
 
 def typeset(unit: str) -> str:

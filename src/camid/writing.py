@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PARQUET = {".parquet", ".pq"}
+TABLES = {".csv", *PARQUET}
 # Bytes at the beginning and the end of a file in which it says who wrote it.
 NEAR_ENDS = 1 << 16
 

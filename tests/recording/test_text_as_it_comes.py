@@ -159,3 +159,31 @@ def test_columns_that_cannot_be_told_apart_by_name(tmp_path):
     (tmp_path / "r.csv").write_bytes(b"t [\t\t\t1870tm\t\t\t%\t\tms] y[ ,m\nm\nm]2\n")
     with pytest.raises(InputError, match="several columns are"):
         read_tables(tmp_path / "r.csv", ("t", "y"), Reading())
+
+
+@pytest.mark.parametrize("separator", [";", ",", "\t"])
+@pytest.mark.parametrize(
+    "title",
+    ["Rig 3{s}{s}{s}\nOperator: Bob{s}{s}{s}\n{s}{s}{s}\n", "Rig 3\nOperator{s}Bob\n\n", "Rig 3\n\n\n", "mass{s}2.5\n"],
+)
+@pytest.mark.parametrize("units", ["", "s{s}V{s}mm{s}\n"])
+def test_titles_above_the_names_are_passed_over_as_in_a_spreadsheet(tmp_path, separator, title, units):
+    rows = "".join(f"{t};{u};{y};\n" for t, u, y in zip(T, U, Y, strict=True)).replace(";", separator)
+    path = text_file(tmp_path, f"{title}t{{s}}u{{s}}y{{s}}\n{units}".format(s=separator) + rows)
+    (found,) = read(path)
+    np.testing.assert_allclose(found.columns["y"], (1e-3 if units else 1.0) * np.array(Y))
+    path.write_text(path.read_text().replace(f"{T[3]}{separator}", f"x{separator}", 1))
+    line = path.read_text().splitlines().index(next(r for r in path.read_text().splitlines() if r.startswith("x"))) + 1
+    assert f"line {line}, column 't'" in refusal(path)
+
+
+def test_a_column_without_a_name_has_none_of_pandas(tmp_path):
+    rows = "".join(f"{t},{u},{y},a,\n" for t, u, y in zip(T, U, Y, strict=True))
+    said = refusal(text_file(tmp_path, f"t,u,angle,,\n{rows}"))
+    assert "known here: t, u, angle, column4;" in said
+
+
+def test_a_video_is_for_the_tracker_and_a_line_of_text_is_no_list_of_names(tmp_path):
+    (tmp_path / "clip.MP4").write_bytes(b"abc" * 200)
+    assert refusal(tmp_path / "clip.MP4").endswith("this is a video; camid track makes a recording of it")
+    assert len(refusal(text_file(tmp_path, "abc" * 200 + "\n1\n2\n"))) < 200

@@ -237,6 +237,15 @@ def test_missing_file_and_folder(tmp_path):
     assert "this is a folder" in refusal(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("numerator", "hint"), [([0, 6], "remove it; or is 0.6 meant, with a point?"), ([0.0, -2.5], "remove it")]
+)
+def test_a_numerator_that_begins_with_zero_may_hold_a_decimal_comma(numerator, hint):
+    with pytest.raises(InputError) as refused:
+        load_simulation(rig.simulation(plant=rig.plant(numerator, [1.0, 2.2, 110.0])))
+    assert str(refused.value).endswith(f"transfer_function.numerator: the first coefficient is zero; {hint}")
+
+
 def test_leading_zeros_of_the_numerator_count_for_nothing():
     more = {
         "free": {"numerator": [False, True], "denominator": [False, True, False]},

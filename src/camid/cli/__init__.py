@@ -33,6 +33,7 @@ from camid.cli import (
     track,
 )
 from camid.errors import InputError
+from camid.number_text import printable
 
 # An interpreter that ends looks through all that it holds, more than half a second after a diagnosis.
 atexit.register(gc.freeze)
@@ -79,7 +80,7 @@ def _message(error: Exception) -> str:
     elif isinstance(error, OSError):  # no right to read, a name that is too long, a full disk
         sentence = f"{error.filename or 'cannot read or write'}: {error.strerror or error}"
     # Names of files and columns may hold anything, line breaks too.
-    return "".join(c if c.isprintable() else "?" for c in sentence)
+    return printable(sentence)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -8,7 +8,14 @@ from typing import Any
 
 import click
 
-from camid.cli.shared import check_output, column_options, declarations, declared_simulation, progress_display, warn
+from camid.cli.shared import (
+    check_table_output,
+    column_options,
+    declarations,
+    declared_simulation,
+    progress_display,
+    warn,
+)
 
 
 @click.command(short_help="Find how many poles and zeros recordings call for.")
@@ -35,7 +42,7 @@ def order(
     from camid.writing import without_infinities, write_table
 
     believed = declared_simulation(simulation, declared)
-    check_output(output, [*recording, *([simulation] if simulation else [])])
+    check_table_output(output, [*recording, *([simulation] if simulation else [])])
     with progress_display(as_json) as progress, column_options(simulation):
         result = select_order(list(recording), believed, largest=largest, progress=progress)
     if output is not None:

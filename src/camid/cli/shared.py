@@ -137,3 +137,16 @@ def check_output(output: Path | None, inputs: list[Path], option: str = "--outpu
             )
     if output is not None:
         check_writable(output)
+
+
+def check_table_output(output: Path | None, inputs: list[Path]) -> None:
+    """Refuse an output as :func:`check_output` does, and one whose name does not say that it is a table."""
+    from camid.writing import TABLES
+
+    check_output(output, inputs)
+    if output is not None and output.suffix.lower() not in TABLES:
+        raise InputError(
+            f"'{output.suffix}' is no kind of table" if output.suffix else "this name has no ending",
+            where=str(output),
+            hint="end it with .csv or .parquet",
+        )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from camid.cli.shared import check_output, own_effects_option, progress_display, warn
+from camid.cli.shared import check_table_output, own_effects_option, progress_display, warn
 from camid.number_text import percentage, plain
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def simulate(recording: Path, simulation: Path, output: Path, effects: tuple[Pat
     from camid.simulation.file import load_simulation
     from camid.writing import without_infinities, write_table
 
-    check_output(output, [recording, simulation, *effects])
+    check_table_output(output, [recording, simulation, *effects])
     believed = load_simulation(simulation)
     with progress_display(as_json):
         table = run(recording, believed, effects=effects)

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from camid.cli.shared import check_output, progress_display, warn
+from camid.cli.shared import check_output, check_table_output, progress_display, warn
 from camid.errors import InputError
 
 EPILOGUE = """\b
@@ -64,7 +64,7 @@ def track(*, video: Path, output: Path, preview: Path | None, as_json: bool, **o
     from camid.commands.track import track as run
     from camid.writing import write_table
 
-    check_output(output, [video])
+    check_table_output(output, [video])
     check_output(preview, [video], "--preview")
     if preview is not None:
         if preview.suffix.lower() != ".png":

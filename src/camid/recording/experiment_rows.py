@@ -225,7 +225,8 @@ class ExperimentRows:
         hint = f"choose another unit, or say scale: for column '{column}' in the simulation"
         if size[largest] > LARGEST:
             where = f"{self.name}, {self.table.where(int(rows[largest]))}, column '{column}'"
-            raise InputError(f"{values[largest]:g} is too large to be squared", where=where, hint=hint)
+            cell = self.table.quoted(int(rows[largest]), column) or f"{values[largest]:g}"
+            raise InputError(f"{cell} is too large to be squared", where=where, hint=hint)
         if 0.0 < size[largest] < SMALLEST:
             where = f"{self.name}, column '{column}'"
             raise InputError(f"all numbers are below {SMALLEST:g}, too small to be squared", where=where, hint=hint)

@@ -32,6 +32,7 @@ SUFFIXES = {
     ".hdf5": "HDF5",
     ".hdf": "HDF5",
 }
+VIDEOS = {".mp4", ".m4v", ".avi", ".mov", ".mkv", ".webm", ".mpg", ".mpeg", ".wmv"}
 SPREADSHEETS = {".xls", ".xlsx", ".xlsm", ".xlsb", ".ods"}
 # First bytes of the files of each kind.
 SIGNATURES = {
@@ -158,10 +159,16 @@ def _bytes_of(path: Path, name: str) -> bytes:
 
 
 def _of_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -> Table:
-    from camid.recording.text import line_of, read_text
+    from camid.recording.text import cell_of, line_of, read_text
 
     columns, text = read_text(data, name, wanted, reading)
-    return Table(columns, name, lambda row: line_of(text, row, header=reading.header))
+    places = {column: i for i, column in enumerate(columns)}
+    return Table(
+        columns,
+        name,
+        lambda row: line_of(text, row, header=reading.header),
+        written=lambda row, column: cell_of(text, row, places[column], header=reading.header),
+    )
 
 
 def _of_frame(frame: pd.DataFrame, name: str) -> Table:
@@ -189,6 +196,8 @@ def _kind(path: Path, name: str) -> tuple[str, bytes | None]:
         raise InputError("no such file", where=name, hint="check the path")
     refuse_no_file(path, name)
     suffix = path.suffix.lower()
+    if suffix in VIDEOS:
+        raise InputError("this is a video", where=name, hint="camid track makes a recording of it")
     try:
         with path.open("rb") as stream:
             head = stream.read(64)

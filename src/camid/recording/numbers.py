@@ -49,6 +49,8 @@ def numbers(table: Table, column: str, rows: RowNumbers, name: str, *, empty_all
         return np.ascontiguousarray(values)
     bad = int(wrong[np.argmin(empty)] if empty_allowed else wrong[0])
     cell = str(series(cells)[bad])
+    if cell.strip().lower() not in EMPTY:
+        cell = table.quoted(int(rows[bad]), column) or cell
     raise InputError(
         f"{'an empty cell or NaN' if cell.strip().lower() in EMPTY else repr(cell)} where a number should be",
         where=f"{name}, {table.where(int(rows[bad]))}, column '{column}'",

@@ -39,6 +39,9 @@ class Table:
         Single values beside the columns.
     notes : tuple of str
         What was taken from elsewhere than declared, one sentence each.
+    written : callable
+        Cell of a row, counted from zero, and a column by its name in the file, as it is written there; None where that
+        is not known.
     """
 
     columns: Mapping[str, Any]
@@ -50,6 +53,12 @@ class Table:
     aliases: Mapping[str, str] = field(default_factory=dict)
     single: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    written: Callable[[int, str], str | None] = field(default=lambda row, column: None)
+
+    def quoted(self, row: int, column: str) -> str | None:
+        """A cell as the file has it, for messages; None where that is not known."""
+        found = self.find(column)
+        return None if found is None else self.written(row, found)
 
     def renamed(self, aliases: Mapping[str, str]) -> Table:
         """The same table, in which columns are asked for by other names."""

@@ -126,7 +126,17 @@ def read_text(data: bytes, name: str, wanted: Sequence[str], reading: Reading) -
     if values is not None and (names or all(first)):
         return {with_bracketed_unit(n).strip(): values[:, i] for i, n in enumerate(names or first)}, text
     frame = _parsed(text, name, names).rename(columns=with_bracketed_unit)
-    return {str(c).strip(): frame.iloc[:, i] for i, c in enumerate(frame.columns)}, text
+    return _named(frame, [] if names else first), text
+
+
+def _named(frame: pd.DataFrame, first: Sequence[str]) -> dict[str, Any]:
+    """Columns by name; what has no name in the first line is one where it holds something, by a name of ours."""
+    columns = {}
+    for i, column in enumerate(map(str, frame.columns)):
+        nameless = i < len(first) and not first[i]
+        if not (nameless and frame.iloc[:, i].isna().all()):
+            columns[f"column{i + 1}" if nameless else column.strip()] = frame.iloc[:, i]
+    return columns
 
 
 def names_needed(data: bytes, name: str) -> int:
@@ -208,6 +218,15 @@ def line_of(text: Text, row: int, *, header: bool) -> str:
     return f"row {row}"
 
 
+def cell_of(text: Text, row: int, column: int, *, header: bool) -> str | None:
+    """Cell of a row and a column of the table, counted from zero, as it is written; None where it is not found."""
+    before = int(header and not text.names) + text.units
+    with suppress(csv.Error, IndexError):
+        for _, cells in islice(text.rows(), row + before, None):
+            return cells[column] or None
+    return None
+
+
 def _lines_before(text: Text) -> int:
     """Lines of the body up to the one with the units."""
     return next(islice(text.rows(), text.units, None))[0] - text.skipped
@@ -265,10 +284,29 @@ def _taken_apart(content: str, name: str, reading: Reading) -> Text:
         position, skipped = end, skipped + 1
     body = content[position:]
     separator = declared or _separator(body, skipped, name)
+    if reading.header and (titles := _title_lines(body, separator)):
+        body, skipped = "".join(body.splitlines(keepends=True)[titles:]), skipped + titles
     decimal = reading.decimal or _decimal(body, separator)
     return Text(
         body, skipped, separator, decimal, _names_in_comment(comment, body, separator) if reading.header else ()
     )
+
+
+def _title_lines(body: str, separator: str) -> int:
+    """Lines of titles and remarks above the line of names, which have fewer cells than that, as in a spreadsheet."""
+    rows: list[tuple[int, int]] = []  # last line and number of cells that are filled
+    units = False
+    with suppress(csv.Error):
+        for line, cells in islice(_rows(StringIO(body, newline=""), separator), SAMPLE):
+            filled = [c for c in cells if c]
+            if len(filled) > 1 and all(_is_number(c, ",") or _is_number(c, ".") for c in filled):
+                names = len(rows) - 1 - units
+                above = rows[: max(names, 0)]
+                named = names > 0 and rows[names][1] > 1
+                return above[-1][0] if named and all(count < rows[names][1] for _, count in above) else 0
+            units = _are_units(cells) and len(rows) > 0
+            rows.append((line, len(filled)))
+    return 0
 
 
 def _names_in_comment(comment: str, body: str, separator: str) -> tuple[str, ...]:

@@ -112,6 +112,16 @@ def _proper_plant(written: TransferFunctionPart, where: Where) -> TransferFuncti
         raise InputError(
             "the first coefficient is zero", where=where("plant", "transfer_function", "denominator"), hint="remove it"
         )
+    # Whoever states what is free or how sure it is, of every coefficient, means the zero.
+    stated = written.free or written.standard_deviations or written.covariance
+    if coefficients.numerator[0] == 0.0 and any(coefficients.numerator) and stated is None:
+        following = coefficients.numerator[1]
+        comma = following > 0.0 and following == int(following)
+        raise InputError(
+            "the first coefficient is zero",
+            where=where("plant", "transfer_function", "numerator"),
+            hint="remove it" + (f"; or is 0.{int(following)} meant, with a point?" if comma else ""),
+        )
     try:
         plant = TransferFunction(tuple(coefficients.numerator), tuple(coefficients.denominator))
         _ = plant.monic  # refuses a leading coefficient so small that the others overflow

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from camid.chain.controller import Controller
 from camid.errors import InputError
+from camid.number_text import printable
 from camid.physical.equations import plant_function
 from camid.simulation.control_systems import continuous_plant, is_control_system
 from camid.simulation.declared_plant import declared_plant
@@ -262,7 +263,7 @@ def _plain(value: Any) -> Any:
 def simulation_text(simulation: Simulation, comment: str = "") -> str:
     """The YAML file as text; ``comment`` goes to its head, line by line."""
     stream = StringIO()  # YAML forbids control characters, which a file's name may hold
-    stream.writelines(f"# {''.join(c if c.isprintable() else '?' for c in line)}\n" for line in comment.splitlines())
+    stream.writelines(f"# {printable(line)}\n" for line in comment.splitlines())
     stream.write(yaml_text(simulation.to_mapping()))
     return stream.getvalue()
 

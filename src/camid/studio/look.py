@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from camid.errors import InputError, need
+from camid.number_text import printable
 from camid.writing import write_whole
 
 # Of a curve on the page; of the columns that are offered.
@@ -103,7 +104,7 @@ def main(arguments: list[str]) -> int:
         print(json.dumps(found))
     except (InputError, OSError, MemoryError) as error:
         line = "there is not enough memory" if isinstance(error, MemoryError) else str(error)
-        print("camid: error: " + "".join(c if c.isprintable() else "?" for c in line), file=sys.stderr)
+        print("camid: error: " + printable(line), file=sys.stderr)
         return 2
     return 0
 
