@@ -64,7 +64,7 @@ def test_a_finding_is_told_in_full(pages):
     assert "12 to 31 s" in text
     assert "1.1 to 2.3 Hz" in text
     assert "velocity from −2.5 to 2.5 y/s" in text
-    assert "disturbance force from outside 8.0 % △ also here" in text
+    assert "disturbance force from outside 8 % △ also here" in text
     assert "a1 0.84 3.62 ± 0.21 1.203 ± 0.034 −30 % +200 % 11" in text
     assert pages["partly-explained"].count('class="equation"') == 2
 
