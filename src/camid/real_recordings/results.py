@@ -87,12 +87,25 @@ class Results:
 
     def coefficient(self, name: str, model: str) -> tuple[float, float | None]:
         """Coefficient (``b0``, ``a1``, ``a0``) of the monic plant in a model, and its standard deviation."""
-        row = next(c for c in self.diagnosis["coefficients"] if c["name"] == name)
-        return row[model], row.get(f"{model}_deviation")
+        rows = {c["name"]: c for c in self.diagnosis["coefficients"]}
+        if name not in rows:  # a pendulum is told of by its own constants
+            return _of_pendulum(rows, name, model)
+        return rows[name][model], rows[name].get(f"{model}_deviation")
 
     def parameter(self, effect: str, name: str) -> float:
         """Value of a parameter of an effect that the improved model holds; zero if it does not, or its law has none."""
         return float(next((e.parameters.get(name, 0.0) for e in self.improved.effects if e.identifier == effect), 0.0))
+
+
+def _of_pendulum(rows: Mapping[str, Any], name: str, model: str) -> tuple[float, float | None]:
+    """A coefficient of a pendulum's equation, a0 or a1, with its standard deviation."""
+    frequency, damping = rows["natural frequency"], rows["damping"]
+    value, ratio = frequency[model], damping[model]
+    deviation, spread = frequency.get(f"{model}_deviation"), damping.get(f"{model}_deviation")
+    if name == "a0":
+        return value**2, None if deviation is None else 2.0 * value * deviation
+    # The frequency is known so much better that nothing else counts.
+    return 2.0 * ratio * value, None if spread is None else 2.0 * value * spread
 
 
 Row = tuple[str, float, float | None, str]
