@@ -24,7 +24,6 @@ from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.screening import metrics, projector
 from camid.diagnosis.watch import NAMES, Watch
-from camid.effects.special_cases import special_case
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
@@ -126,7 +125,7 @@ def _special(
     """The decision with the special case of an effect in its place, if that explains nearly as much."""
     model = decision.fitted.model
     general = model.effects[known + index]
-    special = special_case(general)
+    special = general.simplified()
     if special is None or any(e.identifier == special.identifier for e in model.effects):
         return decision
     if problem.kind.unseen(type(special)) is not None:
