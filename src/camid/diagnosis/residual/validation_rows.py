@@ -100,7 +100,7 @@ def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     # Rows that are not fitted, as the first of a recording that begins in motion, may be far from the simulation.
     square = without_outliers(np.where(experiment.used, residual, 0.0)) ** 2
-    energy = np.array([float(np.sum(square[p])) / max(np.count_nonzero(experiment.used[p]), 1) for p in parts])
+    energy = np.array([float(np.sum(square[p])) / max(int(np.count_nonzero(experiment.used[p])), 1) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
     moving = np.flatnonzero(motion[1:] >= AT_REST_SHARE * float(np.max(motion[1:]))) + 1
     last = int(moving[-1]) if len(moving) else len(parts) - 1
