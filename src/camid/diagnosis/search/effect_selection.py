@@ -10,12 +10,12 @@ from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
-from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, fitted_hypothesis
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.hypothesis_search import RIVALS, best_of_each, hypotheses
 from camid.diagnosis.search.other_beginnings import SWAP_MARGIN, with_other_beginnings
 from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case_in_place
 from camid.diagnosis.search.screening import ScreenedEffect, screen
-from camid.diagnosis.search.settled_laws import finer_instead
+from camid.diagnosis.search.settled_laws import finer_instead, fitted_in_place
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit
@@ -133,7 +133,7 @@ def _known_in_place(
     present = {e.identifier for e in current.model.effects}
     others = [h.fitted.model.effects[-1] for h in earlier if h.identifier not in present][:MOST_KNOWN]
     starts = [current.model.replaced(index, law) for law in others]
-    tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+    tried = side_by_side(partial(fitted_in_place, problem, index), starts)
     found = [*(h for h in tried if h is not None), *_related_in_place(problem, current, index)]
     best = in_order([own, *found])[0]
     if own.beyond(best) <= SWAP_MARGIN:
@@ -145,10 +145,6 @@ def _related_in_place(problem: Problem, current: Fitted, index: int) -> list[Hyp
     """The special case of one of a model's effects, its law with less detail and what does nearly the same, fitted."""
     simpler = special_case_in_place(problem, current, index), plainer_law(problem, current, index)
     return [*(h for h in simpler if h is not None), *relatives_in_place(problem, current, index)]
-
-
-def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
-    return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
 
 
 def _detail_instead(problem: Problem, base: Fitted, own: Hypothesis, others: Fitted) -> Fitted | None:

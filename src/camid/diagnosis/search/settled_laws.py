@@ -36,7 +36,7 @@ def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bo
         starts = [fitted.model.replaced(index, law) for law in laws]
         own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
         starts = worth_a_fit(problem, fitted, starts)
-        tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+        tried = side_by_side(partial(fitted_in_place, problem, index), starts)
         fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
     return fitted
 
@@ -51,7 +51,7 @@ def finer_instead(problem: Problem, others: Fitted, first: int) -> list[tuple[Hy
     for index, effect in enumerate(others.model.effects[first:], start=first):
         laws = [e for e in finer_of(problem, others.model, effect) if e.identifier not in present - {effect.identifier}]
         starts = [others.model.replaced(index, law) for law in laws]
-        tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+        tried = side_by_side(partial(fitted_in_place, problem, index), starts)
         found += [(hypothesis, effect) for hypothesis in tried if hypothesis is not None]
     return found
 
@@ -77,7 +77,7 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
         simple = effect.simplified()
         if simple is not None and _is_at_bound(problem, effect, simple):
             own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
-            plainer = _fitted_in_place(problem, index, fitted.model.replaced(index, simple))
+            plainer = fitted_in_place(problem, index, fitted.model.replaced(index, simple))
             fitted = in_order([own, *([plainer] if plainer else [])])[0].fitted
     return fitted
 
@@ -91,13 +91,13 @@ def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     special = special_case(effect)
     if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
         return fitted
-    plain = _fitted_in_place(problem, index, fitted.model.replaced(index, special))
+    plain = fitted_in_place(problem, index, fitted.model.replaced(index, special))
     if plain is None:
         return fitted
     law = plain.fitted.model.effects[index]
     laws = [each for each in finer_of(problem, plain.fitted.model, law) if each.identifier == law.identifier]
     starts = [plain.fitted.model.replaced(index, each) for each in laws]
-    tried = side_by_side(partial(_fitted_in_place, problem, index), starts)
+    tried = side_by_side(partial(fitted_in_place, problem, index), starts)
     own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
     return in_order([own, plain, *(h for h in tried if h is not None)])[0].fitted
 
@@ -130,10 +130,11 @@ def plausible_in_place(problem: Problem, fitted: Fitted, index: int) -> Hypothes
     present = {e.identifier for i, e in enumerate(model.effects) if i != index}
     laws = [e for e in laws if e.identifier not in present and problem.kind.unseen(type(e)) is None]
     laws += possible_relatives(problem, model, index)
-    tried = side_by_side(partial(_fitted_in_place, problem, index), [model.replaced(index, law) for law in laws])
+    tried = side_by_side(partial(fitted_in_place, problem, index), [model.replaced(index, law) for law in laws])
     found = in_order([h for h in tried if h is not None])
     return found[0] if found else None
 
 
-def _fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
+def fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
+    """A fit of a model from where it is, as a hypothesis of one of its effects; None where it fails."""
     return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
