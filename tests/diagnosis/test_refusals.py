@@ -17,6 +17,7 @@ from tests.support import written_diagnoses
 from tests.support.mass_on_spring import effect, record, simulation
 
 COMMAND = ["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "found"]
+SIMULATE = ["simulate", *COMMAND[1:-1], "found.csv"]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -76,20 +77,20 @@ def known(identifier, **parameters):
         ({"effects": 2 * known("dead-zone", half_width=0.1)["effects"]}, "the effect 'dead-zone' is declared twice"),
     ],
 )
-@pytest.mark.parametrize("command", ["diagnose", "simulate"])
+@pytest.mark.parametrize("command", [COMMAND, SIMULATE], ids=["diagnose", "simulate"])
 def test_wrong_effects(folder, capsys, command, changes, said):
     rig.write_yaml(simulation(**changes), folder / "S.yaml")
-    message = refusal(capsys, [command, *COMMAND[1:]])
+    message = refusal(capsys, command)
     assert said in message
     assert message.startswith("camid: error: S.yaml, line ")
 
 
-@pytest.mark.parametrize("command", ["diagnose", "simulate"])
+@pytest.mark.parametrize("command", [COMMAND, SIMULATE], ids=["diagnose", "simulate"])
 def test_an_effect_without_meaning_for_the_plant(folder, capsys, command):
     """Friction on a plant whose motion jumps with the input."""
     plant = rig.plant([1.0, 2.0, 100.0], [1.0, 2.0, 100.0])
     rig.write_yaml(simulation(plant=plant, **known("coulomb-friction", force=0.1)), folder / "S.yaml")
-    message = refusal(capsys, [command, *COMMAND[1:]])
+    message = refusal(capsys, command)
     assert "coulomb-friction depends on a motion that jumps with the input" in message
     assert "S.yaml, line" in message
 

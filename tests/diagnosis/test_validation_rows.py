@@ -48,3 +48,8 @@ def test_an_event_is_fitted_where_the_rig_rests_in_the_end(blow):
     residual = np.roll(blow, -200)
     rests = np.where(np.arange(ROWS) < 800, MOTION, 0.0)
     assert judging(residual, rests) in (1, 2)
+
+
+def test_beside_a_pendulum_that_turns_over_in_the_end_other_parts_do_not_rest(blow):
+    turns = np.where(np.arange(ROWS) < 850, MOTION, 200.0)
+    assert judging(blow, turns) in (1, 2, 3)

@@ -7,6 +7,7 @@ from camid.chain.acquisition import Acquisition
 from camid.effects import Situation, bristle_friction, friction, hysteresis, known_effects
 from camid.effects.declared import declared, effects_of
 from camid.effects.extent import Extent
+from camid.effects.hysteresis_of_any_power import EXPONENTS
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from camid.errors import InputError
@@ -105,7 +106,9 @@ def test_what_never_saturates_is_not_friction():
 
 def test_a_search_goes_from_a_law_to_finer_ones():
     given = situation()
-    from_hysteresis = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
+    laws = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
+    sudden, from_hysteresis = laws[:2], laws[2:]
+    assert [law.values["exponent"] for law in sudden] == list(EXPONENTS)
     assert [(type(e).__name__, e.values) for e in from_hysteresis[:1]] == [
         ("CoulombBristleFriction", {"force": 0.2, "presliding": 0.1})
     ]
@@ -122,7 +125,7 @@ def test_a_search_goes_from_a_law_to_finer_ones():
 
 def test_a_fit_keeps_to_displacements_that_the_motion_can_show():
     given = situation()
-    law, *_ = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
+    _, _, law, *_ = hysteresis.Hysteresis(strength=0.2, shape=10.0).finer(given)
     least = bristle_friction.LEAST_SHARE * float(np.std(given.position))
     acquisition = Acquisition(PERIOD)
     assert law.bounds(acquisition)[1] == (least, np.inf)

@@ -10,7 +10,8 @@ number.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import product
 from math import ceil, cos, pi, sin, sqrt
 from typing import Any, ClassVar
@@ -25,6 +26,7 @@ from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.periodic_in_position import LARGEST_PERIOD
 from camid.effects.plant_force import GUESS, LEAST_FACTOR, mobility, motion_sign, static_stiffness
+from camid.effects.recorded_equation import plant_beside_wave
 from camid.effects.recorded_force import waves_of_force
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -34,8 +36,10 @@ ANGLES = (0.5, 1.2, 2.5)
 QUADRANTS = (0, 1, 2, 3)
 # Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
 SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
+# Constants of a plant that a beginning says.
+BIAS, OFFSET = "bias", "offset"
 # Way in turns from which a pendulum has turned over, what a simulation without gravity leaves then, as a share of the
-# motion, and angles at the largest displacement of one that has.
+# motion, and angles at half the way of one that has.
 LEAST_TURNED_OVER, FOLLOWED = 0.75, 0.1
 TURNED_ANGLES = np.arange(2.5, 80.0, 0.5)
 
@@ -76,14 +80,48 @@ class PendulumGravity(Effect):
         for law in laws:
             for angle in (0.15, 0.5, 1.2):
                 yield law(amplitude=situation.largest("position") / angle)
-        recorded = situation.recorded[situation.used]
-        left = np.std(recorded - situation.position[situation.used]) if len(recorded) else 0.0
+        left = np.std((situation.recorded - situation.position)[situation.used])
         # A simulation that has run away follows nothing, either.
-        if np.any(situation.signal) and not left <= FOLLOWED * np.std(recorded):
-            periods = 2.0 * pi * float(np.max(np.abs(recorded))) / TURNED_ANGLES
-            for wave in waves_of_force(situation, periods, BEST):
-                if np.ptp(recorded) > LEAST_TURNED_OVER * wave["period"]:
-                    yield cls(amplitude=wave["period"] / (2.0 * pi))
+        if not left <= FOLLOWED * np.std(situation.recorded[situation.used]):
+            for period in _turns(situation):
+                yield cls(amplitude=period / (2.0 * pi))
+
+    @classmethod
+    def with_plant(
+        cls, situation: Situation, constants: Mapping[str, float]
+    ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
+        """Beside the plant that the recorded motion shows with it, where the pendulum has turned over.
+
+        From coefficients that are a little off a simulation turns over at other times, and no fit finds the way.
+        """
+        numerator, denominator = situation.plant.numerator, situation.plant.denominator
+        turns = _turns(situation) if static_stiffness(situation.plant) != 0.0 else []
+        if not turns:
+            return None
+        # The spring is that of gravity for small angles.
+        driven = replace(situation, plant=TransferFunction(numerator, (*denominator[:-1], 0.0)))
+        found = plant_beside_wave(driven, turns[0], ())
+        if found is None:
+            return None
+        ((torque, phase),) = found.waves
+        amplitude = found.period / (2.0 * pi)
+        gain = found.plant.numerator[0]
+        stiffness = abs(gain) * torque / amplitude
+        plant = TransferFunction((gain,), (*found.plant.denominator[:-1], stiffness))
+        hangs = -amplitude * (phase if gain > 0.0 else phase - pi)
+        zero = constants.get(OFFSET, 0.0) + hangs
+        known = {BIAS: found.bias, OFFSET: (zero + 0.5 * found.period) % found.period - 0.5 * found.period}
+        return cls(amplitude=amplitude), plant, {name: known[name] for name in constants.keys() & known.keys()}
+
+
+def _turns(situation: Situation) -> list[float]:
+    """Ways of a turn, in units of the output, that the recorded motion shows of a pendulum that has turned over."""
+    recorded = situation.recorded[situation.used]
+    if len(recorded) == 0 or not np.any(situation.signal):
+        return []
+    way = float(np.ptp(recorded))
+    waves = waves_of_force(situation, pi * way / TURNED_ANGLES, BEST)
+    return [wave["period"] for wave in waves if way > LEAST_TURNED_OVER * wave["period"]]
 
 
 class PendulumDrivenAcross(PendulumGravity):

@@ -77,14 +77,14 @@ def fitted_as_far_as_it_follows(problem: Problem, start: Model) -> Model:
     model, before = start, first_horizon(problem, start)
     longest = max(len(t) for t in problem.times)
     for _ in range(MOST_EXTENSIONS):
-        horizon = _followed(problem, model)
+        horizon = rows_followed(problem, model)
         if horizon >= longest or horizon <= before:
             return model
         model, before = fit(problem.start_of(horizon), model, steps=STEPS_WHILE_IT_FOLLOWS, finest=False).model, horizon
     return model
 
 
-def _followed(problem: Problem, model: Model) -> int:
+def rows_followed(problem: Problem, model: Model) -> int:
     """Rows that a model follows in every recording."""
     rows = []
     for simulated, experiment in zip(problem.simulate(model), problem.experiments, strict=True):

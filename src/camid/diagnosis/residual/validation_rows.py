@@ -102,14 +102,21 @@ def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     square = without_outliers(np.where(experiment.used, residual, 0.0)) ** 2
     energy = np.array([float(np.sum(square[p])) / max(int(np.count_nonzero(experiment.used[p])), 1) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
-    moving = np.flatnonzero(motion[1:] >= AT_REST_SHARE * float(np.max(motion[1:]))) + 1
-    last = int(moving[-1]) if len(moving) else len(parts) - 1
-    if len(moving) and energy[last] > CONCENTRATED_RATIO * float(np.mean(np.delete(energy, last))):
-        last = int(moving[np.argmin(energy[moving])])
-    part = parts[last]
+    candidates = np.arange(1, len(parts))
+    chosen = int(_moving(motion, candidates)[-1])
+    if energy[chosen] > CONCENTRATED_RATIO * float(np.mean(np.delete(energy, chosen))):
+        # Beside a pendulum that has turned over all other parts would seem at rest.
+        others = _moving(motion, np.delete(candidates, chosen - 1))
+        quietest = int(others[np.argmin(energy[others])])
+        chosen = quietest if energy[quietest] < energy[chosen] else chosen
     rows = np.zeros(len(residual), bool)
-    rows[part] = True
+    rows[parts[chosen]] = True
     return rows
+
+
+def _moving(motion: Array, parts: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Those of some parts of a recording in which the rig does not rest beside the liveliest of them."""
+    return parts[motion[parts] >= AT_REST_SHARE * float(np.max(motion[parts]))]
 
 
 def without_outliers(residual: Array) -> Array:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted
-from camid.fitting.growing_horizon import fitted_as_far_as_it_follows
+from camid.fitting.growing_horizon import fitted_as_far_as_it_follows, rows_followed
+from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
@@ -102,7 +103,10 @@ def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str
             model = replace(base.model.plus(effect), constants={**base.model.constants, **constants}, initial=())
             moved = problem.kind.with_coefficients(model, coefficients)
             if np.array_equal(moved.coefficients, coefficients):
-                found.append(fitted_as_far_as_it_follows(problem, problem.with_initial_states(moved)))
+                # The state that suits the linear part best may be none beside an effect that bends the motion much.
+                starts = problem.with_initial_states(moved), recorded_start(problem, moved)
+                start = max(starts, key=lambda model: rows_followed(problem, model))
+                found.append(fitted_as_far_as_it_follows(problem, start))
         except (ValueError, ArithmeticError):
             continue
     return found
