@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from camid.diagnosis.diagnosis import NormalisedErrors
@@ -14,8 +15,9 @@ from camid.diagnosis.residual.residual_structure import reasons_for_structure, s
 from camid.diagnosis.residual.uneven_noise import uneven_spread
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
-from camid.effects import known_effects
+from camid.diagnosis.verdict import recognised
 from camid.effects.base import Effect
+from camid.effects.recognition import Recognition
 from camid.fitting.fit import Fitted
 
 
@@ -54,18 +56,24 @@ def residue_of(setting: Setting, decision: Decision, final: Fitted, before: list
     """
     problem, whole = setting.problem, setting.whole
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
-    found, noise_effects = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
-    spread = uneven_spread(problem, final, [effect for effect, _ in noise_effects])
+    declared = [effect for effect in setting.nominal.effects if effect.noise_like]
+    found = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
+    spread = uneven_spread(problem, final, [*declared, *(r.effect for r in found)])
     known = spread is None and final is decision.base
     after = before if known else places(problem, final, spread)
     # A loop, and a lattice, give what is left a colour, too, which is no name and may still be that of a misfit.
     colour = colours(problem, final, {effect.identifier for effect in setting.nominal.effects})
-    recognised = {f.identifier for f in found} | set(colour)
-    reasons = reasons_for_structure(problem, final, after, setting.judging, recognised)
+    named = {r.effect.identifier for r in found} | set(colour)
+    reasons = reasons_for_structure(problem, final, after, setting.judging, named)
     if reasons:  # what looks like jitter, outliers or colour may be the structure
-        found = [f for f in found if known_effects()[f.identifier].shows_in_values]
-        noise_effects = [e for e in noise_effects if e[0].identifier in {f.identifier for f in found}]
-    return Residue(after, reasons, found, noise_effects)
+        found = [r for r in found if r.effect.shows_in_values or r.stands_out]
+    return Residue(after, reasons, [recognised(r) for r in found], _as_declared(declared, found))
+
+
+def _as_declared(declared: Sequence[Effect], found: Sequence[Recognition]) -> list[tuple[Effect, Deviations]]:
+    """Effects on the noise as the improved simulation declares them: those declared already, and those found."""
+    unchanged: list[tuple[Effect, Deviations]] = [(effect, {}) for effect in declared]
+    return [*unchanged, *((r.effect, dict(r.standard_deviations)) for r in found)]
 
 
 def left_by(setting: Setting, decision: Decision, residue: Residue) -> tuple[float, NormalisedErrors]:

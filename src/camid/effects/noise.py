@@ -21,6 +21,9 @@ from camid.effects.variance_regression import FEWEST_ROWS, scatters_from_frame_t
 NEGLIGIBLE_ROUNDING = 0.02
 # Residuals beyond this many robust standard deviations are outliers: one in 16,000 and 1.7 million of Gaussian noise.
 OUTLYING = (4.0, 5.0, 7.0)
+# Rows on either side of an outlier that it is compared with, and how many times farther than any other row from those
+# around it one lies that is no misfit of a model.
+AROUND, STANDING_OUT = 2, 2.0
 # Share of the readings at either end, and of outlying rows among them whose expected values lie beyond.
 EDGE, AT_AN_EDGE = 0.05, 0.7
 FEWEST_REPEATED = 1
@@ -242,12 +245,23 @@ class Outliers(Effect):
         share = outlier_share(residual[usable], far[usable], spread)
         found = cls(fraction=share.fraction)
         # What lies far off in noise with heavy tails bends a fit as much, and has no other cause than the noise.
-        return Recognition(found, {"fraction": share.deviation}, min(rarest, 1.0), far, share.evidence)
+        stands_out = _stands_out(residual, far, usable)
+        return Recognition(found, {"fraction": share.deviation}, min(rarest, 1.0), far, share.evidence, stands_out)
 
     @classmethod
     def limit_of_recognition(cls, situation: Situation) -> str:
         """Noise with heavy tails shows as much."""
         return "it shows in the noise only, and the noise does not show it, or does as much by its heavy tails"
+
+
+def _stands_out(residual: Array, far: NDArray[np.bool_], usable: NDArray[np.bool_]) -> bool:
+    """Whether single rows differ from those around them by far more than any other row does, whatever the others are.
+
+    What the laws of a model leave lasts for several frames, or comes in all sizes.
+    """
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(residual, AROUND, mode="edge"), 2 * AROUND + 1)
+    alone = np.abs(residual - np.median(around, axis=-1))
+    return bool(np.min(alone[far]) > STANDING_OUT * np.max(alone[usable & ~far], initial=0.0))
 
 
 class TimestampJitter(Effect):

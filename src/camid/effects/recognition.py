@@ -33,6 +33,8 @@ class Recognition:
     evidence : float
         Logarithm of the Bayes factor against noise of another kind that shows as much; it has to reach
         `LEAST_EVIDENCE` for the effect to be there, and not only rows that are better left out.
+    stands_out : bool
+        Whether it shows beside whatever structure the residual has.
     """
 
     effect: Effect
@@ -40,6 +42,7 @@ class Recognition:
     p_value: float
     spoiled: NDArray[np.bool_]
     evidence: float = inf
+    stands_out: bool = False
 
     @property
     def named(self) -> bool:

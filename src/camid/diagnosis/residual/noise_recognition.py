@@ -8,9 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.finding import Finding
 from camid.diagnosis.residual.uneven_noise import LARGEST_P_VALUE, standard_deviation, with_rate_of_reading
-from camid.diagnosis.verdict import recognised
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.effects.noise import Quantisation, tail
@@ -47,8 +45,8 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bo
 
 def recognised_noise(
     whole: Problem, problem: Problem, final: Fitted, declared: Sequence[Effect]
-) -> tuple[list[Finding], list[tuple[Effect, dict[str, float | None]]]]:
-    """Noise-like effects that are not declared already, and the same as the improved simulation declares them.
+) -> list[Recognition]:
+    """Noise-like effects that are not declared already.
 
     Parameters
     ----------
@@ -76,9 +74,7 @@ def recognised_noise(
         if problem.kind.unseen(effect) is None:
             p_value = problem.whiteness(final.residual, final.sensitivities)
             found.append(_coloured(effect, problem, final, p_value))
-    findings = [recognised(r) for r in found]
-    effects: list[tuple[Effect, dict[str, float | None]]] = [(r.effect, dict(r.standard_deviations)) for r in found]
-    return findings, [*((e, {}) for e in declared if e.noise_like), *effects]
+    return found
 
 
 def colours(problem: Problem, final: Fitted, known: Collection[str]) -> list[str]:
