@@ -40,6 +40,8 @@ FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
 # Different linear dynamics that are begun beside the nominal coefficients, too, and the factor by which an estimated
 # one has to differ for that.
 MOST_LINEAR, FAR = 4, 2.0
+# Effects that are looked for beside others though there is no time, among the likeliest alone.
+MOST_IN_OVERTIME = 2
 # Share of the mismatch that inexact laws may leave.
 LAW_ERROR = 0.04
 # Share of the mismatch from which an effect is worth a look at what shows beside it, though what it leaves is so
@@ -80,14 +82,17 @@ def with_added_effects(
     """
     current = base if begun is None else begun.fitted
     rivals: list[list[Hypothesis]] = [] if begun is None else list(begun.rivals)
-    interrupted = False
+    interrupted, overtime = False, 0
     known = len(base.model.effects)
     doubtful: Fitted | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         watch.take_stock(NAMES)
         if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
-            break
+            # The likeliest are fitted whatever is done: what slow laws leave time for may be what matters most.
+            overtime += 1
+            if not names or overtime > MOST_IN_OVERTIME or watch.is_late:
+                break
         refined = begun is not None and current is begun.fitted  # what stands already was
         if doubtful is None and not refined and not watch.no_time_for("finer laws"):
             current = finer_in_place(problem, current)
