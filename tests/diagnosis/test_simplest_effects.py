@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import camid
+from camid.proof.concealed.generator import make, plan
+from camid.proof.sealed_files import RECORDING, SIMULATION, write_case
 from tests.support import pendulum_and_drive as rigs
 
 
@@ -65,3 +67,16 @@ def test_what_stands_for_the_law_is_modelled_and_not_claimed(loaded_bearing):
     assert added.identifier in {"quadratic-drag", "amplitude-dependent-damping"}
     assert "physics outside the catalogue, which acts like" in diagnosis.explanation
     assert diagnosis.fit.improved < 0.2 * diagnosis.fit.refitted
+
+
+def test_what_a_law_at_another_place_cannot_do_is_no_correction_of_it(tmp_path):
+    """A gap with soft flanks, which the catalogue's has not, beside gravity, which shows less than what those leave.
+
+    One frame of the rows that judge is far off: it stands out beside whatever is left.
+    """
+    case = plan(9001, 1000)[638]
+    folders = [tmp_path / name for name in ("recordings", "held_out", "truths")]
+    write_case(case.index, make(case), *folders)
+    own = folders[0] / str(case.index)
+    diagnosis = camid.diagnose(own / RECORDING, own / SIMULATION)
+    assert {f.identifier for f in diagnosis.findings} == {"backlash", "pendulum-gravity", "outliers"}

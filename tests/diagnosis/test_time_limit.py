@@ -56,6 +56,14 @@ def test_an_effort_leaves_out_the_same_on_every_machine(recording):
     assert without_time(again) == without_time(first)
 
 
+def test_what_is_likeliest_beside_an_effect_is_fitted_whatever_is_done():
+    both = effect("coulomb-friction", force=0.2), effect("sensor-drift", rate=0.02)
+    diagnosis = camid.diagnose(record(*both), simulation(), time_limit=None, effort=0.02)
+    assert {f.identifier for f in diagnosis.findings} == {"coulomb-friction", "sensor-drift"}
+    (warning,) = diagnosis.warnings
+    assert "all but the likeliest effects in addition to coulomb-friction" in warning
+
+
 def without_time(diagnosis):
     """diagnosis.json, but for how long it took."""
     return {name: value for name, value in diagnosis.to_mapping().items() if name not in ("seconds", "provenance")}

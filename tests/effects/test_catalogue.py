@@ -289,6 +289,17 @@ def test_noise_parameters_are_right():
     assert abs(jitter.effect.values["std"] - 0.004) < 4.0 * jitter.standard_deviations["std"]
 
 
+@pytest.mark.parametrize(("far", "stands_out"), [((60.0,), True), ((60.0, 45.0, 31.0, 22.0, 16.0, 11.0), False)])
+def test_a_frame_far_from_those_around_it_stands_out_beside_structure(far, stands_out):
+    """Misfits last, or come in all sizes; a few frames beyond everything else are neither."""
+    given = situation(count=2000)
+    structure = 3.0 * np.std(given.residual) * np.sin(0.05 * np.arange(2000))
+    residual = given.residual + structure
+    residual[100 : 100 + 150 * len(far) : 150] += np.std(given.residual) * np.array(far)
+    found = known_effects()["outliers"].recognise(replace(given, residual=residual))
+    assert found.stands_out == stands_out
+
+
 def test_clipped_values_are_no_outliers():
     """A weak clipping leaves few, isolated and large residuals, all read at the edge and expected beyond it."""
     generator = np.random.default_rng(np.random.SeedSequence(8))

@@ -125,11 +125,6 @@ class Watch(Account):
         self.leave_out(part)
         return True
 
-    @property
-    def is_late(self) -> bool:
-        """Whether the time limit was reached."""
-        return self._late
-
     def leave_out(self, part: str) -> None:
         """Note what is not tried."""
         if part not in self.left_out:

@@ -22,7 +22,7 @@ from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, chanc
 from camid.diagnosis.search.forward_selection import LAW_ERROR
 from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
-from camid.diagnosis.search.screening import metrics, projector
+from camid.diagnosis.search.screening import Metric
 from camid.diagnosis.watch import NAMES, Watch
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
@@ -91,16 +91,18 @@ def _shows_elsewhere(problem: Problem, decision: Decision, index: int, without: 
     effect = decision.fitted.model.effects[index]
     if not inexact or effect.place in inexact:
         return False
-    view, motions = metrics(problem, without)[-1], problem.motion(without.model)
+    motions = problem.motion(without.model)
     tables = [regressors(problem, without, motions, place) for place in inexact]
-    table = problem.whitened(np.hstack(tables), view.whitening)
-    lengths = np.linalg.norm(table, axis=0)
-    basis = projector(np.hstack([view.basis, table[:, lengths > 0.0] / lengths[lengths > 0.0]]))
-    change = problem.whitened(without.residual - decision.fitted.residual, view.whitening)
-    change, residual = (signal - basis @ (basis.T @ signal) for signal in (change, view.residual))
+    table = np.hstack(tables)
+    # The colour of the noise is that of what is left with all of it: what the effect and those places do is none.
+    left = Metric.of(problem, decision.fitted, np.ones(1), beside=table)
+    whitening = problem.noise(left.residual, left.basis.shape[1]).whitening
+    view = Metric.of(problem, without, whitening, beside=table)
+    residual = view.residual
+    change, _ = view.left(problem, without.residual - decision.fitted.residual)
     size = float(change @ change)
     gain = float(change @ residual) ** 2 / size if size > 0.0 else 0.0
-    noise = max(float(residual @ residual) - gain, 1e-300) / max(len(residual) - basis.shape[1], 1)
+    noise = max(float(residual @ residual) - gain, 1e-300) / max(len(residual) - view.basis.shape[1], 1)
     return chance(problem, effect.identifier, gain / noise) < FALSE_ALARM_BESIDE_OTHERS
 
 

@@ -43,9 +43,7 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bo
     return result
 
 
-def recognised_noise(
-    whole: Problem, problem: Problem, final: Fitted, declared: Sequence[Effect]
-) -> list[Recognition]:
+def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: Sequence[Effect]) -> list[Recognition]:
     """Noise-like effects that are not declared already.
 
     Parameters

@@ -40,7 +40,7 @@ FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
 # Different linear dynamics that are begun beside the nominal coefficients, too, and the factor by which an estimated
 # one has to differ for that.
 MOST_LINEAR, FAR = 4, 2.0
-# Effects that are looked for beside others though there is no time, among the likeliest alone.
+# Effects that are looked for though all work is done, among the likeliest alone.
 MOST_IN_OVERTIME = 2
 # Share of the mismatch that inexact laws may leave.
 LAW_ERROR = 0.04
@@ -88,10 +88,13 @@ def with_added_effects(
     while len(current.model.effects) - known < MOST_EFFECTS:
         names = ", ".join(e.identifier for e in current.model.effects)
         watch.take_stock(NAMES)
-        if watch.no_time_for(f"effects in addition to {names}" if names else "effects of the catalogue"):
-            # The likeliest are fitted whatever is done: what slow laws leave time for may be what matters most.
+        part = f"effects in addition to {names}" if names else "effects of the catalogue"
+        if watch.no_time_for(part, needed=True):
+            break
+        if watch.no_time_for(f"all but the likeliest {part}"):
+            # Those are fitted whatever is done: what slow laws leave no time for may be what matters most.
             overtime += 1
-            if not names or overtime > MOST_IN_OVERTIME or watch.is_late:
+            if overtime > MOST_IN_OVERTIME:
                 break
         refined = begun is not None and current is begun.fitted  # what stands already was
         if doubtful is None and not refined and not watch.no_time_for("finer laws"):
