@@ -36,8 +36,8 @@ NEAR = 300.0
 
 
 @dataclass(frozen=True)
-class PlantBesideWave:
-    """A plant and the waves of its position that oppose its input.
+class PlantBesideForce:
+    """A plant beside a force over its position.
 
     Attributes
     ----------
@@ -45,6 +45,18 @@ class PlantBesideWave:
         Monic, without zeros.
     bias : float
         Constant in units of the input that acts with it.
+    """
+
+    plant: TransferFunction
+    bias: float
+
+
+@dataclass(frozen=True)
+class PlantBesideWave(PlantBesideForce):
+    """A plant and the waves of its position that oppose its input.
+
+    Attributes
+    ----------
     period : float
         In units of the output.
     waves : tuple of (float, float)
@@ -53,31 +65,23 @@ class PlantBesideWave:
         Which harmonic that is; 1 where there is none.
     """
 
-    plant: TransferFunction
-    bias: float
     period: float
     waves: tuple[tuple[float, float], ...]
     order: int
 
 
 @dataclass(frozen=True)
-class PlantBesideStop:
+class PlantBesideStop(PlantBesideForce):
     """A plant and the stop that holds it.
 
     Attributes
     ----------
-    plant : TransferFunction
-        Monic, without zeros.
-    bias : float
-        Constant in units of the input that acts with it.
     place : float
         Where the contact begins, in units of the output.
     stiffness : float
         In units of the input by those of the output.
     """
 
-    plant: TransferFunction
-    bias: float
     place: float
     stiffness: float
 
