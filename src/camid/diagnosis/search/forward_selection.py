@@ -89,13 +89,10 @@ def with_added_effects(
         names = ", ".join(e.identifier for e in current.model.effects)
         watch.take_stock(NAMES)
         part = f"effects in addition to {names}" if names else "effects of the catalogue"
-        if watch.no_time_for(part, needed=True):
+        # The likeliest are fitted whatever is done: what slow laws leave no time for may be what matters most.
+        if watch.no_time_for(part, needed=overtime < MOST_IN_OVERTIME):
             break
-        if watch.no_time_for(f"all but the likeliest {part}"):
-            # Those are fitted whatever is done: what slow laws leave no time for may be what matters most.
-            overtime += 1
-            if overtime > MOST_IN_OVERTIME:
-                break
+        overtime += watch.no_time_for(f"all but the likeliest {part}")
         refined = begun is not None and current is begun.fitted  # what stands already was
         if doubtful is None and not refined and not watch.no_time_for("finer laws"):
             current = finer_in_place(problem, current)
