@@ -125,7 +125,7 @@ def hypotheses(
     ranked = best_of_each([*ranked, *_in_batches(in_other_minima, further, watch)])
     near = _near_the_best(ranked, base, effort, incumbent)
     watch.take_stock(NAMES)
-    thorough = side_by_side(partial(_fitted_thoroughly, problem, watch), near)
+    thorough = side_by_side(partial(_fitted_thoroughly, problem, watch, near), near)
     found = in_order([*thorough, *(h for h in ranked if not any(h is chosen for chosen in near))])
     watch.take_stock(NAMES)
     if watch.no_time_for("finer laws"):
@@ -164,9 +164,11 @@ def _fitted_from(problem: Problem, watch: Watch, part: str, steps: int, model: M
     return fitted_hypothesis(problem, identifier, model, steps)
 
 
-def _fitted_thoroughly(problem: Problem, watch: Watch, hypothesis: Hypothesis) -> Hypothesis:
-    """A hypothesis fitted on."""
-    if watch.no_time_for("more thorough fits"):
+def _fitted_thoroughly(
+    problem: Problem, watch: Watch, near: Sequence[Hypothesis], hypothesis: Hypothesis
+) -> Hypothesis:
+    """A hypothesis fitted on; of those near the best the first one whatever is done, as it is what may be found."""
+    if watch.no_time_for("more thorough fits", needed=hypothesis is near[0]):
         return hypothesis
     found = fitted_hypothesis(problem, hypothesis.identifier, hypothesis.fitted.model, ALL_STEPS)
     return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
