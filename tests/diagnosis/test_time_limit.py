@@ -64,6 +64,18 @@ def test_what_is_likeliest_beside_an_effect_is_fitted_whatever_is_done():
     assert "all but the likeliest effects in addition to coulomb-friction" in warning
 
 
+def test_of_many_effects_it_is_said_how_many():
+    watch = Watch(effort=1.0)
+    for part in ("hysteresis", "other starts of delay", "perspective", "other starts of cogging", "finer laws"):
+        watch.leave_out(part)
+    assert (
+        "not tried: hysteresis and perspective, other starts of delay and cogging, finer laws; see" in watch.warning()
+    )
+    for part in ("other starts of overflow", "end-stop"):
+        watch.leave_out(part)
+    assert "not tried: 3 less likely effects, other starts of 3 effects, finer laws; see --effort" in watch.warning()
+
+
 def without_time(diagnosis):
     """diagnosis.json, but for how long it took."""
     return {name: value for name, value in diagnosis.to_mapping().items() if name not in ("seconds", "provenance")}

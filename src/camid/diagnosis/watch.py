@@ -27,6 +27,8 @@ NAMES, LAWS, FORMULAS = 0.75, 0.85, 1.0
 # The same that formulas may take in all, and by which laws are settled: what is learned says little without one, and
 # what is left of laws that are not settled is no sign of anything.
 OVERTIME = 1.3
+# What may be left out of the search for each of many effects, and how many of them are listed.
+OF_EFFECTS, MOST_LISTED = ("other starts of ", "other shapes of ", "what could replace "), 2
 # Fits between which it is looked at: two threads share them.
 BATCH = 8
 
@@ -139,4 +141,20 @@ class Watch(Account):
             if self._late
             else (f"as much was simulated as an effort of {self.effort:g} allows", "--effort")
         )
-        return f"{reached}, and this is the best answer until then; not tried: {', '.join(self.left_out)}; see {option}"
+        return f"{reached}, and this is the best answer until then; not tried: {_in_words(self.left_out)}; see {option}"
+
+
+def _in_words(parts: Sequence[str]) -> str:
+    """What was left out; of many effects of a kind how many."""
+    groups: dict[str, list[str]] = {}
+    for part in parts:
+        kind = next((kind for kind in OF_EFFECTS if part.startswith(kind)), "" if " " not in part else part)
+        groups.setdefault(kind, []).append(part.removeprefix(kind))
+    words = []
+    for kind, effects in groups.items():
+        if kind in ("", *OF_EFFECTS):
+            several = f"{len(effects)} {'less likely effects' if kind == '' else 'effects'}"
+            words.append(kind + (several if len(effects) > MOST_LISTED else " and ".join(effects)))
+        else:
+            words.append(kind)
+    return ", ".join(words)
