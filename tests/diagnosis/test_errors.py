@@ -8,7 +8,7 @@ import pytest
 import camid
 from camid.chain.plant import TransferFunction
 from camid.commands.diagnose import _judged
-from camid.diagnosis.diagnosis import NormalisedErrors
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.report.page import render
 from camid.diagnosis.report.summary import verdict_words
 from camid.number_text import SPACE

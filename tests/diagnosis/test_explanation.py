@@ -5,9 +5,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from camid.diagnosis.diagnosis import Coefficient, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import Coefficient, Location
 from camid.diagnosis.explanation import explanation
 from camid.diagnosis.finding import ParameterEstimate
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.report.summary import verdict_words
 from camid.diagnosis.verdict import verdict_of
 from camid.diagnosis.weights import Comparison, Member

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camid.diagnosis.diagnosis import NormalisedErrors, Undetectable
+from camid.diagnosis.diagnosis import Undetectable
 from camid.diagnosis.explanation import headline
 from camid.diagnosis.finding import ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.laws.learned_effect_file import effect_file
 from camid.diagnosis.learned_part import Formula, LearnedPart, Quantity
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.report import page as report
 from camid.diagnosis.report import pictures, summary
 from camid.diagnosis.verdict import parameters_of

@@ -5,17 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from camid.chain.plant import TransferFunction
-from camid.diagnosis.diagnosis import (
-    Coefficient,
-    Diagnosis,
-    Location,
-    NormalisedErrors,
-    Signals,
-    StructureTest,
-    Undetectable,
-)
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location, Signals, StructureTest, Undetectable
 from camid.diagnosis.effect_signals import EffectSignals
 from camid.diagnosis.finding import Finding, ParameterEstimate
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.provenance import FILE_TIME, Provenance, RecordedFile
 from camid.simulation.model import Simulation
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import Coefficient, NormalisedErrors, Signals, StructureTest
+from camid.diagnosis.diagnosis import Coefficient, Signals, StructureTest
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
 from camid.diagnosis.residual.validation_rows import AT_REST_SHARE
 from camid.diagnosis.search.decision import Decision

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from camid.diagnosis.diagnosis import EXPLAINS_NOTHING, Coefficient, Diagnosis, Location, NormalisedErrors
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
+from camid.diagnosis.normalised_errors import EXPLAINS_NOTHING, NormalisedErrors
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
 from camid.number_text import SPACE, percentage, plain, with_deviation

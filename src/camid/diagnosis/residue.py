@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from camid.diagnosis.diagnosis import NormalisedErrors
 from camid.diagnosis.evidence import errors
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import colours, recognised_noise
 from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left

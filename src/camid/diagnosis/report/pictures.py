@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis, NormalisedErrors, Signals
+from camid.diagnosis.diagnosis import AS_GIVEN, IMPROVED, REFITTED, Diagnosis, Signals
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.report.bode_pictures import bode_pictures
 from camid.diagnosis.report.effect_pictures import Names, effect_pictures, shown_as_force
 from camid.diagnosis.report.learned_pictures import learned_pictures

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.diagnosis import NormalisedErrors
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
 from camid.diagnosis.residual.noise_recognition import depends_on_position, force_like
 from camid.diagnosis.residual.validation_rows import without_outliers
