@@ -156,6 +156,17 @@ def test_what_was_found_earlier_is_held_against_the_effects_of_a_model_where_not
     assert kept[0].fitted is found[0].fitted
 
 
+def test_a_special_case_takes_the_place_of_its_law_among_the_effects():
+    """Rivals belong to places: of a model in another order they would be those of another effect."""
+    friction, step = effect("coulomb-friction", force=0.15), effect("step-disturbance", size=0.6, time=6.0)
+    problem, base = refitted(record(friction, step), sensor={"column": "y", "kind": "camera", "offset": 0.0})
+    falling = effect("stribeck-friction", coulomb=0.14, breakaway=0.16, velocity=0.1)
+    current = fit(problem, base.model.plus(falling).plus(step))
+    found = effect_selection._known_in_place(problem, [], current, 0)
+    assert found[0].identifier == "coulomb-friction"
+    assert [e.identifier for e in found[0].fitted.model.effects] == ["coulomb-friction", "step-disturbance"]
+
+
 @pytest.mark.parametrize(
     ("law", "plant"),
     [

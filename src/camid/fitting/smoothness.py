@@ -62,7 +62,8 @@ def smooth_curve(table: Array, data: Array, roughness: Array, freedom: int) -> S
         n, rows less the numbers that are projected out.
     """
     factor = np.linalg.cholesky(roughness)
-    products = np.linalg.solve(factor, np.linalg.solve(factor, table.T @ table).T)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away; its eigenvalues are refused
+        products = np.linalg.solve(factor, np.linalg.solve(factor, table.T @ table).T)
     eigenvalues, vectors = np.linalg.eigh(0.5 * (products + products.T))
     eigenvalues = np.maximum(eigenvalues, 0.0)
     along = vectors.T @ np.linalg.solve(factor, table.T @ data)

@@ -134,7 +134,8 @@ def _known_in_place(
     others = [h.fitted.model.effects[-1] for h in earlier if h.identifier not in present][:MOST_KNOWN]
     starts = [current.model.replaced(index, law) for law in others]
     tried = side_by_side(partial(fitted_in_place, problem, index), starts)
-    found = [*(h for h in tried if h is not None), *_related_in_place(problem, current, index)]
+    related = [_from_last(h, index) for h in _related_in_place(problem, current, index)]
+    found = [*(h for h in tried if h is not None), *related]
     best = in_order([own, *found])[0]
     if own.beyond(best) <= SWAP_MARGIN:
         return best_of_each([own, *found]) if best is own else [own, *found]
@@ -203,7 +204,19 @@ def with_likelier_name(
 
 def _last(hypothesis: Hypothesis, index: int) -> Hypothesis:
     """The same hypothesis with one of its effects as the last, as one beside the others."""
+    return _moved(hypothesis, index, len(hypothesis.fitted.model.effects) - 1)
+
+
+def _from_last(hypothesis: Hypothesis, index: int) -> Hypothesis:
+    """The same hypothesis with its last effect in the place of one that it was fitted instead of."""
+    return _moved(hypothesis, len(hypothesis.fitted.model.effects) - 1, index)
+
+
+def _moved(hypothesis: Hypothesis, start: int, end: int) -> Hypothesis:
+    """The same hypothesis with one of its effects at another place of the list."""
+    if start == end:
+        return hypothesis
     effects = list(hypothesis.fitted.model.effects)
-    effects.append(effects.pop(index))
+    effects.insert(end, effects.pop(start))
     fitted = evaluate(hypothesis.fitted.problem, replace(hypothesis.fitted.model, effects=tuple(effects)))
     return replace(hypothesis, fitted=fitted)
