@@ -228,7 +228,8 @@ def test_the_commands_say_what_is_wrong_in_one_line_and_write_nothing(tmp_path, 
     (tmp_path / "book.xlsx").write_bytes(b"PK\x03\x04")
     table().drop(index=10).to_csv(tmp_path / "gap.csv", index=False)
     for name, said in (("book.xlsx", "this is no spreadsheet, although"), ("gap.csv", "gaps: hold")):
-        arguments = [command, str(tmp_path / name), "--simulation", str(simulation), "--output", str(tmp_path / "out")]
+        written = tmp_path / ("out.csv" if command == "simulate" else "out")
+        arguments = [command, str(tmp_path / name), "--simulation", str(simulation), "--output", str(written)]
         assert main(arguments) == 2
         shown = capsys.readouterr()
         assert shown.err.count("\n") == 1
