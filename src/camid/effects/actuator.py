@@ -23,8 +23,6 @@ from camid.effects.situation import Situation
 # Shares of the largest input, or of its changes, at which thresholds are looked for.
 SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)
 LARGE_SHARES = (0.97, 0.9, 0.75, 0.55, 0.3)
-# Steps of a command, up to the largest one, that are few, and such steps as shares of a dead zone's half width.
-FEW_STEPS, STEPS_OF_WIDTH = 4.0, (2.0, 2.1, 2.2, 2.3)
 DELAYS = (0.05, 0.3, 1.0, 3.0)
 LEAST_FACTOR = 1e-9
 # Lag, as a share of the period, below which it is nothing but a delay: a faster pole costs the integrator only steps.
@@ -71,17 +69,6 @@ class DeadZone(Effect):
         """Several shares of the largest input."""
         for share in SMALL_SHARES:
             yield cls(half_width=share * situation.largest("signal"))
-
-    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
-        """A command that is rounded to few steps, as that of a three-position valve: below half a step it does nothing.
-
-        A dead zone that is fitted to it is narrower, as the command does more than its rest from there on.
-        """
-        from camid.effects.input_quantisation import InputQuantisation
-
-        steps = [share * self.values["half_width"] for share in STEPS_OF_WIDTH]
-        few = situation.largest("signal") < FEW_STEPS * steps[0]
-        return tuple(InputQuantisation(step=step) for step in steps) if few else ()
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
