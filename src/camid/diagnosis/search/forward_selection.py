@@ -82,7 +82,8 @@ def with_added_effects(
     """
     current = base if begun is None else begun.fitted
     rivals: list[list[Hypothesis]] = [] if begun is None else list(begun.rivals)
-    interrupted, overtime = False, 0
+    # Where small changes add up to a phase error, the screening of few is a poor guide.
+    interrupted, overtime = False, MOST_IN_OVERTIME if problem.kind.phases_add_up else 0
     known = len(base.model.effects)
     doubtful: Fitted | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
