@@ -80,9 +80,9 @@ class PendulumGravity(Effect):
         for law in laws:
             for angle in (0.15, 0.5, 1.2):
                 yield law(amplitude=situation.largest("position") / angle)
-        left = np.std((situation.recorded - situation.position)[situation.used])
+        left = (situation.recorded - situation.position)[situation.used]
         # A simulation that has run away follows nothing, either.
-        if not left <= FOLLOWED * np.std(situation.recorded[situation.used]):
+        if len(left) and not np.std(left) <= FOLLOWED * np.std(situation.recorded[situation.used]):
             for period in _turns(situation):
                 yield cls(amplitude=period / (2.0 * pi))
 
