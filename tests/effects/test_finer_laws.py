@@ -10,9 +10,10 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
-from camid.effects.actuator import DeadZone, Saturation
+from camid.effects.actuator import Saturation
 from camid.effects.bristle_friction import StribeckBristleFriction
 from camid.effects.damped_end_stop import DampedEndStop
+from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
 from camid.effects.extent import Extent

@@ -1,5 +1,7 @@
 """Coarse steps of the command: what they do, how they are guessed and found, and what hides them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -102,3 +104,12 @@ def test_halves_are_rounded_away_from_zero(sizes):
     signal = np.array(sizes)
     rounded, _ = InputQuantisation(step=0.9).transform(signal, signal, PERIOD)
     np.testing.assert_allclose(rounded, np.sign(signal) * [0.9, 0.9, 1.8])
+
+
+def test_a_dead_zone_may_be_the_first_of_few_steps():
+    """As of a three-position valve; a dead zone that is fitted to it is narrower than half a step."""
+    few, many = SimpleNamespace(largest=lambda _: 90.0), SimpleNamespace(largest=lambda _: 900.0)
+    fitted = effect("dead-zone", half_width=24.8)
+    steps = [law.values["step"] for law in fitted.relatives(few)]
+    assert min(abs(step - 54.3) for step in steps) < 1.0
+    assert fitted.relatives(many) == ()

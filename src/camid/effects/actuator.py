@@ -15,65 +15,18 @@ from camid.chain.acquisition import HOLDS, Acquisition
 from camid.chain.plant import TransferFunction
 from camid.compiled import njit
 from camid.effects.base import Array, Effect
+from camid.effects.command import SMALL_SHARES, at_both_ends, one_level
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
+from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
-# Shares of the largest input, or of its changes, at which thresholds are looked for.
-SMALL_SHARES = (0.02, 0.08, 0.2, 0.4, 0.7)
+# Shares of the largest input, or of its changes, at which limits are looked for.
 LARGE_SHARES = (0.97, 0.9, 0.75, 0.55, 0.3)
 DELAYS = (0.05, 0.3, 1.0, 3.0)
-LEAST_FACTOR = 1e-9
 # Lag, as a share of the period, below which it is nothing but a delay: a faster pole costs the integrator only steps.
 LEAST_LAG = 5e-3
-
-
-def levels(signal: Array) -> int:
-    """Number of different absolute values of an input, at most three counted."""
-    sizes = np.abs(signal)
-    largest = float(np.max(sizes, initial=0.0)) or 1.0
-    return min(len(np.unique(np.round(sizes / largest, 6))), 3)
-
-
-def _one_level(situation: Situation, effect: str) -> str | None:
-    if situation.acquisition.hold == "zoh" and levels(situation.signal) == 1:
-        return f"the input has one absolute value only, for which {effect} is a change of the gain"
-    return None
-
-
-class DeadZone(Effect):
-    """No force for a command that is smaller than the half width."""
-
-    identifier = "dead-zone"
-    place = "actuator"
-    title = "Dead zone of the actuator"
-    equation = r"u' = \mathrm{sgn}(u)\,\max(|u| - d,\ 0)"
-    reference = "Tao & Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor Nonlinearities"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_width", "u", "command d that has no effect", 0.0),)
-    separated_by = (SeparatingExperiment.MANY_LEVELS,)
-    strength = "half_width"
-    keeps_hold = True
-
-    @compiled
-    def actuated(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return signal - min(max(signal, -values[0]), values[0])
-
-    def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
-        """Subtract the half width."""
-        width = self.values["half_width"]
-        return at_both_ends(lambda u: np.sign(u) * np.maximum(np.abs(u) - width, 0.0), start, end)
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Several shares of the largest input."""
-        for share in SMALL_SHARES:
-            yield cls(half_width=share * situation.largest("signal"))
-
-    @classmethod
-    def invisible(cls, situation: Situation) -> str | None:
-        """A two-level input shows nothing of it."""
-        return _one_level(situation, "a dead zone")
 
 
 class Saturation(Effect):
@@ -110,7 +63,7 @@ class Saturation(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """A two-level input shows nothing of it."""
-        return _one_level(situation, "saturation")
+        return one_level(situation, "saturation")
 
 
 @njit
@@ -156,7 +109,7 @@ class Backlash(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """A two-level input shows nothing of it."""
-        return _one_level(situation, "backlash")
+        return one_level(situation, "backlash")
 
 
 @njit
@@ -357,9 +310,3 @@ class InputBias(Effect):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """A small bias: the effect is proportional to it."""
         yield cls(bias=0.02 * situation.largest("signal"))
-
-
-def at_both_ends(function, start: Array, end: Array) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
-    """A static function of both ends of each step; a held input stays one array."""
-    first = function(start)
-    return first, (first if end is start else function(end))

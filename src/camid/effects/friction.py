@@ -12,8 +12,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from camid.chain.plant import TransferFunction
+from camid.effects.actuator import Backlash
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.dead_zone import DeadZone
 from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, mobility, motion_sign
@@ -123,8 +125,6 @@ def bent_input(situation: Situation, level: float) -> tuple[Effect, ...]:
     A plant that integrates answers a command with a speed, so that one below the friction does nothing: a dead zone. A
     plant of first order has no mass, and its input has to turn round by twice the friction before it does: a play.
     """
-    from camid.effects.actuator import Backlash, DeadZone
-
     if situation.plant.denominator[-1] == 0.0:
         return (DeadZone(half_width=level),)
     return (Backlash(half_width=level),) if situation.plant.order == 1 else ()

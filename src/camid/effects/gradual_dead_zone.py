@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from camid.effects.actuator import DeadZone
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.dead_zone import DeadZone
 from camid.effects.extent import Extent
 from camid.effects.gradual_saturation import (
     FIRST_SHARPNESS,

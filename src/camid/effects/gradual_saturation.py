@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from camid.compiled import njit
-from camid.effects.actuator import LEAST_FACTOR, Saturation, at_both_ends
+from camid.effects.actuator import Saturation
 from camid.effects.base import Array, Effect
+from camid.effects.command import at_both_ends
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
+from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.situation import Situation
 
 # Limits of first guesses, as shares of the largest input, and their sharpness: a knee, and about a hyperbolic tangent.

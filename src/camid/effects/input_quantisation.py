@@ -12,10 +12,11 @@ from typing import ClassVar
 import numpy as np
 
 from camid.chain.exact import sample
-from camid.effects.actuator import LEAST_FACTOR, at_both_ends, levels
 from camid.effects.base import Array, Effect
+from camid.effects.command import at_both_ends, levels
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
+from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.residual_regression import ResidualRegression
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from camid.compiled import njit
-from camid.effects.actuator import LEAST_FACTOR, RateLimit
+from camid.effects.actuator import RateLimit
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
+from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.situation import Situation
 
 # Parts of a step of the input in which speed and command are constant.
