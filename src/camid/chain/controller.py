@@ -8,6 +8,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.plant import TransferFunction
+
 Array = NDArray[np.float64]
 
 
@@ -33,6 +35,15 @@ class Controller:
     position_gain: float
     velocity_gain: float
     limit: float = inf
+
+    def answer_to_force(self, plant: TransferFunction) -> TransferFunction:
+        """What the control adds for a force at the plant's input, in continuous time and without the limit.
+
+        With K = k_v (k_p + s) it is -K G / (1 + K G), for G the plant: the control makes up for the force.
+        """
+        gains = np.array([self.velocity_gain, self.velocity_gain * self.position_gain])
+        loop = np.polymul(gains, plant.numerator)
+        return TransferFunction(tuple(-loop), tuple(np.polyadd(plant.denominator, loop)))
 
     def to_mapping(self) -> dict[str, str | float]:
         """Part of a simulation file."""

@@ -25,8 +25,6 @@ LINES = 4
 TIMES = 3
 # Periods of a force that a recording holds at least: what has not returned may be a drift as well.
 FEWEST_PERIODS = 1.5
-# First guesses of a sinusoidal force in a loop: its phases, and its size as a share of the largest command.
-PHASES, SMALL = (0.0, 0.5 * pi, pi, 1.5 * pi), 0.02
 
 
 def force_at(situation: Situation, angular: float) -> dict[str, float]:
@@ -36,7 +34,7 @@ def force_at(situation: Situation, angular: float) -> dict[str, float]:
     middle = situation.time - acquisition.latency - 0.5 * exposure
     window = np.hanning(len(situation.residual))
     phasor = 2j * (situation.residual @ (np.exp(-1j * angular * middle) * window)) / np.sum(window)
-    gain = complex(situation.plant.frequency_response(angular)) * np.sinc(angular * exposure / (2.0 * pi))
+    gain = complex(situation.response_to_force.frequency_response(angular)) * np.sinc(angular * exposure / (2.0 * pi))
     force = phasor / gain if abs(gain) > 0.0 else phasor
     return {"amplitude": float(abs(force)), "phase": float(np.angle(force))}
 
@@ -73,16 +71,9 @@ class PeriodicDisturbance(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The highest lines of the residual's spectrum, brought back to the plant's input.
-
-        In a loop the controller answers, too: there any phase is tried, small.
-        """
+        """The highest lines of the residual's spectrum, brought back to the plant's input."""
         for angular in highest_lines(situation, LINES):
-            if situation.command is None:
-                yield cls(frequency=angular, **force_at(situation, angular))
-                continue
-            for phase in PHASES:
-                yield cls(frequency=angular, amplitude=SMALL * situation.largest("command"), phase=phase)
+            yield cls(frequency=angular, **force_at(situation, angular))
 
 
 def _best_times(situation: Situation, response: Array) -> list[float]:
@@ -132,7 +123,7 @@ class StepDisturbance(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Where the response to a step fits the residual best."""
-        response = sample(situation.plant, np.ones(len(situation.time)), situation.acquisition)
+        response = sample(situation.response_to_force, np.ones(len(situation.time)), situation.acquisition)
         size = 0.05 * situation.largest("signal")
         for time in _best_times(situation, response):
             for shift in (0.0, -0.5):
@@ -165,7 +156,7 @@ class ImpulseDisturbance(Effect):
         """Where the response to a blow fits the residual best."""
         signal = np.zeros(len(situation.time))
         signal[0] = 1.0
-        response = sample(situation.plant, signal, situation.acquisition)
+        response = sample(situation.response_to_force, signal, situation.acquisition)
         period = situation.acquisition.period
         size = 0.05 * situation.largest("signal") * period
         for time in _best_times(situation, response):

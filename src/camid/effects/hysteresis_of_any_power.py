@@ -21,8 +21,8 @@ from camid.effects.situation import Situation
 
 # First guesses of the exponent.
 EXPONENTS = (2.0, 4.0)
-# Normalised ways at which a loop is worked out, and steps between two of them; what is left of saturation behind the last
-# way is a power of e of about -SATURATED.
+# Normalised ways at which a loop is worked out, and steps between two of them; what is left of saturation behind the
+# last way is a power of e of about -SATURATED.
 WAYS, STEPS, SATURATED = 401, 2, 30.0
 # Where they stand among the values of a force: their distance, then the loop there, then its slopes.
 DISTANCE, FIRST = 3, 4
@@ -62,7 +62,8 @@ def virgin_loop(exponent: float) -> tuple[float, NDArray[np.float64]]:
 def _between(share: float, cell: int, values: Any) -> tuple[float, float]:
     """The loop, and its slope, at a share of the distance behind one of its ways: Hermite's cubic."""
     start, end = values[FIRST + cell], values[FIRST + cell + 1]
-    leaving, arriving = values[DISTANCE] * values[FIRST + WAYS + cell], values[DISTANCE] * values[FIRST + WAYS + cell + 1]
+    slopes = FIRST + WAYS + cell
+    leaving, arriving = values[DISTANCE] * values[slopes], values[DISTANCE] * values[slopes + 1]
     square = 3.0 * (end - start) - 2.0 * leaving - arriving
     cube = leaving + arriving - 2.0 * (end - start)
     slope = leaving + share * (2.0 * square + 3.0 * share * cube)

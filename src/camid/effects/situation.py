@@ -32,7 +32,9 @@ class Situation:
     rest : callable, optional
         Of a plant of equations, its states at rest, by name, at an output; None where it rests nowhere.
     command : ndarray, shape (N,), optional
-        What a controller puts out, where ``signal`` is the reference that it follows.
+        What a controller puts out, where ``signal`` is the reference that it follows; the residual is of it.
+    answer : TransferFunction, optional
+        What a force at the plant's input does to what the residual is of, where it is not what it does to the position.
     """
 
     time: Array
@@ -46,6 +48,7 @@ class Situation:
     used: NDArray[np.bool_]
     rest: Callable[[float], dict[str, float] | None] | None = None
     command: Array | None = None
+    answer: TransferFunction | None = None
 
     def until(self, rows: int) -> Situation:
         """The begin of the recording, at most so many rows."""
@@ -62,6 +65,11 @@ class Situation:
         if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
             found = abs(self.plant.denominator[-1] / self.plant.numerator[-1]) * self.largest("position", share)
         return found or 1.0
+
+    @property
+    def response_to_force(self) -> TransferFunction:
+        """From a force at the plant's input to what the residual is of."""
+        return self.plant if self.answer is None else self.answer
 
     @property
     def duration(self) -> float:

@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.acquisition import Acquisition
 from camid.chain.controller import Loop
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
@@ -170,6 +171,7 @@ class ClosedLoop(PlantKind):
         motion = move(problem.chain(model, index), experiment.signal, time)
         nodes = np.round((time - motion.start) / motion.step).astype(int)
         simulated = np.zeros(len(time)) if motion.control is None else motion.control
+        plant = problem.structure.plant(model.coefficients)
         situation = Situation(
             time,
             experiment.signal,
@@ -177,10 +179,12 @@ class ClosedLoop(PlantKind):
             motion.position[nodes],
             motion.velocity[nodes],
             np.where(experiment.used, experiment.output - simulated, 0.0),
-            _mirrored(problem.structure.plant(model.coefficients)),
-            experiment.acquisition,
+            _mirrored(plant),
+            # The control is compared as it is, whatever the camera does.
+            Acquisition(experiment.acquisition.period, experiment.acquisition.hold, "instant"),
             experiment.used,
             command=experiment.output,
+            answer=_mirrored(self.loops[index].controller.answer_to_force(plant)),
         )
         return Views(situation, situation, situation)
 
