@@ -53,3 +53,13 @@ def test_an_event_is_fitted_where_the_rig_rests_in_the_end(blow):
 def test_beside_a_pendulum_that_turns_over_in_the_end_other_parts_do_not_rest(blow):
     turns = np.where(np.arange(ROWS) < 850, MOTION, 200.0)
     assert judging(blow, turns) in (1, 2, 3)
+
+
+@pytest.mark.parametrize(("farther", "part"), [(1.05, 4), (1.3, 3)])
+def test_a_part_that_goes_farther_than_all_others_does_not_judge_them(farther, part):
+    """A stop that is reached there alone would speak against all that is right before it."""
+    assert judging(NOISE, np.where(np.arange(ROWS) < 800, MOTION, farther * MOTION)) == part
+
+
+def test_a_recording_that_goes_on_and_on_is_judged_between_others():
+    assert judging(NOISE, MOTION + 0.02 * np.arange(ROWS)) == 3

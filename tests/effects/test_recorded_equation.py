@@ -87,3 +87,33 @@ def test_a_buffer_of_a_spindle_is_found_though_the_plant_without_it_runs_away(ac
     assert first.identifier == "end-stop"
     assert first.parameters["position"].value == pytest.approx(PLACE, rel=0.05)
     assert found.fit.improved < 0.05 < found.fit.refitted
+
+
+def test_a_buffer_in_a_loop_that_is_not_declared_is_found_beside_coefficients_of_either_sign():
+    """Without the buffer the plant that is estimated from what the loop commanded may even have the other sign."""
+    generator = np.random.default_rng(8)
+    period, rows, fine = 0.02, 2500, 20
+    wanted = np.repeat(generator.uniform(-0.7, 0.75, rows // 125), 125)
+    command, trolley = np.zeros(rows), np.zeros(rows)
+    position, velocity = 0.0, 0.0
+    for k in range(rows):
+        trolley[k] = position
+        command[k] = np.clip(6.0 * (wanted[k] - position) - 4.0 * velocity, -3.0, 3.0)
+        for _ in range(fine):
+            contact = 25.0 * max(position - 0.5, 0.0)
+            velocity += period / fine * (0.99 * (command[k] - contact) - 0.4 * velocity)
+            position += period / fine * velocity
+    recorded = 1.2 + trolley + 0.001 * generator.normal(size=rows)
+    nominal = {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": [0.8], "denominator": [1.0, 0.5, 0.0]}},
+        "sensor": {"column": "y", "kind": "instant"},
+    }
+    table = pd.DataFrame({"t": period * np.arange(rows), "u": command, "y": recorded})
+    found = camid.diagnose(table, nominal)
+    assert [f.identifier for f in found.findings] == ["end-stop"]
+    for name, truth in (("position", 0.5), ("stiffness", 25.0)):
+        assert found.findings[0].parameters[name].value == pytest.approx(truth, rel=0.01)
+    assert found.fit.improved < 0.05 < found.fit.refitted

@@ -6,7 +6,7 @@ import pytest
 from camid.chain.acquisition import Acquisition
 from camid.chain.companion_form import time_scale
 from camid.engine.mechanics import companion_block
-from camid.fitting.initial_motion import recorded_start
+from camid.fitting.initial_motion import recorded_start, recorded_zero
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.linear import LinearPlant
 from camid.fitting.problem import Problem
@@ -29,3 +29,16 @@ def test_rows_that_are_not_fitted_show_the_motion_where_the_first_fitted_ones_ar
     matrix, row, _ = companion_block(PLANT, time_scale(PLANT.monic.denominator))
     seen = np.vstack([row, row @ matrix])
     np.testing.assert_allclose(seen @ state, seen @ STATE, atol=0.05 * np.max(np.abs(seen @ STATE)))
+
+
+@pytest.mark.parametrize(("at_rest", "shown"), [(True, 3.0), (False, 7.0)])
+def test_a_plant_that_is_said_to_begin_at_its_zero_shows_the_sensor_s(at_rest, shown):
+    table = record(sensor="instant", exposure=None, noise=1e-4)
+    acquisition = Acquisition(PERIOD, sensor="instant")
+    structure = Structure.fixed(PLANT)
+    output = table["y"].to_numpy() + 3.0
+    experiment = Experiment(table["u"].to_numpy(), output, acquisition, np.ones(len(output), bool), not at_rest)
+    plant = LinearPlant(offset_free=True)
+    problem = Problem(structure, [experiment], [table["t"].to_numpy()], plant, 0.1)
+    model = Model(structure.coefficients(), constants={"offset": 7.0})
+    assert recorded_zero(problem, model).constants["offset"] == pytest.approx(shown, abs=0.01)

@@ -238,7 +238,8 @@ class _Equation:
         terms[1 : order + 1][np.array(given.denominator[1:]) == 0.0] = 0.0
         plant = TransferFunction((gain,), (1.0, *(float(gain * term) for term in terms[1 : order + 1])))
         ratios = gain / given.numerator[0], _slow_gain(plant) / _slow_gain(given)
-        if not any(1.0 / NEAR < ratio < NEAR for ratio in ratios):
+        # What was estimated without the force may even have the other sign.
+        if not any(1.0 / NEAR < abs(ratio) < NEAR for ratio in ratios):
             return None
         return plant, -float(terms[order + 1]), terms[order + 3 :]
 

@@ -20,13 +20,15 @@ Array = NDArray[np.float64]
 
 # The first horizon in time constants 1/ω of the plant, in rows a free number at least, and by how much it grows.
 FIRST_HORIZON = 15.0
+# The least one, in the same, of a model that follows for a while already.
+LEAST_HORIZON = 5.0
 ROWS_PER_UNKNOWN = 20
 GROWTH = 1.6
 # Largest number of evaluations for each horizon.
 STEPS = 60
 # Error, as a share of the output's spread, from which a model no longer follows; how often one that follows a part is
 # fitted to it, and the evaluations for that.
-ASTRAY, MOST_EXTENSIONS, STEPS_WHILE_IT_FOLLOWS = 0.1, 6, 8
+ASTRAY, MOST_EXTENSIONS, STEPS_WHILE_IT_FOLLOWS = 0.1, 6, 30
 
 
 def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
@@ -54,12 +56,12 @@ def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
     return fit(problem, model, steps=steps)
 
 
-def first_horizon(problem: Problem, start: Model) -> int:
-    """Rows over which a model follows the recordings well enough for a fit to start there."""
+def first_horizon(problem: Problem, start: Model, constants: float = FIRST_HORIZON) -> int:
+    """Rows over which a model follows the recordings well enough for a fit to start there, of so many time constants."""
     constant = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
     numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
     begin = max(int(np.argmax(e.used)) for e in problem.experiments)  # rows before it say nothing
-    return begin + max(int(FIRST_HORIZON * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)
+    return begin + max(int(constants * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)
 
 
 def fitted_as_far_as_it_follows(problem: Problem, start: Model) -> Model:
@@ -72,15 +74,20 @@ def fitted_as_far_as_it_follows(problem: Problem, start: Model) -> Model:
     ----------
     problem : Problem
     start : Model
-        Returned as it is where it follows for less than a first horizon, or all the way.
+        Returned as it is where it follows for too short a while, or all the way.
     """
-    model, before = start, first_horizon(problem, start)
+    model, horizon = start, rows_followed(problem, start)
+    if horizon <= first_horizon(problem, start, LEAST_HORIZON):
+        return start
     longest = max(len(t) for t in problem.times)
     for _ in range(MOST_EXTENSIONS):
-        horizon = rows_followed(problem, model)
-        if horizon >= longest or horizon <= before:
-            return model
-        model, before = fit(problem.start_of(horizon), model, steps=STEPS_WHILE_IT_FOLLOWS, finest=False).model, horizon
+        if horizon >= longest:
+            break
+        fitted = fit(problem.start_of(horizon), model, steps=STEPS_WHILE_IT_FOLLOWS, finest=False).model
+        follows = rows_followed(problem, fitted)
+        if follows <= horizon:
+            return fitted if follows == horizon else model
+        model, horizon = fitted, follows
     return model
 
 

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 # elsewhere that part may hold before another one is taken.
 VALIDATION_SHARE = 0.2
 CONCENTRATED_RATIO = 2.0
+# Way beyond that of all other parts, as a share of the whole, from which a part is no fair judge of them.
+LARGEST_REACH = 0.05
 # A part with a smaller share of the largest variance of the output is at rest.
 AT_REST_SHARE = 0.002
 # Rows of a running median, and the standard deviation that it leaves of white noise (order statistics of a Gaussian).
@@ -94,8 +96,10 @@ def _last_run(problem: Problem) -> dict[int, NDArray[np.bool_]]:
 def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     """The last part of a recording that judges: another one where the rig rests or a single event makes the mismatch.
 
-    Where the rig hardly moves in the last part (a free decay, the end of a chirp), it is the last one that does move;
-    where a single event makes most of the mismatch in it, that of those that move with the least.
+    Where the rig hardly moves in the last part (a free decay, the end of a chirp), it is the last one that does move.
+    Where it goes farther there than anywhere else, it is the last one that stays on the way of the others: a stop that
+    is reached there alone would speak against all that is right before it, and nothing that is fitted would know of
+    it. Where a single event makes most of the mismatch, it is that of those that move with the least.
     """
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     # Rows that are not fitted, as the first of a recording that begins in motion, may be far from the simulation.
@@ -103,7 +107,9 @@ def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     energy = np.array([float(np.sum(square[p])) / max(int(np.count_nonzero(experiment.used[p])), 1) for p in parts])
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
     candidates = np.arange(1, len(parts))
-    chosen = int(_moving(motion, candidates)[-1])
+    moving = _moving(motion, candidates)
+    inside = moving[_reach(experiment.output, parts)[moving] <= LARGEST_REACH]
+    chosen = int((inside if len(inside) else moving)[-1])
     if energy[chosen] > CONCENTRATED_RATIO * float(np.mean(np.delete(energy, chosen))):
         # Beside a pendulum that has turned over all other parts would seem at rest.
         others = _moving(motion, np.delete(candidates, chosen - 1))
@@ -112,6 +118,16 @@ def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     rows = np.zeros(len(residual), bool)
     rows[parts[chosen]] = True
     return rows
+
+
+def _reach(output: Array, parts: Sequence[NDArray[np.intp]]) -> Array:
+    """How far each part of a recording goes beyond all others, as a share of the way, shape (parts,)."""
+    lowest, highest = (np.array([extreme(output[p]) for p in parts]) for extreme in (np.min, np.max))
+    reach = [
+        max(float(highest[i] - np.max(np.delete(highest, i))), float(np.min(np.delete(lowest, i)) - lowest[i]))
+        for i in range(len(parts))
+    ]
+    return np.array(reach) / (float(np.ptp(output)) or 1.0)
 
 
 def _moving(motion: Array, parts: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fitted_as_far_as_it_follows, rows_followed
-from camid.fitting.initial_motion import recorded_start
+from camid.fitting.initial_motion import recorded_start, recorded_zero
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
@@ -87,9 +87,10 @@ def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str
     list of Model
         Coefficients that are not free are those of the base; none of a plant that is not made from coefficients.
     """
-    views, found = problem.situations(base.model), []
+    known = recorded_zero(problem, base.model)
+    views, found = problem.situations(known), []
     free = {constant.name for constant in problem.kind.free_constants()}
-    estimated = {name: value for name, value in base.model.constants.items() if name in free}
+    estimated = {name: value for name, value in known.constants.items() if name in free}
     for identifier in sorted(set(identifiers)):
         kind = known_effects()[identifier]
         try:
@@ -100,7 +101,7 @@ def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str
             coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
             kept = ~problem.structure.free
             coefficients[kept] = base.model.coefficients[kept]
-            model = replace(base.model.plus(effect), constants={**base.model.constants, **constants}, initial=())
+            model = replace(known.plus(effect), constants={**known.constants, **constants}, initial=())
             moved = problem.kind.with_coefficients(model, coefficients)
             if np.array_equal(moved.coefficients, coefficients):
                 # The state that suits the linear part best may be none beside an effect that bends the motion much.
