@@ -11,19 +11,13 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
 from camid.effects.actuator import Saturation
-from camid.effects.bristle_friction import StribeckBristleFriction
 from camid.effects.damped_end_stop import DampedEndStop
 from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import PeriodicDisturbance
 from camid.effects.drift import SettlingDrift
 from camid.effects.extent import Extent
-from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
-from camid.effects.gradual_friction import (
-    GradualAsymmetricFriction,
-    GradualCoulombFriction,
-    GradualStribeckFriction,
-)
+from camid.effects.gradual_friction import GradualAsymmetricFriction
 from camid.effects.gradual_saturation import GradualSaturation
 from camid.effects.gravity import PendulumDrivenAcross, PendulumGravity
 from camid.effects.harmonics import (
@@ -349,65 +343,6 @@ def test_less_than_a_period_and_a_half_is_no_periodic_disturbance():
     disturbance = PeriodicDisturbance(amplitude=1.0, frequency=1.0, phase=0.0)
     assert disturbance.is_plausible(Extent(1.0, 9.5))
     assert not disturbance.is_plausible(Extent(1.0, 9.4))
-
-
-def test_friction_that_turns_round_gradually_is_viscous_at_rest_and_dry_beyond():
-    law = GradualCoulombFriction(force=0.4, transition=0.1)
-    values = np.array([0.4, 0.1])
-    force = [law.force.function(0.0, 0.0, speed, 0.0, 0.0, values) for speed in (-9.0, 0.0, 1e-3, 9.0)]
-    np.testing.assert_allclose(force, [-0.4, 0.0, 0.4 * np.tanh(0.01), 0.4], rtol=1e-9)
-    assert law.simplified().values == {"force": 0.4}
-
-
-def test_friction_that_turns_round_gradually_is_no_stribeck_friction():
-    """Whose level would have to rise with the speed."""
-    table = record(GradualCoulombFriction(force=0.3, transition=0.6), count=2500)
-    (found,) = camid.diagnose(table, simulation()).findings
-    assert found.identifier == "coulomb-friction"
-    for name, truth in (("force", 0.3), ("transition", 0.6)):
-        estimate = found.parameters[name]
-        assert abs(estimate.value - truth) < 3.0 * estimate.standard_deviation < 0.5 * truth
-
-
-def test_friction_that_turns_round_gradually_may_fall_beyond():
-    law = GradualStribeckFriction(coulomb=0.2, breakaway=0.5, velocity=1.0, transition=0.1)
-    values = np.array([0.2, 0.5, 1.0, 0.1])
-    force = [law.force.function(0.0, 0.0, speed, 0.0, 0.0, values) for speed in (-9.0, 0.0, 1e-3, 0.5, 9.0)]
-    falling = 0.2 + 0.3 * np.exp(-0.25)
-    np.testing.assert_allclose(force, [-0.2, 0.0, 0.5 * np.tanh(0.01), falling * np.tanh(5.0), 0.2], rtol=1e-5)
-    assert law.simplified().values == {"coulomb": 0.2, "breakaway": 0.5, "velocity": 1.0}
-    assert not law.with_vector(np.array([0.2, 0.5, 1.0, 1.1])).is_plausible(Extent(1.0, 1.0))
-    assert not law.with_vector(np.array([0.5, 0.2, 1.0, 0.1])).is_plausible(Extent(1.0, 1.0))
-
-
-@pytest.mark.slow
-def test_friction_of_a_servo_that_falls_and_turns_round_gradually_is_found():
-    """As of a motor with an encoder: neither law of less detail leaves noise, nor does one with bristles."""
-    plant = {"numerator": [2500.0], "denominator": [1.0, 9.0, 0.0]}
-    law = GradualStribeckFriction(coulomb=0.45, breakaway=0.72, velocity=90.0, transition=6.0)
-    chain = Chain(
-        TransferFunction(**{k: tuple(v) for k, v in plant.items()}), Acquisition(0.01, sensor="instant"), (law,)
-    )
-    random = np.random.default_rng(5)
-    signal = np.repeat(random.choice([-1.5, -1.0, -0.8, 0.8, 1.0, 1.5], 45), 40)
-    time = 0.01 * np.arange(len(signal))
-    table = pd.DataFrame({"t": time, "u": signal, "y": run(chain, signal, time) + 0.3 * random.standard_normal(1800)})
-    believed = simulation(
-        plant={"transfer_function": {"numerator": [2000.0], "denominator": [1.0, 12.0, 0.0]}},
-        sensor={"column": "y", "kind": "instant", "offset": 0.0},
-    )
-    (found,) = camid.diagnose(table, believed).findings
-    assert found.title == GradualStribeckFriction.title
-    for name, truth in law.values.items():
-        estimate = found.parameters[name]
-        assert abs(estimate.value - truth) < 4.0 * estimate.standard_deviation < 0.4 * truth, name
-
-
-def test_stribeck_friction_falls_as_the_speed_grows():
-    levels = {"breakaway": 0.3, "velocity": 1.0}
-    assert StribeckFriction(coulomb=0.2, **levels).is_plausible(Extent(1.0, 1.0))
-    assert not StribeckFriction(coulomb=0.4, **levels).is_plausible(Extent(1.0, 1.0))
-    assert not StribeckBristleFriction(coulomb=0.4, presliding=0.1, **levels).is_plausible(Extent(1.0, 1.0))
 
 
 def test_a_mode_that_its_spring_damps_passes_on_the_speed_of_what_is_driven():

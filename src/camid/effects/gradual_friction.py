@@ -16,6 +16,7 @@ from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.extent import Extent
 from camid.effects.friction import AsymmetricFriction, CoulombFriction, StribeckFriction
+from camid.effects.gradual_saturation import SHARPEST, gradually_limited
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
 from camid.effects.situation import Situation
@@ -35,6 +36,8 @@ UNEVEN = 0.1
 LEAST_IN_ONE_DIRECTION = 1.0 / 3.0
 # Least speed over which it turns round, in that of the way that a recording spans over its duration: faster is at once.
 LEAST_TRANSITION = 0.02
+# Sharpness of a knee: the roundest, and first guesses.
+LEAST_SHARPNESS, FIRST_SHARPNESS = 0.5, (1.2, 4.0)
 TRANSITION = Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300)
 
 
@@ -68,7 +71,7 @@ class GradualCoulombFriction(CoulombFriction):
         return CoulombFriction(force=self.values["force"])
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """Levels that are larger in one direction, or fall with the speed."""
+        """A knee that is rounder or sharper, and levels that are larger in one direction, or fall with the speed."""
         level, spread = self.values["force"], float(np.std(situation.velocity)) or 1.0
         low, high = (share * level for share in LEVELS)
         transition = self.values["transition"]
@@ -77,7 +80,8 @@ class GradualCoulombFriction(CoulombFriction):
             for share in VELOCITIES
         )
         more, less = ((1.0 + uneven) * level for uneven in (UNEVEN, -UNEVEN))
-        return (GradualAsymmetricFriction(forward=more, backward=less, transition=transition), *falling)
+        knees = (CoulombFrictionOfAnyKnee(**self.values, sharpness=sharpness) for sharpness in FIRST_SHARPNESS)
+        return (*knees, GradualAsymmetricFriction(forward=more, backward=less, transition=transition), *falling)
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
@@ -87,6 +91,43 @@ class GradualCoulombFriction(CoulombFriction):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """It is started from a friction that was found."""
+        yield from ()
+
+
+class CoulombFrictionOfAnyKnee(GradualCoulombFriction):
+    """Coulomb friction that turns round gradually, with the sharpness of its knee: it may have long tails, or none.
+
+    A hyperbolic tangent is within 4 % of a sharpness of 2.4, the square-root law v / sqrt(v² + v_t²) has that of 2, and an
+    inverse tangent is near one of 1.
+    """
+
+    title = "Coulomb friction that turns round gradually, with any knee"
+    equation = r"f = f_c\,\dot y\,/\,(v_t^n + |\dot y|^n)^{1/n}"
+    reference = GradualCoulombFriction.reference
+    parameters = (
+        *GradualCoulombFriction.parameters,
+        Parameter("sharpness", "", "sharpness n of the knee", LEAST_SHARPNESS, SHARPEST, scale="one"),
+    )
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        return values[0] * gradually_limited(velocity, values[1], values[2]) / values[1]
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Level with the sign of the plant's gain, speed and sharpness."""
+        return [*super().force_values(plant), self.values["sharpness"]]
+
+    def simplified(self) -> CoulombFriction:
+        """A hyperbolic tangent of the same level and speed."""
+        return GradualCoulombFriction(force=self.values["force"], transition=self.values["transition"])
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """None."""
+        return ()
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """It is started from friction that turns round gradually."""
         yield from ()
 
 

@@ -57,7 +57,7 @@ def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
 
 
 def first_horizon(problem: Problem, start: Model, constants: float = FIRST_HORIZON) -> int:
-    """Rows over which a model follows the recordings well enough for a fit to start there, of so many time constants."""
+    """Rows, of so many time constants, over which a model follows well enough for a fit to start there."""
     constant = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
     numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
     begin = max(int(np.argmax(e.used)) for e in problem.experiments)  # rows before it say nothing
