@@ -97,8 +97,8 @@ class GradualCoulombFriction(CoulombFriction):
 class CoulombFrictionOfAnyKnee(GradualCoulombFriction):
     """Coulomb friction that turns round gradually, with the sharpness of its knee: it may have long tails, or none.
 
-    A hyperbolic tangent is within 4 % of a sharpness of 2.4, the square-root law v / sqrt(v² + v_t²) has that of 2, and an
-    inverse tangent is near one of 1.
+    A hyperbolic tangent is within 4 % of a sharpness of 2.4, the square-root law v / sqrt(v² + v_t²) has that of 2, and
+    an inverse tangent is near one of 1.
     """
 
     title = "Coulomb friction that turns round gradually, with any knee"
