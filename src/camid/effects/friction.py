@@ -26,6 +26,9 @@ from camid.effects.situation import Situation
 UNEVEN = 0.6
 # Share of the break-away level that friction keeps at the speeds recorded: what falls to almost nothing is none.
 LEAST_KEPT = 0.1
+# First guess of the break-away level in the level at high speeds. Speed at which friction falls, in standard deviations
+# of the velocity, from which on it falls over usual speeds, and what is a low one beside it.
+FALL, USUAL_SPEED, LOW_SPEED = 1.6, 0.3, 0.2
 
 
 class CoulombFriction(Effect):
@@ -93,12 +96,18 @@ class StribeckFriction(Effect):
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """Coulomb friction of the level at usual speeds, where nothing moves slowly enough to show the other.
 
-        In some plants, what bends the input nearly as it bends the motion, too.
+        In some plants, what bends the input nearly as it bends the motion, too. Friction that falls over all speeds may
+        have taken the place of what was missing then: it is begun again as one that falls at low ones.
         """
         speed = float(np.median(np.abs(situation.velocity)))
         coulomb, breakaway, velocity = (self.values[name] for name in ("coulomb", "breakaway", "velocity"))
         level = coulomb + (breakaway - coulomb) * exp(-((speed / velocity) ** 2))
-        return CoulombFriction(force=level), *bent_input(situation, level)
+        found = (CoulombFriction(force=level), *bent_input(situation, level))
+        spread = float(np.std(situation.velocity))
+        if velocity < USUAL_SPEED * spread:
+            return found
+        low = StribeckFriction(coulomb=level, breakaway=FALL * level, velocity=LOW_SPEED * min(velocity, spread))
+        return (*found, low)
 
     def scaled(self, factor: float) -> StribeckFriction:
         """Both levels, scaled."""
@@ -116,7 +125,7 @@ class StribeckFriction(Effect):
         for speed in (0.1, 0.3, 0.8):
             velocity = speed * float(np.std(situation.velocity)) or 1.0
             for level in (1.0, 5.0):
-                yield cls(coulomb=level * force, breakaway=level * 1.6 * force, velocity=velocity)
+                yield cls(coulomb=level * force, breakaway=level * FALL * force, velocity=velocity)
 
 
 def bent_input(situation: Situation, level: float) -> tuple[Effect, ...]:
