@@ -8,7 +8,9 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.effects.recorded_equation import plant_beside_stop
+from camid.effects.damping import QuadraticDrag
+from camid.effects.friction import CoulombFriction
+from camid.effects.recorded_equation import plant_beside_laws, plant_beside_stop
 from camid.effects.situation import Situation
 from camid.effects.stiffness import EndStop
 
@@ -89,31 +91,72 @@ def test_a_buffer_of_a_spindle_is_found_though_the_plant_without_it_runs_away(ac
     assert found.fit.improved < 0.05 < found.fit.refitted
 
 
-def test_a_buffer_in_a_loop_that_is_not_declared_is_found_beside_coefficients_of_either_sign():
-    """Without the buffer the plant that is estimated from what the loop commanded may even have the other sign."""
-    generator = np.random.default_rng(8)
-    period, rows, fine = 0.02, 2500, 20
-    wanted = np.repeat(generator.uniform(-0.7, 0.75, rows // 125), 125)
-    command, trolley = np.zeros(rows), np.zeros(rows)
+def in_a_loop(wanted, period, force, gain, rate):
+    """Command and position of an axis that a PD controller drives where it is wanted, and which a force opposes."""
+    fine = 20
+    command, axis = np.zeros(len(wanted)), np.zeros(len(wanted))
     position, velocity = 0.0, 0.0
-    for k in range(rows):
-        trolley[k] = position
-        command[k] = np.clip(6.0 * (wanted[k] - position) - 4.0 * velocity, -3.0, 3.0)
-        for _ in range(fine):
-            contact = 25.0 * max(position - 0.5, 0.0)
-            velocity += period / fine * (0.99 * (command[k] - contact) - 0.4 * velocity)
+    for k, goal in enumerate(wanted):
+        axis[k] = position
+        command[k] = np.clip(8.0 * (goal - position) - 4.0 * velocity, -5.0, 5.0)
+        for j in range(fine):
+            opposing = force(period * (k + j / fine), position, velocity)
+            velocity += period / fine * (gain * (command[k] - opposing) - rate * velocity)
             position += period / fine * velocity
-    recorded = 1.2 + trolley + 0.001 * generator.normal(size=rows)
+    return command, axis
+
+
+def diagnosed(command, recorded, period, numerator, damping):
+    """Of an axis whose loop the simulation does not declare."""
     nominal = {
         "schema": 1,
         "time": {"column": "t"},
         "input": {"column": "u", "hold": "zoh"},
-        "plant": {"transfer_function": {"numerator": [0.8], "denominator": [1.0, 0.5, 0.0]}},
+        "plant": {"transfer_function": {"numerator": [numerator], "denominator": [1.0, damping, 0.0]}},
         "sensor": {"column": "y", "kind": "instant"},
     }
-    table = pd.DataFrame({"t": period * np.arange(rows), "u": command, "y": recorded})
-    found = camid.diagnose(table, nominal)
+    table = pd.DataFrame({"t": period * np.arange(len(command)), "u": command, "y": recorded})
+    return camid.diagnose(table, nominal)
+
+
+def test_a_buffer_in_a_loop_that_is_not_declared_is_found_beside_coefficients_of_either_sign():
+    """Without the buffer the plant that is estimated from what the loop commanded may even have the other sign."""
+    generator = np.random.default_rng(8)
+    wanted = np.repeat(generator.uniform(-0.7, 0.75, 20), 125)
+    command, trolley = in_a_loop(wanted, 0.02, lambda _t, y, _v: 25.0 * max(y - 0.5, 0.0), 0.99, 0.4)
+    found = diagnosed(command, 1.2 + trolley + 0.001 * generator.normal(size=len(wanted)), 0.02, 0.8, 0.5)
     assert [f.identifier for f in found.findings] == ["end-stop"]
     for name, truth in (("position", 0.5), ("stiffness", 25.0)):
         assert found.findings[0].parameters[name].value == pytest.approx(truth, rel=0.01)
     assert found.fit.improved < 0.05 < found.fit.refitted
+
+
+def test_friction_and_a_load_that_sets_in_are_found_together_in_a_loop_that_is_not_declared():
+    """With one of them alone the axis runs away from the recording as well."""
+    generator = np.random.default_rng(12)
+    onset, load, friction = 22.22, 0.66, 0.35
+    wanted = np.repeat(generator.uniform(-1.5, 1.5, 16), 150)
+
+    def force(time, _, velocity):
+        return friction * np.tanh(velocity / 1e-3) + (load if time >= onset else 0.0)
+
+    command, axis = in_a_loop(wanted, 0.02, force, 1.2, 1.2)
+    found = diagnosed(command, 2.0 + axis + 0.002 * generator.normal(size=len(wanted)), 0.02, 0.9, 1.6)
+    named = {f.identifier: f.parameters for f in found.findings}
+    assert set(named) == {"coulomb-friction", "step-disturbance"}
+    assert named["step-disturbance"]["time"].value == pytest.approx(onset, abs=0.1)
+    assert abs(named["step-disturbance"]["size"].value) == pytest.approx(load, rel=0.02)
+    assert named["coulomb-friction"]["force"].value == pytest.approx(friction, rel=0.02)
+    assert found.fit.improved < 0.02
+    assert found.fit.refitted > 0.5
+
+
+def test_forces_are_found_one_after_the_other_and_no_more_than_explain_something(actuator):
+    time, command, stroke = actuator
+    seen = situation(time, command, stroke)
+    shapes = [EndStop(position=PLACE, stiffness=1.0), CoulombFriction(force=1.0), QuadraticDrag(coefficient=1.0)]
+    found = plant_beside_laws(seen, shapes, 3)
+    assert [type(law) for law in found.laws] == [EndStop]
+    assert found.laws[0].values["stiffness"] > 0.0
+    assert found.plant.denominator[1] == pytest.approx(RATE, rel=0.2)  # the buffer is progressive
+    assert plant_beside_laws(seen, [CoulombFriction(force=1.0)], 2) is None

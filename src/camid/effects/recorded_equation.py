@@ -9,6 +9,7 @@ needs no simulation. It yields a beginning alone, since noise in the derivatives
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -16,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
+from camid.effects.base import Effect
+from camid.effects.plant_force import force_along
 from camid.effects.recorded_force import CUT_OFFS, FILTER_ORDER, MOST_POLES, MOST_ROWS, TURNED_ROUND
 from camid.effects.situation import Situation
 
@@ -33,6 +36,11 @@ PLACES = np.linspace(0.0, 0.3, 16)[1:]
 MOST_LEFT_BY_STOP = 0.7
 # Factor within which the plant's gain lies to what was estimated without the force, at high or at low frequencies.
 NEAR = 300.0
+# Share of a force beside the others below which nothing is left of it.
+LEAST_SHOWN = 1e-3
+# What each of several forces leaves of what was left before, at most; and what a simpler one may leave in the place of
+# the one that leaves least.
+MOST_LEFT_BY_ANOTHER, NEARLY_AS_MUCH = 0.7, 1.15
 
 
 @dataclass(frozen=True)
@@ -84,6 +92,22 @@ class PlantBesideStop(PlantBesideForce):
 
     place: float
     stiffness: float
+
+
+@dataclass(frozen=True)
+class PlantBesideLaws(PlantBesideForce):
+    """A plant and forces that act on it.
+
+    Attributes
+    ----------
+    laws : tuple of Effect
+        In the sizes that fit, the one that explains most first.
+    left : float
+        Share that they leave of what is left without them.
+    """
+
+    laws: tuple[Effect, ...]
+    left: float
 
 
 def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ...]) -> PlantBesideWave | None:
@@ -152,6 +176,79 @@ def plant_beside_stop(situation: Situation) -> PlantBesideStop | None:
     return PlantBesideStop(plant, bias, place, float(pushes_back)) if pushes_back > 0.0 else None
 
 
+def plant_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int) -> PlantBesideLaws | None:
+    """The plant and the forces that explain most of the recorded motion, one after the other (matching pursuit).
+
+    Parameters
+    ----------
+    situation : Situation
+    shapes : sequence of Effect
+        Forces, in any size; what remembers the motion is passed over.
+    most : int
+        How many, of different names: as many as explain something beside those before them.
+
+    Returns
+    -------
+    PlantBesideLaws or None
+        None where the plant has zeros or too many poles, or forces of such signs explain nothing.
+
+    References
+    ----------
+    Mallat & Zhang (1993), IEEE Trans. Signal Process. 41, 3397-3415.
+    """
+    equations = _equations(situation, friction=False)
+    if not equations:
+        return None
+    middle = equations[len(equations) // 2]
+    plain = middle.solved(np.zeros((len(middle.position), 0)), situation.plant.monic)
+    plant = situation.plant if plain is None else plain[0]
+    taken = [(law, -force_along(law, plant, middle.motion)) for law in shapes if law.memory_after is None]
+    taken = [(law, force) for law, force in taken if np.all(np.isfinite(force)) and np.any(force)]
+    if not taken:
+        return None
+    laws, columns = [law for law, _ in taken], np.column_stack([force for _, force in taken])
+    pursuits = [(equation, *_pursued(equation, laws, columns, most)) for equation in equations]
+    equation, chosen, left = min(pursuits, key=lambda each: min(each[2], default=1.0))
+    found = equation.solved(columns[:, chosen], situation.plant.monic)
+    if found is None or not chosen:
+        return None
+    plant, bias, sizes = found
+    in_sizes = _in_sizes([laws[i] for i in chosen], sizes)
+    return PlantBesideLaws(plant, bias, in_sizes, left[-1]) if in_sizes else None
+
+
+def _pursued(equation: _Equation, laws: Sequence[Effect], columns: Array, most: int) -> tuple[list[int], list[float]]:
+    """Which laws explain most, one after the other, and the shares that are left with each of them in addition."""
+    chosen: list[int] = []
+    left: list[float] = []
+    while len(chosen) < most:
+        named = {laws[i].identifier for i in chosen}
+        shares = equation.left_by_each(columns, columns[:, chosen])
+        shares[[law.identifier in named for law in laws]] = np.inf
+        # Of those that leave about as much, the simplest.
+        near = np.flatnonzero(shares <= NEARLY_AS_MUCH * np.min(shares))
+        best = min(near.tolist(), key=lambda i: (len(laws[i].vector), shares[i]))
+        if shares[best] > MOST_LEFT_BY_ANOTHER * min(left, default=1.0):
+            break
+        chosen.append(best)
+        left.append(float(shares[best]))
+    return chosen, left
+
+
+def _in_sizes(laws: Sequence[Effect], sizes: Array) -> tuple[Effect, ...]:
+    """Laws in multiples of their sizes; none where one may not have such a sign."""
+    found = []
+    for law, size in zip(laws, sizes.tolist(), strict=True):
+        try:
+            scaled = law.scaled(size)
+        except ValueError:
+            return ()
+        if size < 0.0 and np.array_equal(scaled.vector, law.scaled(0.0).vector):
+            return ()
+        found.append(scaled)
+    return tuple(found)
+
+
 def _waves(position: Array, period: float, harmonic: int) -> Array:
     """Sines and cosines of a position, shape (N, 2) or (N, 4)."""
     angles = 2.0 * pi / period * np.outer(position, [1] if harmonic == 1 else [1, harmonic])
@@ -164,13 +261,13 @@ def _beyond(position: Array, place: float) -> Array:
     return (np.maximum(way, 0.0) if place > 0.0 else np.minimum(way, 0.0))[:, None]
 
 
-def _equations(situation: Situation) -> list[_Equation]:
+def _equations(situation: Situation, *, friction: bool = True) -> list[_Equation]:
     """The equation of motion with each filter; none of a plant that has zeros or too many poles."""
     situation = situation.until(MOST_ROWS)
     monic = situation.plant.monic
     if len(monic.numerator) != 1 or monic.order not in range(1, MOST_POLES + 1):
         return []
-    return [each for cut in CUT_OFFS if (each := _Equation.of(situation, cut)) is not None]
+    return [each for cut in CUT_OFFS if (each := _Equation.of(situation, cut, friction)) is not None]
 
 
 @dataclass(frozen=True)
@@ -178,6 +275,7 @@ class _Equation:
     """The filtered terms of the equation of motion: what the rest of the input is compared with."""
 
     position: Array
+    motion: tuple[Array, Array, Array, Array]
     sections: Array
     inner: slice
     command: Array
@@ -186,8 +284,8 @@ class _Equation:
     rest: Array
 
     @classmethod
-    def of(cls, situation: Situation, cut_off: float) -> _Equation | None:
-        """With one filter; None where the recording is too short for it."""
+    def of(cls, situation: Situation, cut_off: float, friction: bool) -> _Equation | None:
+        """With one filter, and dry friction or none; None where the recording is too short for it."""
         from scipy.signal import butter, sosfiltfilt
 
         spoiled = int(SPOILED / (0.5 * pi * cut_off)) + 1
@@ -202,15 +300,16 @@ class _Equation:
         for _ in range(situation.plant.monic.order):
             derivatives.append(np.gradient(derivatives[-1], situation.acquisition.period))
         slow = TURNED_ROUND * float(np.sqrt(np.mean(derivatives[1] ** 2))) or 1.0
-        friction = sosfiltfilt(sections, np.tanh(derivatives[1] / slow))
+        dry = sosfiltfilt(sections, np.tanh(derivatives[1] / slow)) if friction else np.zeros(len(position))
         # A coefficient that is zero, as that of a plant that integrates, stays so.
         terms = zip(derivatives[::-1], situation.plant.monic.denominator, strict=True)
         columns = [term if coefficient != 0.0 else np.zeros_like(term) for term, coefficient in terms]
-        table = np.column_stack([*columns, np.ones(len(position)), friction])[inner]
+        table = np.column_stack([*columns, np.ones(len(position)), dry])[inner]
         basis = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))[0]
         rest = smooth[inner, 1]
         rest = rest - basis @ (basis.T @ rest)
-        return cls(position, sections, inner, smooth[inner, 1], table, basis, rest)
+        motion = situation.time, smooth[:, 0], derivatives[1], command
+        return cls(position, motion, sections, inner, smooth[inner, 1], table, basis, rest)
 
     def _filtered(self, forces: Array) -> Array:
         """Functions of the recorded position, shape (N, k), as the terms of the equation are filtered."""
@@ -225,6 +324,18 @@ class _Equation:
         explained = np.linalg.lstsq(forces, self.rest, rcond=None)[0]
         left = self.rest - forces @ explained
         return float(left @ left) / max(float(self.rest @ self.rest), 1e-300)
+
+    def left_by_each(self, forces: Array, beside: Array) -> Array:
+        """Share of the rest that each of some forces, shape (N, k), leaves beside others, shape (N, m): shape (k,)."""
+        others, forces = self._filtered(beside), self._filtered(forces)
+        others = others - self.basis @ (self.basis.T @ others)
+        basis = np.linalg.qr(np.hstack([self.basis, others]))[0] if others.shape[1] else self.basis
+        rest = self.rest - basis @ (basis.T @ self.rest)
+        sizes = np.linalg.norm(forces, axis=0)
+        forces = forces - basis @ (basis.T @ forces)
+        powers = np.sum(forces**2, axis=0)
+        gains = np.where(powers > (LEAST_SHOWN * sizes) ** 2, (rest @ forces) ** 2 / np.maximum(powers, 1e-300), 0.0)
+        return (float(rest @ rest) - gains) / max(float(self.rest @ self.rest), 1e-300)
 
     def solved(self, forces: Array, given: TransferFunction) -> tuple[TransferFunction, float, Array] | None:
         """Plant, bias and the sizes of the forces, shape (k,), all together; None where the plant's gain is none."""

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning, beginning_in_a_loop
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.hypothesis import Hypothesis
@@ -80,6 +81,8 @@ def with_added_effects(
     Decision
         Of which no effect was put to the test beside the others.
     """
+    beginning = beginning_in_a_loop(problem, base) if begun is None and is_far_off(problem, base) else Beginning()
+    begun = begun or beginning.decision
     current = base if begun is None else begun.fitted
     rivals: list[list[Hypothesis]] = [] if begun is None else list(begun.rivals)
     # Where small changes add up to a phase error, the screening of few is a poor guide.
@@ -106,7 +109,7 @@ def with_added_effects(
         effort = BESIDE_OTHERS if beside else first_effort(problem)
         anew = begun is not None or not current.model.effects
         start = _nominal_start(problem, current, nominal, anew)
-        alone = () if beside else models_of_each_recording(problem, current, watch)
+        alone = [] if beside else [*models_of_each_recording(problem, current, watch), *beginning.models]
         others = [*alone, *_linear_from_nominal(current, nominal if start is None else None, found)]
         ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch, others=others)
         searches.keep(current, ranked)

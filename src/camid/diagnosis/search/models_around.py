@@ -8,13 +8,14 @@ themselves beside which plant they hold, as an outflow does whose tangent the es
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.plant import TransferFunction
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fitted_as_far_as_it_follows, rows_followed
@@ -95,22 +96,39 @@ def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str
         kind = known_effects()[identifier]
         try:
             guess = kind.with_plant(views.of(kind), estimated)
-            if guess is None:
-                continue
-            effect, plant, constants = guess
-            coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
-            kept = ~problem.structure.free
-            coefficients[kept] = base.model.coefficients[kept]
-            model = replace(known.plus(effect), constants={**known.constants, **constants}, initial=())
-            moved = problem.kind.with_coefficients(model, coefficients)
-            if np.array_equal(moved.coefficients, coefficients):
-                # The state that suits the linear part best may be none beside an effect that bends the motion much.
-                starts = problem.with_initial_states(moved), recorded_start(problem, moved)
-                start = max(starts, key=lambda model: rows_followed(problem, model))
-                found.append(fitted_as_far_as_it_follows(problem, start))
+            if guess is not None:
+                effect, plant, constants = guess
+                found.append(model_beside(problem, known.plus(effect), plant, constants))
         except (ValueError, ArithmeticError):
             continue
-    return found
+    return [model for model in found if model is not None]
+
+
+def model_beside(
+    problem: Problem, model: Model, plant: TransferFunction, constants: Mapping[str, float]
+) -> Model | None:
+    """A model beside another plant, fitted as far as it follows the recordings; None where no coefficients make it.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+        With its effects.
+    plant : TransferFunction
+    constants : mapping of str to float
+        That act beside that plant.
+    """
+    coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
+    kept = ~problem.structure.free
+    coefficients[kept] = model.coefficients[kept]
+    model = replace(model, constants={**model.constants, **constants}, initial=())
+    moved = problem.kind.with_coefficients(model, coefficients)
+    if not np.array_equal(moved.coefficients, coefficients):
+        return None
+    # The state that suits the linear part best may be none beside an effect that bends the motion much.
+    starts = problem.with_initial_states(moved), recorded_start(problem, moved)
+    start = max(starts, key=lambda each: rows_followed(problem, each))
+    return fitted_as_far_as_it_follows(problem, start)
 
 
 def _scaled(problem: Problem, model: Model, gain: float) -> Array:

@@ -1,0 +1,109 @@
+"""What a search may begin with where a plant that integrates is driven in a loop which is not declared.
+
+Without what is missing such a plant runs away from the recording, whatever its coefficients, and a screening beside it
+says nothing; with one of two effects alone it does, too. The plant's equation holds at the recorded positions with
+both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
+from camid.diagnosis.search.models_around import model_beside
+from camid.diagnosis.search.screening import candidates
+from camid.effects.base import Effect
+from camid.effects.disturbance import StepDisturbance
+from camid.effects.drift import ParameterDrift
+from camid.effects.recorded_equation import plant_beside_laws
+from camid.effects.situation import Situation
+from camid.fitting.fit import Fitted, fit
+from camid.fitting.initial_motion import recorded_zero
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.constants import BIAS
+from camid.fitting.problem import Problem
+
+# Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch.
+TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL = 2, 0.5, 0.1
+# Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
+ONSETS = np.linspace(0.02, 0.98, 49)
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """What a search may begin with.
+
+    Attributes
+    ----------
+    decision : Decision, optional
+        Two effects that explain nearly all of the mismatch together.
+    models : tuple of Model
+        With one effect, for fits to start from.
+    """
+
+    decision: Decision | None = None
+    models: tuple[Model, ...] = ()
+
+
+def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
+    """The forces that explain most of the recorded motion, beside the plant which it shows with them.
+
+    Parameters
+    ----------
+    problem : Problem
+    base : Fitted
+        Without an effect.
+
+    Returns
+    -------
+    Beginning
+        With neither where the plant does not integrate, or no forces explain most.
+    """
+    try:
+        start = _followed(problem, base)
+        if start is None:
+            return Beginning()
+        if len(start.effects) - len(base.model.effects) < TOGETHER:
+            return Beginning(models=(start,))
+        return Beginning(_decision(problem, base, fit(problem, start, steps=ALL_STEPS)))
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        return Beginning()
+
+
+def _followed(problem: Problem, base: Fitted) -> Model | None:
+    """A model with the forces, fitted as far as it follows; None where they explain little."""
+    known = recorded_zero(problem, base.model)
+    if problem.structure.plant(known.coefficients).denominator[-1] != 0.0:
+        return None
+    situation = problem.situations(known).plant
+    found = plant_beside_laws(situation, _shapes(problem, base, situation), TOGETHER)
+    if found is None or found.left > MOST_LEFT:
+        return None
+    free = {constant.name for constant in problem.kind.free_constants()}
+    model = replace(known, effects=(*known.effects, *found.laws))
+    return model_beside(problem, model, found.plant, dict.fromkeys({BIAS.name} & free, found.bias))
+
+
+def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None:
+    """That for the effects of a fitted model; None where they may not be, or leave much."""
+    if fitted.cost > MOST_LEFT_OF_ALL * base.cost or implausible(problem, fitted.model):
+        return None
+    laws = fitted.model.effects[len(base.model.effects) :]
+    in_place = [[Hypothesis(law.identifier, fitted, prior_penalty(problem, law))] for law in laws]
+    return Decision(base, fitted, in_place, [base] * len(in_place))
+
+
+def _shapes(problem: Problem, base: Fitted, situation: Situation) -> list[Effect]:
+    """First guesses of forces that the recordings can show, and steps at any time."""
+    shapes = [
+        each
+        for each in candidates(problem, base)
+        if (each.force is not None or each.friction_level is not None) and not isinstance(each, ParameterDrift)
+    ]
+    if any(each.identifier == StepDisturbance.identifier for each in shapes):
+        shapes += [StepDisturbance(size=1.0, time=float(t)) for t in np.quantile(situation.time, ONSETS)]
+    return shapes
