@@ -12,10 +12,10 @@ NOISE = np.random.default_rng(1).standard_normal(ROWS)
 MOTION = np.sin(0.3 * np.arange(ROWS))
 
 
-def judging(residual, motion=MOTION, first_used=0):
+def judging(residual, motion=MOTION, first_used=0, integrates=False):
     """Which fifth judges."""
     experiment = SimpleNamespace(output=motion, used=np.arange(ROWS) >= first_used)
-    (rows,) = np.nonzero(_quiet_part(experiment, residual))
+    (rows,) = np.nonzero(_quiet_part(experiment, residual, integrates))
     assert len(rows) == ROWS // 5
     return rows[0] // (ROWS // 5)
 
@@ -58,8 +58,10 @@ def test_beside_a_pendulum_that_turns_over_in_the_end_other_parts_do_not_rest(bl
 @pytest.mark.parametrize(("farther", "part"), [(1.05, 4), (1.3, 3)])
 def test_a_part_that_goes_farther_than_all_others_does_not_judge_them(farther, part):
     """A stop that is reached there alone would speak against all that is right before it."""
-    assert judging(NOISE, np.where(np.arange(ROWS) < 800, MOTION, farther * MOTION)) == part
+    goes_farther = np.where(np.arange(ROWS) < 800, MOTION, farther * MOTION)
+    assert judging(NOISE, goes_farther, integrates=True) == part
+    assert judging(NOISE, goes_farther) == 4  # whose way a spring bounds
 
 
 def test_a_recording_that_goes_on_and_on_is_judged_between_others():
-    assert judging(NOISE, MOTION + 0.02 * np.arange(ROWS)) == 3
+    assert judging(NOISE, MOTION + 0.02 * np.arange(ROWS), integrates=True) == 3

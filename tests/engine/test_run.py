@@ -15,6 +15,7 @@ from camid.effects import (
     actuator,
     bristle_friction,
     damping,
+    dead_zone,
     disturbance,
     drift,
     friction,
@@ -202,7 +203,7 @@ def beyond(value, middle):
 
 
 ACTUATORS = [
-    (actuator.DeadZone(half_width=0.4), lambda p: mapped(p, [-0.4, 0.4], beyond)),
+    (dead_zone.DeadZone(half_width=0.4), lambda p: mapped(p, [-0.4, 0.4], beyond)),
     (actuator.Saturation(limit=0.6), lambda p: mapped(p, [-0.6, 0.6], lambda u, m: np.clip(u, -0.6, 0.6))),
     (actuator.GainAsymmetry(ratio=0.7), lambda p: mapped(p, [0.0], lambda u, m: u * (0.7 if m < 0.0 else 1.0))),
     (actuator.InputBias(bias=0.2), lambda p: mapped(p, [], lambda u, m: u + 0.2)),

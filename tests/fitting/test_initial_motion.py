@@ -6,10 +6,11 @@ import pytest
 from camid.chain.acquisition import Acquisition
 from camid.chain.companion_form import time_scale
 from camid.engine.mechanics import companion_block
-from camid.fitting.initial_motion import recorded_start, recorded_zero
+from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.linear import LinearPlant
 from camid.fitting.problem import Problem
+from camid.fitting.recorded_zero import recorded_zero
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from tests.support.mass_on_spring import PERIOD, PLANT, record

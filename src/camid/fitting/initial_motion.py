@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from camid.chain.companion_form import companion, time_scale
 from camid.engine.mechanics import companion_block
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.constants import OFFSET
 from camid.fitting.problem import Problem
 from camid.identification.structure import Structure
 
@@ -28,29 +27,16 @@ def recorded_start(problem: Problem, model: Model) -> Model:
         if not experiment.estimate_initial_state:
             initial.append(None)
             continue
-        position, velocity = _first_motion(problem, index, problem.kind.at_plant(positions[index], model))
+        position, velocity = first_motion(problem, index, problem.kind.at_plant(positions[index], model))
         initial.append(_smallest_state(problem, model, position, velocity))
     return replace(model, initial=tuple(initial))
 
 
-def recorded_zero(problem: Problem, model: Model) -> Model:
-    """The model with the sensor's zero that the first recorded positions show, where the plant is said to begin there.
+def first_motion(problem: Problem, index: int, recorded: Array) -> tuple[float, float]:
+    """Position and velocity (per second) where the simulation of a recording starts, by a cubic through its first rows.
 
-    An offset that was estimated without a force which bends the motion much is one of the whole record, and a plant
-    that begins there with it is not where the rig was.
+    ``recorded`` are its positions as the plant counts them, shape (N,).
     """
-    constants = {constant.name for constant in problem.kind.free_constants()}
-    if OFFSET.name not in constants or any(e.estimate_initial_state for e in problem.experiments):
-        return model
-    positions = problem.kind.recorded_positions(problem)
-    first = [_first_motion(problem, i, problem.kind.at_plant(p, model))[0] for i, p in enumerate(positions)]
-    return replace(
-        model, constants={**model.constants, OFFSET.name: model.constants[OFFSET.name] + float(np.mean(first))}
-    )
-
-
-def _first_motion(problem: Problem, index: int, recorded: Array) -> tuple[float, float]:
-    """Position and velocity (per second) where the simulation starts, from a cubic through the first recorded rows."""
     experiment = problem.experiments[index]
     acquisition = experiment.acquisition
     denominator = np.concatenate([[1.0], problem.structure.denominator[1:]])

@@ -21,7 +21,8 @@ Array = NDArray[np.float64]
 # elsewhere that part may hold before another one is taken.
 VALIDATION_SHARE = 0.2
 CONCENTRATED_RATIO = 2.0
-# Way beyond that of all other parts, as a share of the whole, from which a part is no fair judge of them.
+# Way beyond that of all other parts, as a share of the whole, from which a part of one that may go anywhere is no fair
+# judge of them.
 LARGEST_REACH = 0.05
 # A part with a smaller share of the largest variance of the output is at rest.
 AT_REST_SHARE = 0.002
@@ -51,8 +52,10 @@ def with_validation(
     else:
         refitted = problem.kind.refit(problem, replace(nominal, effects=())).model
         simulated = problem.simulate(refitted)
+        integrates = problem.structure.plant(refitted.coefficients).denominator[-1] == 0.0
         judging = {
-            r: _quiet_part(problem.experiments[r], problem.experiments[r].output - simulated[r]) for r in problem.runs
+            r: _quiet_part(problem.experiments[r], problem.experiments[r].output - simulated[r], integrates)
+            for r in problem.runs
         }
     validation = [e.used & judging[run] for e, run in zip(problem.experiments, problem.runs, strict=True)]
     used = [e.used & ~rows for e, rows in zip(problem.experiments, validation, strict=True)]
@@ -93,13 +96,14 @@ def _last_run(problem: Problem) -> dict[int, NDArray[np.bool_]]:
     return judging
 
 
-def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
+def _quiet_part(experiment: Experiment, residual: Array, integrates: bool) -> NDArray[np.bool_]:
     """The last part of a recording that judges: another one where the rig rests or a single event makes the mismatch.
 
     Where the rig hardly moves in the last part (a free decay, the end of a chirp), it is the last one that does move.
-    Where it goes farther there than anywhere else, it is the last one that stays on the way of the others: a stop that
-    is reached there alone would speak against all that is right before it, and nothing that is fitted would know of
-    it. Where a single event makes most of the mismatch, it is that of those that move with the least.
+    Where a plant that integrates, and may go anywhere, goes farther there than anywhere else, it is the last one that
+    stays on the way of the others: a stop that is reached there alone would speak against all that is right before it,
+    and nothing that is fitted would know of it. Where a single event makes most of the mismatch, it is that of those
+    that move with the least.
     """
     parts = np.array_split(np.arange(len(residual)), round(1.0 / VALIDATION_SHARE))
     # Rows that are not fitted, as the first of a recording that begins in motion, may be far from the simulation.
@@ -108,7 +112,7 @@ def _quiet_part(experiment: Experiment, residual: Array) -> NDArray[np.bool_]:
     motion = np.array([float(np.var(experiment.output[p])) for p in parts])
     candidates = np.arange(1, len(parts))
     moving = _moving(motion, candidates)
-    inside = moving[_reach(experiment.output, parts)[moving] <= LARGEST_REACH]
+    inside = moving[_reach(experiment.output, parts)[moving] <= LARGEST_REACH] if integrates else moving
     chosen = int((inside if len(inside) else moving)[-1])
     if energy[chosen] > CONCENTRATED_RATIO * float(np.mean(np.delete(energy, chosen))):
         # Beside a pendulum that has turned over all other parts would seem at rest.

@@ -22,10 +22,10 @@ from camid.effects.drift import ParameterDrift
 from camid.effects.recorded_equation import plant_beside_laws
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.initial_motion import recorded_zero
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS
 from camid.fitting.problem import Problem
+from camid.fitting.recorded_zero import recorded_zero
 
 # Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL = 2, 0.5, 0.1

@@ -81,10 +81,10 @@ def with_added_effects(
     Decision
         Of which no effect was put to the test beside the others.
     """
-    beginning = beginning_in_a_loop(problem, base) if begun is None and is_far_off(problem, base) else Beginning()
-    begun = begun or beginning.decision
-    current = base if begun is None else begun.fitted
-    rivals: list[list[Hypothesis]] = [] if begun is None else list(begun.rivals)
+    beginning = _beginning(problem, base, begun)
+    screened = screened if beginning.decision is begun else None  # what was screened was beside the base
+    begun = beginning.decision
+    current, rivals = (base, []) if begun is None else (begun.fitted, list(begun.rivals))
     # Where small changes add up to a phase error, the screening of few is a poor guide.
     interrupted, overtime = False, MOST_IN_OVERTIME if problem.kind.phases_add_up else 0
     known = len(base.model.effects)
@@ -107,10 +107,9 @@ def with_added_effects(
             interrupted = True
             break
         effort = BESIDE_OTHERS if beside else first_effort(problem)
-        anew = begun is not None or not current.model.effects
-        start = _nominal_start(problem, current, nominal, anew)
-        alone = [] if beside else [*models_of_each_recording(problem, current, watch), *beginning.models]
-        others = [*alone, *_linear_from_nominal(current, nominal if start is None else None, found)]
+        start = _nominal_start(problem, current, nominal, begun is not None or not current.model.effects)
+        others = [] if beside else [*models_of_each_recording(problem, current, watch), *beginning.models]
+        others += _linear_from_nominal(current, nominal if start is None else None, found)
         ranked = hypotheses(problem, current, found, start, effort=effort, watch=watch, others=others)
         searches.keep(current, ranked)
         screened = None
@@ -118,14 +117,13 @@ def with_added_effects(
         ranked = [h for h in ranked if h.beyond(Hypothesis("", current)) < -STRONG_EVIDENCE]
         if not ranked:
             break
-        if p_value(problem, current, ranked[0].fitted, ranked[0].identifier) >= level:
-            if doubtful is not None or ranked[0].fitted.cost > (1.0 - WORTH_A_LOOK) * current.cost:
+        left, best = current, ranked[0].fitted
+        if p_value(problem, current, best, ranked[0].identifier) >= level:
+            if doubtful is not None or best.cost > (1.0 - WORTH_A_LOOK) * current.cost:
                 break
-            doubtful, current = current, ranked[0].fitted
-            rivals.append(ranked)
+            doubtful, current, rivals = current, best, [*rivals, ranked]
             continue
-        left, current, doubtful = current, ranked[0].fitted, None
-        rivals.append(ranked)
+        doubtful, current, rivals = None, best, [*rivals, ranked]
         enough = len(current.model.effects) - known >= FEWEST_EFFECTS
         if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
             break
@@ -133,6 +131,13 @@ def with_added_effects(
         current = doubtful
         rivals.pop()
     return Decision(base, current, rivals, interrupted=interrupted)
+
+
+def _beginning(problem: Problem, base: Fitted, begun: Decision | None) -> Beginning:
+    """What the search begins with: what was begun, or what the plant's equation shows where the base is far off."""
+    if begun is not None or not is_far_off(problem, base):
+        return Beginning(begun)
+    return beginning_in_a_loop(problem, base)
 
 
 def _linear_from_nominal(current: Fitted, nominal: Model | None, screened: Sequence[ScreenedEffect]) -> list[Model]:

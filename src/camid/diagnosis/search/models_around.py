@@ -19,10 +19,11 @@ from camid.chain.plant import TransferFunction
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fitted_as_far_as_it_follows, rows_followed
-from camid.fitting.initial_motion import recorded_start, recorded_zero
+from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
+from camid.fitting.recorded_zero import recorded_zero
 
 Array = NDArray[np.float64]
 
