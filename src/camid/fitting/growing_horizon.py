@@ -20,10 +20,10 @@ Array = NDArray[np.float64]
 
 # The first horizon in time constants 1/ω of the plant, in rows a free number at least, and by how much it grows.
 FIRST_HORIZON = 15.0
-# The least one, in the same, of a model that follows for a while already.
-LEAST_HORIZON = 5.0
 ROWS_PER_UNKNOWN = 20
 GROWTH = 1.6
+# The least horizon, in time constants, of a model that follows for a while already.
+LEAST_HORIZON = 5.0
 # Largest number of evaluations for each horizon.
 STEPS = 60
 # Error, as a share of the output's spread, from which a model no longer follows; how often one that follows a part is
@@ -56,12 +56,12 @@ def fit_growing(problem: Problem, start: Model, steps: int = STEPS) -> Fitted:
     return fit(problem, model, steps=steps)
 
 
-def first_horizon(problem: Problem, start: Model, constants: float = FIRST_HORIZON) -> int:
+def first_horizon(problem: Problem, start: Model, time_constants: float = FIRST_HORIZON) -> int:
     """Rows, of so many time constants, over which a model follows well enough for a fit to start there."""
     constant = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
     numbers = len(start.coefficients) + sum(len(s) for s in start.initial if s is not None) + 1
     begin = max(int(np.argmax(e.used)) for e in problem.experiments)  # rows before it say nothing
-    return begin + max(int(constants * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)
+    return begin + max(int(time_constants * constant / problem.acquisition.period), ROWS_PER_UNKNOWN * numbers)
 
 
 def fitted_as_far_as_it_follows(problem: Problem, start: Model) -> Model:
