@@ -286,6 +286,13 @@ class Effect:
         """
         return ()
 
+    def restarts(self, situation: Situation) -> tuple[Effect, ...]:
+        """The same law at values from where a fit may end in a better minimum, tried where structure is left.
+
+        ``situation`` is that of the fitted model which holds this one.
+        """
+        return ()
+
     @classmethod
     def with_plant(
         cls, situation: Situation, constants: Mapping[str, float]

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from camid.chain.companion_form import time_scale
 from camid.chain.exact import sample
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
@@ -119,6 +120,12 @@ class StepDisturbance(Effect):
     def breaks(self) -> tuple[float, ...]:
         """Its onset."""
         return (self.values["time"],)
+
+    def restarts(self, situation: Situation) -> tuple[StepDisturbance, ...]:
+        """Half a time constant earlier and later: while friction holds a body it does not show when a force sets in."""
+        shift = 0.5 * time_scale(situation.plant.monic.denominator)
+        size, time = self.values["size"], self.values["time"]
+        return tuple(type(self)(size=size, time=time + side * shift) for side in (-1.0, 1.0))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

@@ -41,6 +41,9 @@ LEAST_SHOWN = 1e-3
 # What each of several forces leaves of what was left before, at most; and what a simpler one may leave in the place of
 # the one that leaves least.
 MOST_LEFT_BY_ANOTHER, NEARLY_AS_MUCH = 0.7, 1.15
+# What another force in the place of one of them may leave over what is left with that one, and how many are looked at:
+# noise in the derivatives bends laws of friction into one another.
+MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 3
 
 
 @dataclass(frozen=True)
@@ -176,7 +179,7 @@ def plant_beside_stop(situation: Situation) -> PlantBesideStop | None:
     return PlantBesideStop(plant, bias, place, float(pushes_back)) if pushes_back > 0.0 else None
 
 
-def plant_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int) -> PlantBesideLaws | None:
+def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int) -> list[PlantBesideLaws]:
     """The plant and the forces that explain most of the recorded motion, one after the other (matching pursuit).
 
     Parameters
@@ -189,8 +192,9 @@ def plant_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int)
 
     Returns
     -------
-    PlantBesideLaws or None
-        None where the plant has zeros or too many poles, or forces of such signs explain nothing.
+    list of PlantBesideLaws
+        Behind the likeliest those in which another force, that leaves about as much, has the place of one of them.
+        Empty where the plant has zeros or too many poles, or forces of such signs explain nothing.
 
     References
     ----------
@@ -198,23 +202,52 @@ def plant_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int)
     """
     equations = _equations(situation, friction=False)
     if not equations:
-        return None
+        return []
     middle = equations[len(equations) // 2]
     plain = middle.solved(np.zeros((len(middle.position), 0)), situation.plant.monic)
     plant = situation.plant if plain is None else plain[0]
     taken = [(law, -force_along(law, plant, middle.motion)) for law in shapes if law.memory_after is None]
     taken = [(law, force) for law, force in taken if np.all(np.isfinite(force)) and np.any(force)]
     if not taken:
-        return None
+        return []
     laws, columns = [law for law, _ in taken], np.column_stack([force for _, force in taken])
     pursuits = [(equation, *_pursued(equation, laws, columns, most)) for equation in equations]
     equation, chosen, left = min(pursuits, key=lambda each: min(each[2], default=1.0))
-    found = equation.solved(columns[:, chosen], situation.plant.monic)
-    if found is None or not chosen:
+    if not chosen:
+        return []
+    sets = [(left[-1], chosen), *_with_others_instead(equation, laws, columns, chosen, left[-1])]
+    found = [_with_sizes(equation, [laws[i] for i in each], columns[:, each], share, situation) for share, each in sets]
+    return [each for each in found if each is not None]
+
+
+def _with_others_instead(
+    equation: _Equation, laws: Sequence[Effect], columns: Array, chosen: Sequence[int], left: float
+) -> list[tuple[float, list[int]]]:
+    """The laws with one of them replaced by one of another name, and what is left then: the least first."""
+    found: list[tuple[float, list[int]]] = []
+    for place in range(len(chosen)):
+        kept = [i for i in chosen if i != chosen[place]]
+        shares = equation.left_by_each(columns, columns[:, kept])
+        named = {laws[i].identifier for i in chosen}
+        for i in np.argsort(shares).tolist():
+            if shares[i] > MOST_LEFT_INSTEAD * left:
+                break
+            if laws[i].identifier not in named:
+                named.add(laws[i].identifier)
+                found.append((float(shares[i]), [*chosen[:place], i, *chosen[place + 1 :]]))
+    return sorted(found)[:MOST_INSTEAD]
+
+
+def _with_sizes(
+    equation: _Equation, laws: Sequence[Effect], columns: Array, left: float, situation: Situation
+) -> PlantBesideLaws | None:
+    """The plant and the laws, in the sizes that fit the equation; None where these are impossible."""
+    found = equation.solved(columns, situation.plant.monic)
+    if found is None:
         return None
     plant, bias, sizes = found
-    in_sizes = _in_sizes([laws[i] for i in chosen], sizes)
-    return PlantBesideLaws(plant, bias, in_sizes, left[-1]) if in_sizes else None
+    in_sizes = _in_sizes(laws, sizes)
+    return PlantBesideLaws(plant, bias, in_sizes, left) if in_sizes else None
 
 
 def _pursued(equation: _Equation, laws: Sequence[Effect], columns: Array, most: int) -> tuple[list[int], list[float]]:

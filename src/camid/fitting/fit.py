@@ -140,20 +140,27 @@ def sensitivities(
     problem: Problem, packing: Packing, vector: Array, simulated: Array, columns: Sequence[int] | None = None
 ) -> Array:
     """Derivatives by (some of) the packed vector, shape (M, p), by one-sided differences into the allowed range."""
-    columns = range(len(vector)) if columns is None else columns
+    columns = list(range(len(vector)) if columns is None else columns)
+    groups = packing.moved_together(columns)
+    steps = np.where(vector + DIFFERENCE_STEP <= packing.upper, DIFFERENCE_STEP, -DIFFERENCE_STEP)
+    counts = [int(np.count_nonzero(experiment.used)) for experiment in problem.experiments]
+    runs = np.repeat(problem.runs, counts)
 
-    def derivative(i: int) -> Array:
-        step = DIFFERENCE_STEP if vector[i] + DIFFERENCE_STEP <= packing.upper[i] else -DIFFERENCE_STEP
+    def change(group: dict[int, int | None]) -> Array:
         moved = vector.copy()
-        moved[i] += step
+        moved[list(group)] += steps[list(group)]
         try:
-            return (problem.simulate_fitted(packing.unpack(moved)) - simulated) / step
+            return problem.simulate_fitted(packing.unpack(moved)) - simulated
         except (ValueError, ArithmeticError):
             return np.zeros(len(simulated))
 
     short = problem.integrated < STEPS_WORTH_A_THREAD
-    found = [derivative(i) for i in columns] if short else in_threads(derivative, columns)
-    table = np.column_stack(found) if found else np.empty((len(simulated), 0))
+    changes = [change(group) for group in groups] if short else in_threads(change, groups)
+    table = np.zeros((len(simulated), len(columns)))
+    for group, changed in zip(groups, changes, strict=True):
+        for column, run in group.items():
+            rows = changed if run is None else np.where(runs == run, changed, 0.0)
+            table[:, columns.index(column)] = rows / steps[column]
     table[~np.isfinite(table)] = 0.0
     return table
 

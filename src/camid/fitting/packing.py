@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,9 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
+
+# What the names of initial states begin with.
+INITIAL = "initial"
 
 
 @dataclass(frozen=True)
@@ -66,10 +70,10 @@ class Packing:
                 order = len(state) - len(modes)
                 size = float(np.linalg.norm(state[:order])) or 1.0
                 units += [size] * order
-                names += [f"initial {i}"] * order
+                names += [f"{INITIAL} {i}"] * order
                 if order < len(state):
                     units += _mode_sizes(problem, model)
-                    names += [f"initial {i} of {effect}" for effect in modes]
+                    names += [f"{INITIAL} {i} of {effect}" for effect in modes]
                 lower += [-np.inf] * len(state)
                 upper += [np.inf] * len(state)
         measures = np.array(units)
@@ -108,6 +112,26 @@ class Packing:
                 initial.append(values[position : position + len(state)])
                 position += len(state)
         return Model(coefficients, tuple(effects), tuple(initial), constants)
+
+    def moved_together(self, columns: Iterable[int]) -> list[dict[int, int | None]]:
+        """Columns in groups that one simulation differentiates by, each with the run alone whose output it moves.
+
+        The initial states of different runs are such a group (Curtis, Powell & Reid 1974, J. Inst. Math. Appl. 13,
+        117-119); a column that moves all runs, of which None is said, is one of its own.
+        """
+        groups: dict[tuple[int, int], dict[int, int | None]] = {}
+        seen: dict[int, int] = {}
+        wanted = set(columns)
+        for column, name in enumerate(self.names):
+            if name.startswith(INITIAL):
+                run = int(name.split()[1])
+                seen[run] = seen.get(run, 0) + 1
+                key, moved = (0, seen[run]), run
+            else:
+                key, moved = (1, column), None
+            if column in wanted:
+                groups.setdefault(key, {})[column] = moved
+        return list(groups.values())
 
 
 def _has_mode_states(problem: Problem, model: Model) -> bool:

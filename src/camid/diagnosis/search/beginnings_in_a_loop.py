@@ -8,24 +8,28 @@ both.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from camid.diagnosis.search.decision import Decision
-from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.search.models_around import model_beside
 from camid.diagnosis.search.screening import candidates
+from camid.diagnosis.search.settled_laws import finer_in_place
 from camid.effects.base import Effect
 from camid.effects.disturbance import StepDisturbance
 from camid.effects.drift import ParameterDrift
-from camid.effects.recorded_equation import plant_beside_laws
+from camid.effects.recorded_equation import PlantBesideLaws, plants_beside_laws
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
+from camid.fitting.multiple_shooting import may_be_cut, shot_several_times
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS
 from camid.fitting.problem import Problem
 from camid.fitting.recorded_zero import recorded_zero
+from camid.side_by_side import side_by_side
 
 # Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL = 2, 0.5, 0.1
@@ -64,28 +68,51 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         With neither where the plant does not integrate, or no forces explain most.
     """
     try:
-        start = _followed(problem, base)
-        if start is None:
+        known = recorded_zero(problem, base.model)
+        found = _forces(problem, base, known)
+        if not found:
             return Beginning()
-        if len(start.effects) - len(base.model.effects) < TOGETHER:
-            return Beginning(models=(start,))
-        return Beginning(_decision(problem, base, fit(problem, start, steps=ALL_STEPS)))
+        if len(found[0].laws) < TOGETHER:
+            start = _beside(problem, known, found[0])
+            return Beginning(models=(start,) if start else ())
+        fitted = [each for each in side_by_side(partial(_fitted, problem, known), found) if each is not None]
+        if not fitted:
+            return Beginning()
+        best = finer_in_place(problem, in_order(fitted)[0].fitted, len(base.model.effects), last=True)
+        return Beginning(_decision(problem, base, best))
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()
 
 
-def _followed(problem: Problem, base: Fitted) -> Model | None:
-    """A model with the forces, fitted as far as it follows; None where they explain little."""
-    known = recorded_zero(problem, base.model)
+def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaws]:
+    """What the plant's equation shows, the likeliest first; nothing where it integrates not, or they explain little."""
     if problem.structure.plant(known.coefficients).denominator[-1] != 0.0:
-        return None
+        return []
     situation = problem.situations(known).plant
-    found = plant_beside_laws(situation, _shapes(problem, base, situation), TOGETHER)
-    if found is None or found.left > MOST_LEFT:
-        return None
+    found = plants_beside_laws(situation, _shapes(problem, base, situation), TOGETHER)
+    return found if found and found[0].left <= MOST_LEFT else []
+
+
+def _beside(problem: Problem, known: Model, found: PlantBesideLaws) -> Model | None:
+    """A model with forces beside the plant that they hold with, as far as it follows; None where none makes that."""
     free = {constant.name for constant in problem.kind.free_constants()}
     model = replace(known, effects=(*known.effects, *found.laws))
     return model_beside(problem, model, found.plant, dict.fromkeys({BIAS.name} & free, found.bias))
+
+
+def _fitted(problem: Problem, known: Model, found: PlantBesideLaws) -> Hypothesis | None:
+    """Forces as a hypothesis, fitted to parts of the recordings and to the whole; None where they may not be."""
+    try:
+        start = _beside(problem, known, found)
+        if start is None:
+            return None
+        start = shot_several_times(problem, start) if may_be_cut(problem) else start
+        fitted = fit(problem, start, steps=ALL_STEPS)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):
+        return None
+    if implausible(problem, fitted.model):
+        return None
+    return Hypothesis("", fitted, sum(prior_penalty(problem, law) for law in found.laws))
 
 
 def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None:

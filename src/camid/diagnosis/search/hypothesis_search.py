@@ -11,13 +11,14 @@ import numpy as np
 
 from camid.diagnosis.search.hypotheses_over_time import raced
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order
-from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, FIRST_STEPS, fitted_hypothesis, is_linear
 from camid.diagnosis.search.models_around import models_around, models_with_plants
 from camid.diagnosis.search.related_laws import finer_laws, plainer_law, possible_relatives, special_case_in_place
 from camid.diagnosis.search.screening import ScreenedEffect, alike, screen, trials
 from camid.diagnosis.watch import NAMES, Watch
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, evaluate
+from camid.fitting.multiple_shooting import may_be_cut, shot_several_times
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
@@ -46,6 +47,9 @@ MOST_THOROUGH = 6
 # Candidates that are fitted whatever is done, and the share of the likeliest one's gain from which a candidate should
 # explain much.
 IN_ANY_CASE, SHOULD_EXPLAIN = 2, 0.5
+# Of the hypotheses that are fitted thoroughly, those that are fitted to parts of the recordings first where the whole
+# may have caught them.
+MOST_SHOT = 2
 # Share of the work after which laws of the likeliest effect alone get more detail.
 DETAIL_OF_OTHERS = 0.5
 
@@ -171,7 +175,19 @@ def _fitted_thoroughly(
     if watch.no_time_for("more thorough fits", needed=hypothesis is near[0]):
         return hypothesis
     found = fitted_hypothesis(problem, hypothesis.identifier, hypothesis.fitted.model, ALL_STEPS)
-    return found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
+    best = found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
+    if not any(hypothesis is each for each in near[:MOST_SHOT]) or not _may_be_caught(problem, best.fitted):
+        return best
+    shot = shot_several_times(problem, best.fitted.model)
+    found = fitted_hypothesis(problem, hypothesis.identifier, shot, ALL_STEPS)
+    return found if found is not None and found.beyond(best) < 0.0 else best
+
+
+def _may_be_caught(problem: Problem, fitted: Fitted) -> bool:
+    """Whether a fit may have ended in one of many minima: of a motion that nothing holds where it is recorded."""
+    if problem.structure.denominator[-1] != 0.0 or not may_be_cut(problem) or is_linear(problem, fitted.model):
+        return False
+    return len(fitted.noise.whitening) > 1
 
 
 def _fitted_first(

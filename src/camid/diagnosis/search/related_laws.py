@@ -151,3 +151,13 @@ def finer_of(problem: Problem, model: Model, effect: Effect) -> tuple[Effect, ..
         return effect.finer(problem.situations(model).of(type(effect)))
     except (ValueError, ArithmeticError):  # an effect that has run away leads to no other law
         return ()
+
+
+def restarts_of(problem: Problem, fitted: Fitted, effect: Effect) -> tuple[Effect, ...]:
+    """Values of an effect of a model from which a fit may end in a better minimum, where it leaves structure."""
+    if len(fitted.noise.whitening) == 1 or type(effect).restarts is Effect.restarts:
+        return ()
+    try:
+        return effect.restarts(problem.situations(fitted.model).of(type(effect)))
+    except (ValueError, ArithmeticError):  # an effect that has run away leads nowhere
+        return ()

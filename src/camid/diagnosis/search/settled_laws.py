@@ -11,7 +11,7 @@ import numpy as np
 
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, fitted_hypothesis
-from camid.diagnosis.search.related_laws import finer_of, possible_relatives, worth_a_fit
+from camid.diagnosis.search.related_laws import finer_of, possible_relatives, restarts_of, worth_a_fit
 from camid.effects.base import Effect
 from camid.effects.special_cases import special_case
 from camid.fitting.fit import Fitted
@@ -33,6 +33,7 @@ def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bo
         index = [e.identifier for e in fitted.model.effects].index(identifier)
         effect = fitted.model.effects[index]
         laws = [law for law in finer_of(problem, fitted.model, effect) if law.identifier == identifier]
+        laws += restarts_of(problem, fitted, effect)
         starts = [fitted.model.replaced(index, law) for law in laws]
         own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
         starts = worth_a_fit(problem, fitted, starts)
