@@ -191,10 +191,9 @@ def select(optima: list[Optimum], believed: NDArray[np.complex128] | None, unpre
         return usable[0] if usable else None
     deviance = _deviances(usable)
     shannon = np.pi / usable[0].predictor.experiments[0].acquisition.period
-    # An iteration that runs to infinity along a valley fits as well as a model with fewer poles: no optimum at all.
+    # An iteration that runs to infinity along a valley fits as well as a model with fewer poles: no optimum at all, and
+    # no alias either.
     ended = np.array([o.fit.converged or o.radii[-1] <= RUNAWAY * shannon for o in usable])
-    if ended.any() and not ended.all() and deviance[ended].min() <= deviance.min() + RIVAL_MARGIN:
-        usable, deviance = [o for o, e in zip(usable, ended, strict=True) if e], deviance[ended]
     excess = deviance - deviance.min()
 
     def distance(optimum: Optimum) -> float:
@@ -203,12 +202,17 @@ def select(optima: list[Optimum], believed: NDArray[np.complex128] | None, unpre
         return float(np.sum(np.abs(optimum.radii - np.sort(np.abs(believed)))))
 
     if believed is None or fastest(believed) < CLEARLY_PAST_SHANNON * shannon:
-        inside = [e for o, e in zip(usable, excess, strict=True) if not o.past_shannon]
+        inside = np.array([not o.past_shannon for o in usable])
         # Where even the best optimum leaves structure behind, likelihoods of wrong models say nothing about aliases.
         best = usable[int(np.argmin(excess))]
         slower = SAME_LIKELIHOOD_WITH_PREFERENCE if believed is None else SAME_LIKELIHOOD
-        if inside and (min(inside) <= slower or not adequate(best, unpredictable)):
-            usable, excess = [o for o in usable if not o.past_shannon], np.array(inside) - min(inside)
+        if inside.any() and (excess[inside].min() <= slower or not adequate(best, unpredictable)):
+            kept = inside | ~ended
+            usable, excess, ended = [o for o, k in zip(usable, kept, strict=True) if k], excess[kept], ended[kept]
+            excess = excess - excess.min()
+    if ended.any() and excess[ended].min() <= RIVAL_MARGIN:
+        usable, excess = [o for o, e in zip(usable, ended, strict=True) if e], excess[ended]
+        excess = excess - excess.min()
     margin = SAME_LIKELIHOOD if believed is None else SAME_LIKELIHOOD_WITH_PREFERENCE
     equals = [o for o, e in zip(usable, excess, strict=True) if e <= margin]
     nearest = min(distance(o) for o in equals)
