@@ -15,7 +15,7 @@ import numpy as np
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
-from camid.diagnosis.search.models_around import model_beside
+from camid.diagnosis.search.models_around import model_beside, with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
 from camid.effects.base import Effect
@@ -24,6 +24,7 @@ from camid.effects.drift import ParameterDrift
 from camid.effects.recorded_equation import PlantBesideLaws, plants_beside_laws
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
+from camid.fitting.initial_motion import recorded_start
 from camid.fitting.multiple_shooting import may_be_cut, shot_several_times
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS
@@ -73,7 +74,7 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         if not found:
             return Beginning()
         if len(found[0].laws) < TOGETHER:
-            start = _beside(problem, known, found[0])
+            start = _start(problem, known, found[0])
             return Beginning(models=(start,) if start else ())
         fitted = [each for each in side_by_side(partial(_fitted, problem, known), found) if each is not None]
         if not fitted:
@@ -93,20 +94,26 @@ def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaw
     return found if found and found[0].left <= MOST_LEFT else []
 
 
-def _beside(problem: Problem, known: Model, found: PlantBesideLaws) -> Model | None:
-    """A model with forces beside the plant that they hold with, as far as it follows; None where none makes that."""
+def _start(problem: Problem, known: Model, found: PlantBesideLaws) -> Model | None:
+    """A model with forces beside the plant that they hold with, fitted to parts of the recordings, or as it follows.
+
+    None where no coefficients make that plant.
+    """
     free = {constant.name for constant in problem.kind.free_constants()}
     model = replace(known, effects=(*known.effects, *found.laws))
-    return model_beside(problem, model, found.plant, dict.fromkeys({BIAS.name} & free, found.bias))
+    constants = dict.fromkeys({BIAS.name} & free, found.bias)
+    if not may_be_cut(problem):
+        return model_beside(problem, model, found.plant, constants)
+    start = with_plant(problem, model, found.plant, constants)
+    return None if start is None else shot_several_times(problem, recorded_start(problem, start))
 
 
 def _fitted(problem: Problem, known: Model, found: PlantBesideLaws) -> Hypothesis | None:
-    """Forces as a hypothesis, fitted to parts of the recordings and to the whole; None where they may not be."""
+    """Forces as a hypothesis; None where they may not be."""
     try:
-        start = _beside(problem, known, found)
+        start = _start(problem, known, found)
         if start is None:
             return None
-        start = shot_several_times(problem, start) if may_be_cut(problem) else start
         fitted = fit(problem, start, steps=ALL_STEPS)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
@@ -125,12 +132,15 @@ def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None
 
 
 def _shapes(problem: Problem, base: Fitted, situation: Situation) -> list[Effect]:
-    """First guesses of forces that the recordings can show, and steps at any time."""
+    """First guesses of forces that the recordings can show, those that the motion shows too, and steps at any time."""
     shapes = [
         each
         for each in candidates(problem, base)
         if (each.force is not None or each.friction_level is not None) and not isinstance(each, ParameterDrift)
     ]
-    if any(each.identifier == StepDisturbance.identifier for each in shapes):
+    kinds = {type(each) for each in shapes}
+    guesses = [kind.with_plant(situation, {}) for kind in sorted(kinds, key=lambda kind: kind.__name__)]
+    shapes += [guess[0] for guess in guesses if guess is not None]
+    if StepDisturbance in kinds:
         shapes += [StepDisturbance(size=1.0, time=float(t)) for t in np.quantile(situation.time, ONSETS)]
     return shapes

@@ -119,17 +119,25 @@ def model_beside(
     constants : mapping of str to float
         That act beside that plant.
     """
-    coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
-    kept = ~problem.structure.free
-    coefficients[kept] = model.coefficients[kept]
-    model = replace(model, constants={**model.constants, **constants}, initial=())
-    moved = problem.kind.with_coefficients(model, coefficients)
-    if not np.array_equal(moved.coefficients, coefficients):
+    moved = with_plant(problem, model, plant, constants)
+    if moved is None:
         return None
     # The state that suits the linear part best may be none beside an effect that bends the motion much.
     starts = problem.with_initial_states(moved), recorded_start(problem, moved)
     start = max(starts, key=lambda each: rows_followed(problem, each))
     return fitted_as_far_as_it_follows(problem, start)
+
+
+def with_plant(
+    problem: Problem, model: Model, plant: TransferFunction, constants: Mapping[str, float]
+) -> Model | None:
+    """A model with another plant, without initial states; None where no coefficients make it (:func:`model_beside`)."""
+    coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
+    kept = ~problem.structure.free
+    coefficients[kept] = model.coefficients[kept]
+    model = replace(model, constants={**model.constants, **constants}, initial=())
+    moved = problem.kind.with_coefficients(model, coefficients)
+    return moved if np.array_equal(moved.coefficients, coefficients) else None
 
 
 def _scaled(problem: Problem, model: Model, gain: float) -> Array:
