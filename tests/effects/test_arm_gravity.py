@@ -9,6 +9,7 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.gravity import ArmGravity, PendulumGravity
+from camid.effects.plant_force import force_along
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
@@ -113,3 +114,14 @@ def test_an_arm_is_found_wherever_its_zero_is(phase):
         assert abs(estimate.value - value) < 4.0 * estimate.standard_deviation < 0.2
     assert set(found.improved.effects[0].parameters) == {"amplitude", "torque", "phase"}
     assert camid.diagnose(recording, found.improved.to_mapping()).verdict == "adequate"
+
+
+def test_gravity_of_the_other_sign_is_that_of_an_arm_which_hangs_where_this_one_stands():
+    arm = ArmGravity(amplitude=1.0, torque=0.6, phase=0.35)
+    turned = arm.scaled(-2.0)
+    plant = TransferFunction((1.0,), (1.0, 1.0, 0.0))
+    angles = np.linspace(-3.0, 3.0, 13)
+    motion = (np.zeros(13), angles, np.zeros(13), np.zeros(13))
+    np.testing.assert_allclose(force_along(turned, plant, motion), -2.0 * force_along(arm, plant, motion), atol=1e-12)
+    assert turned.values["torque"] == pytest.approx(1.2)
+    assert -np.pi < turned.values["phase"] <= np.pi

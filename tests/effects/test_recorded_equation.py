@@ -167,8 +167,8 @@ def test_friction_that_sticks_and_a_load_that_sets_in_meanwhile_are_found_in_a_l
     assert set(named) - {"coloured-noise"} == {"stribeck-friction", "step-disturbance"}
     assert named["step-disturbance"]["time"].value == pytest.approx(onset, abs=0.1)
     assert abs(named["step-disturbance"]["size"].value) == pytest.approx(abs(load), rel=0.02)
-    assert named["stribeck-friction"]["coulomb"].value == pytest.approx(0.35, rel=0.05)
-    assert named["stribeck-friction"]["breakaway"].value == pytest.approx(0.72, rel=0.05)
+    assert named["stribeck-friction"]["coulomb"].value == pytest.approx(0.35, rel=0.03)
+    assert named["stribeck-friction"]["breakaway"].value == pytest.approx(0.72, rel=0.1)
     assert found.fit.improved < 0.02
 
 

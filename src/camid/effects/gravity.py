@@ -190,8 +190,13 @@ class ArmGravity(PendulumGravity):
         return InputBias(bias=-self.values["torque"] * sin(self.values["phase"]))
 
     def scaled(self, factor: float) -> Effect:  # type: ignore[override] # in its torque, as most laws
-        """Another torque."""
-        return Effect.scaled(self, factor)
+        """Another torque; a negative one is that of an arm which stands where this one hangs."""
+        return Effect.scaled(self if factor >= 0.0 else self.turned(), abs(factor))
+
+    def turned(self) -> ArmGravity:
+        """That of an arm which hangs where this one stands."""
+        amplitude, torque, phase = self.vector.tolist()
+        return type(self)(amplitude=amplitude, torque=torque, phase=phase - pi if phase > 0.0 else phase + pi)
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:

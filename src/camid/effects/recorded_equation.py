@@ -41,9 +41,9 @@ LEAST_SHOWN = 1e-3
 # What each of several forces leaves of what was left before, at most; and what a simpler one may leave in the place of
 # the one that leaves least.
 MOST_LEFT_BY_ANOTHER, NEARLY_AS_MUCH = 0.7, 1.15
-# What another force in the place of one of them may leave over what is left with that one, and how many are looked at:
-# noise in the derivatives bends laws of friction into one another.
-MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 3
+# What another force in the place of one of them may leave over what is left with that one, and how many are looked at
+# in each place: noise in the derivatives bends laws of friction into one another.
+MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 2
 
 
 @dataclass(frozen=True)
@@ -193,8 +193,9 @@ def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int
     Returns
     -------
     list of PlantBesideLaws
-        Behind the likeliest those in which another force, that leaves about as much, has the place of one of them.
-        Empty where the plant has zeros or too many poles, or forces of such signs explain nothing.
+        Behind the likeliest those in which another force, that leaves about as much, has the place of one of them; of
+        several the first one alone stands last. Empty where the plant has zeros or too many poles, or forces of such
+        signs explain nothing.
 
     References
     ----------
@@ -212,12 +213,18 @@ def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int
         return []
     laws, columns = [law for law, _ in taken], np.column_stack([force for _, force in taken])
     pursuits = [(equation, *_pursued(equation, laws, columns, most)) for equation in equations]
-    equation, chosen, left = min(pursuits, key=lambda each: min(each[2], default=1.0))
-    if not chosen:
-        return []
-    sets = [(left[-1], chosen), *_with_others_instead(equation, laws, columns, chosen, left[-1])]
-    found = [_with_sizes(equation, [laws[i] for i in each], columns[:, each], share, situation) for share, each in sets]
-    return [each for each in found if each is not None]
+    # Where two laws of friction make up for each other in one filter, another one tells them apart.
+    found: list[PlantBesideLaws] = []
+    for equation, chosen, left in sorted(pursuits, key=lambda each: min(each[2], default=1.0)):
+        sets = [(left[-1], chosen), *_with_others_instead(equation, laws, columns, chosen, left[-1])] if chosen else []
+        sets += [(left[0], chosen[:1])] if len(chosen) > 1 else []
+        sized = [
+            _with_sizes(equation, [laws[i] for i in each], columns[:, each], rest, situation) for rest, each in sets
+        ]
+        found += [each for each in sized if each is not None]
+        if sized and sized[0] is not None:
+            return [each for each in sized if each is not None]
+    return found
 
 
 def _with_others_instead(
@@ -226,16 +233,15 @@ def _with_others_instead(
     """The laws with one of them replaced by one of another name, and what is left then: the least first."""
     found: list[tuple[float, list[int]]] = []
     for place in range(len(chosen)):
-        kept = [i for i in chosen if i != chosen[place]]
-        shares = equation.left_by_each(columns, columns[:, kept])
+        shares = equation.left_by_each(columns, columns[:, [i for i in chosen if i != chosen[place]]])
         named = {laws[i].identifier for i in chosen}
         for i in np.argsort(shares).tolist():
-            if shares[i] > MOST_LEFT_INSTEAD * left:
+            if shares[i] > MOST_LEFT_INSTEAD * left or len(named) == len(chosen) + MOST_INSTEAD:
                 break
             if laws[i].identifier not in named:
                 named.add(laws[i].identifier)
                 found.append((float(shares[i]), [*chosen[:place], i, *chosen[place + 1 :]]))
-    return sorted(found)[:MOST_INSTEAD]
+    return sorted(found)
 
 
 def _with_sizes(

@@ -9,23 +9,26 @@ for O.D.E."; that this smooths the sum of squares: Ribeiro, Tiels, Umenberger, S
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from camid.chain.companion_form import time_scale
-from camid.fitting.fit import evaluate, fit
+from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.side_by_side import side_by_side
 
-# The least length of a part in time constants 1/ω of the plant, and the parts at most.
-LEAST_LENGTH, MOST_PARTS = 5.0, 64
+# The least length of a part in time constants 1/ω of the plant, and the parts of all recordings at most.
+LEAST_LENGTH, MOST_PARTS = 2.0, 32
 # Evaluations for each length, and how often derivatives are computed anew in them.
 STEPS, REFRESHES = 15, 4
-# How often all lengths are gone through, and the share of the sum of squares from which that is not worth another time.
-MOST_ROUNDS, WORTH_ANOTHER = 3, 0.8
+# By what the number of parts is divided that each round begins with: where one is caught, another is not.
+ROUNDS = (1, 2, 1)
 # Variance of what is left of a whole recording over that of the parts, up to which a model follows as well to the end.
 AS_GOOD = 1.2
 
@@ -85,28 +88,47 @@ def shot_several_times(problem: Problem, start: Model) -> Model:
         Whose coefficients and effects are nearly right; returned where no fit leads to a better one.
     """
     best, least = start, evaluate(problem, start).cost
-    for _ in range(MOST_ROUNDS):
-        found, cost, settled = _one_round(problem, best)
-        if cost >= least:
-            break
-        settled |= cost > WORTH_ANOTHER * least
-        best, least = found, cost
+    most = _most_parts(problem, start)
+    for parts in [max(most // divisor, 1) for divisor in ROUNDS]:
+        found, cost, settled = _one_round(problem, best, parts)
+        if cost < least:
+            best, least = found, cost
         if settled:
             break
     return best
 
 
-def _one_round(problem: Problem, model: Model) -> tuple[Model, float, bool]:
+def on_shortest_parts(problem: Problem, starts: Sequence[Model]) -> list[Fitted]:
+    """Models fitted to the shortest parts, where a sum of squares is smooth, the likeliest first.
+
+    Parameters
+    ----------
+    problem : Problem
+        See :func:`may_be_cut`.
+    starts : sequence of Model
+        One at least.
+    """
+    cut = in_parts(problem, max(_most_parts(problem, start) for start in starts))
+    fitted = side_by_side(partial(_fitted_to_parts, cut), starts)
+    closest = min(fitted, key=lambda each: each.cost)
+    return sorted(fitted, key=lambda each: each.criterion_beyond(closest))
+
+
+def _fitted_to_parts(cut: Problem, model: Model) -> Fitted:
+    """A model fitted to parts, from states that they show."""
+    begin = recorded_start(cut, replace(model, initial=()))
+    return fit(cut, begin, steps=STEPS, refreshes=REFRESHES, finest=False)
+
+
+def _one_round(problem: Problem, model: Model, parts: int) -> tuple[Model, float, bool]:
     """The best model on the whole of those that fits to ever longer parts end in, and its sum of squares there.
 
     Also whether it leaves there what it leaves of parts: then there is nothing more to be found.
     """
-    parts, settled, least = _most_parts(problem, model), False, np.inf
+    settled, least = False, np.inf
     tried: list[tuple[float, int, Model]] = []
     while parts >= 1 and not settled:
-        cut = in_parts(problem, parts)
-        begin = recorded_start(cut, replace(model, initial=()))
-        fitted = fit(cut, begin, steps=STEPS, refreshes=REFRESHES, finest=False)
+        fitted = _fitted_to_parts(in_parts(problem, parts), model)
         model = fitted.model
         whole = evaluate(problem, recorded_start(problem, replace(model, initial=())))
         least = min(least, fitted.cost / len(fitted.residual))
@@ -119,6 +141,9 @@ def _one_round(problem: Problem, model: Model) -> tuple[Model, float, bool]:
 
 def _most_parts(problem: Problem, start: Model) -> int:
     """How many parts the longest recording is cut into first: a power of two, so that halves are parts again."""
-    longest = max(float(t[e.used][-1] - t[0]) for e, t in zip(problem.experiments, problem.times, strict=True))
-    constant = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
-    return int(2 ** np.floor(np.log2(np.clip(longest / (LEAST_LENGTH * constant), 1, MOST_PARTS))))
+    recordings = zip(problem.experiments, problem.times, strict=True)
+    spans = [float(t[e.used][-1] - t[0]) for e, t in recordings if e.used.any()]
+    own = time_scale((1.0, *start.coefficients[problem.structure.degree + 1 :]))
+    least = LEAST_LENGTH * min(own, time_scale(problem.structure.denominator))
+    most = MOST_PARTS * max(spans) / sum(spans)
+    return int(2 ** np.floor(np.log2(np.clip(max(spans) / least, 1.0, max(most, 1.0)))))

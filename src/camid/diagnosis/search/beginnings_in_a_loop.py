@@ -7,6 +7,7 @@ both.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,7 +16,7 @@ import numpy as np
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
-from camid.diagnosis.search.models_around import model_beside, with_plant
+from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
 from camid.effects.base import Effect
@@ -24,8 +25,9 @@ from camid.effects.drift import ParameterDrift
 from camid.effects.recorded_equation import PlantBesideLaws, plants_beside_laws
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
+from camid.fitting.growing_horizon import fitted_as_far_as_it_follows
 from camid.fitting.initial_motion import recorded_start
-from camid.fitting.multiple_shooting import may_be_cut, shot_several_times
+from camid.fitting.multiple_shooting import may_be_cut, on_shortest_parts, shot_several_times
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS
 from camid.fitting.problem import Problem
@@ -34,6 +36,8 @@ from camid.side_by_side import side_by_side
 
 # Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL = 2, 0.5, 0.1
+# Pairs of effects that are followed to the end.
+MOST_FOLLOWED = 2
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
 ONSETS = np.linspace(0.02, 0.98, 49)
 
@@ -69,20 +73,29 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         With neither where the plant does not integrate, or no forces explain most.
     """
     try:
-        known = recorded_zero(problem, base.model)
+        known = _not_at_bounds(problem, recorded_zero(problem, base.model))
         found = _forces(problem, base, known)
         if not found:
             return Beginning()
-        if len(found[0].laws) < TOGETHER:
-            start = _start(problem, known, found[0])
-            return Beginning(models=(start,) if start else ())
-        fitted = [each for each in side_by_side(partial(_fitted, problem, known), found) if each is not None]
-        if not fitted:
-            return Beginning()
-        best = finer_in_place(problem, in_order(fitted)[0].fitted, len(base.model.effects), last=True)
-        return Beginning(_decision(problem, base, best))
+        pairs = [each for each in found if len(each.laws) == TOGETHER]
+        starts = _likeliest(problem, [start for each in pairs if (start := _start(problem, known, each)) is not None])
+        fitted = [each for each in side_by_side(partial(_fitted, problem), starts) if each is not None]
+        if fitted:
+            best = finer_in_place(problem, in_order(fitted)[0].fitted, len(base.model.effects), last=True)
+            decision = _decision(problem, base, best)
+            if decision is not None:
+                return Beginning(decision)
+        alone = [each for each in found if len(each.laws) < TOGETHER and each.left <= MOST_LEFT]
+        start = _start(problem, known, alone[0]) if alone else None
+        return Beginning(models=() if start is None else (_as_far_as_it_follows(problem, start),))
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()
+
+
+def _not_at_bounds(problem: Problem, model: Model) -> Model:
+    """A model whose free coefficients are those of the simulation where a fit has driven them to zero."""
+    lost = problem.structure.free & (model.coefficients == 0.0)
+    return replace(model, coefficients=np.where(lost, problem.structure.coefficients(), model.coefficients))
 
 
 def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaws]:
@@ -95,31 +108,36 @@ def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaw
 
 
 def _start(problem: Problem, known: Model, found: PlantBesideLaws) -> Model | None:
-    """A model with forces beside the plant that they hold with, fitted to parts of the recordings, or as it follows.
-
-    None where no coefficients make that plant.
-    """
+    """A model with forces beside the plant that they hold with; None where no coefficients make that plant."""
     free = {constant.name for constant in problem.kind.free_constants()}
     model = replace(known, effects=(*known.effects, *found.laws))
-    constants = dict.fromkeys({BIAS.name} & free, found.bias)
-    if not may_be_cut(problem):
-        return model_beside(problem, model, found.plant, constants)
-    start = with_plant(problem, model, found.plant, constants)
-    return None if start is None else shot_several_times(problem, recorded_start(problem, start))
+    return with_plant(problem, model, found.plant, dict.fromkeys({BIAS.name} & free, found.bias))
 
 
-def _fitted(problem: Problem, known: Model, found: PlantBesideLaws) -> Hypothesis | None:
+def _likeliest(problem: Problem, starts: Sequence[Model]) -> list[Model]:
+    """Those of some models with as many laws that leave least of short parts of the recordings."""
+    if not may_be_cut(problem) or len(starts) < 2:
+        return list(starts)
+    return [fitted.model for fitted in on_shortest_parts(problem, starts)[:MOST_FOLLOWED]]
+
+
+def _as_far_as_it_follows(problem: Problem, start: Model) -> Model:
+    """A model fitted to parts of the recordings, and as far as it follows the whole of them."""
+    start = recorded_start(problem, replace(start, initial=()))
+    if may_be_cut(problem):
+        start = shot_several_times(problem, start)
+    return fitted_as_far_as_it_follows(problem, start)
+
+
+def _fitted(problem: Problem, start: Model) -> Hypothesis | None:
     """Forces as a hypothesis; None where they may not be."""
     try:
-        start = _start(problem, known, found)
-        if start is None:
-            return None
-        fitted = fit(problem, start, steps=ALL_STEPS)
+        fitted = fit(problem, _as_far_as_it_follows(problem, start), steps=ALL_STEPS)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
     if implausible(problem, fitted.model):
         return None
-    return Hypothesis("", fitted, sum(prior_penalty(problem, law) for law in found.laws))
+    return Hypothesis("", fitted, sum(prior_penalty(problem, law) for law in fitted.model.effects))
 
 
 def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None:

@@ -47,9 +47,9 @@ MOST_THOROUGH = 6
 # Candidates that are fitted whatever is done, and the share of the likeliest one's gain from which a candidate should
 # explain much.
 IN_ANY_CASE, SHOULD_EXPLAIN = 2, 0.5
-# Of the hypotheses that are fitted thoroughly, those that are fitted to parts of the recordings first where the whole
-# may have caught them.
-MOST_SHOT = 2
+# Of the hypotheses that are fitted thoroughly, those that are fitted to parts of the recordings, too, and the error, as
+# a share of the output's spread, from which the whole may have caught them.
+MOST_SHOT, CAUGHT_ERROR = 2, 0.03
 # Share of the work after which laws of the likeliest effect alone get more detail.
 DETAIL_OF_OTHERS = 0.5
 
@@ -187,7 +187,7 @@ def _may_be_caught(problem: Problem, fitted: Fitted) -> bool:
     """Whether a fit may have ended in one of many minima: of a motion that nothing holds where it is recorded."""
     if problem.structure.denominator[-1] != 0.0 or not may_be_cut(problem) or is_linear(problem, fitted.model):
         return False
-    return len(fitted.noise.whitening) > 1
+    return fitted.cost > CAUGHT_ERROR**2 * float(np.var(problem.recorded)) * len(fitted.residual)
 
 
 def _fitted_first(

@@ -128,9 +128,7 @@ def model_beside(
     return fitted_as_far_as_it_follows(problem, start)
 
 
-def with_plant(
-    problem: Problem, model: Model, plant: TransferFunction, constants: Mapping[str, float]
-) -> Model | None:
+def with_plant(problem: Problem, model: Model, plant: TransferFunction, constants: Mapping[str, float]) -> Model | None:
     """A model with another plant, without initial states; None where no coefficients make it (:func:`model_beside`)."""
     coefficients = np.array([*plant.numerator, *plant.denominator[1:]])
     kept = ~problem.structure.free
