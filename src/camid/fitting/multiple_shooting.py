@@ -73,6 +73,7 @@ def in_parts(problem: Problem, parts: int) -> Problem:
         experiments=experiments,
         times=[problem.times[i][part] for i, part in rows],
         kind=kind,
+        steps=None,
         relative_noise=None if noise is None else tuple(noise[i][part] for i, part in rows),
     )
 
