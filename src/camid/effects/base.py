@@ -1,15 +1,14 @@
 """The form of every effect: one class with its equation, parameters, first guesses and contribution to the chain.
 
-An effect is an instance with values. What it does is said by the hooks below; a class overrides those it needs and is
-then known everywhere: catalogue, simulation files, engine, diagnosis, report and documentation.
-docs/adding_an_effect.md shows how one is added.
+An effect is an instance with values (:class:`EffectValues`). What it does is said by the hooks below, what a diagnosis
+asks of it by those of :class:`SearchHooks`; a class overrides those it needs and is then known everywhere: catalogue,
+simulation files, engine, diagnosis, report and documentation. docs/adding_an_effect.md shows how one is added.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from copy import copy
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +16,9 @@ from numpy.typing import NDArray
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.compiled_part import Compiled
-from camid.effects.extent import Extent
+from camid.effects.effect_values import EffectValues
 from camid.effects.known import is_of_the_package, make_known
-from camid.effects.parameter import Parameter, checked
-from camid.effects.recognition import Recognition
+from camid.effects.search_hooks import SearchHooks
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -40,7 +38,7 @@ class LimitedState(NamedTuple):
     share: float
 
 
-class Effect:
+class Effect(EffectValues, SearchHooks):
     """Base of all effects.
 
     Attributes
@@ -103,20 +101,12 @@ class Effect:
         Of an effect without parameters, whether coefficients that are re-estimated without it mean nothing.
     finer_laws : tuple of type of Effect
         Laws of the same name with more parameters: subclasses without an identifier of their own.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is missing, unknown, not finite or out of its bounds.
     """
 
-    identifier: ClassVar[str]
     place: ClassVar[str]
     title: ClassVar[str]
     equation: ClassVar[str]
     reference: ClassVar[str]
-    parameters: ClassVar[tuple[Parameter, ...]]
-    strength: ClassVar[str | None] = None
     trials: ClassVar[str] = "shapes"
     listed: ClassVar[bool] = True
     sum_of: ClassVar[tuple[str, ...]] = ()
@@ -172,138 +162,11 @@ class Effect:
             known = next(base for base in cls.__mro__[1:] if issubclass(base, Effect) and "identifier" in vars(base))
             known.finer_laws = (*known.finer_laws, cls)
 
-    def __init__(self, **values: Any) -> None:
-        known = [p.name for p in self.parameters]
-        for name in values:
-            if name not in known:
-                raise ValueError(f"{self.identifier} has no parameter '{name}' (known: {', '.join(known) or 'none'})")
-        self.values: dict[str, Any] = {}
-        self._neutral: tuple[float, ...] | None = None
-        self.leads = False
-        for parameter in self.parameters:
-            if parameter.name not in values and parameter.default is None:
-                raise ValueError(f"{self.identifier} needs the parameter '{parameter.name}'")
-            value = values.get(parameter.name, parameter.default)
-            self.values[parameter.name] = checked(self.identifier, parameter, value)
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.values.items())})"
-
     @classmethod
     def with_keys(cls, keys: Iterable[str]) -> type[Effect]:
         """The law of this name that has such parameters: this one, or one of :attr:`finer_laws`."""
         wanted = set(keys)
         return next((law for law in (cls, *cls.finer_laws) if wanted <= {p.name for p in law.parameters}), cls)
-
-    # -- parameters ------------------------------------------------------------------------------------------------
-
-    @classmethod
-    def numeric(cls) -> tuple[Parameter, ...]:
-        """Parameters that are numbers, in order."""
-        return tuple(p for p in cls.parameters if p.is_number)
-
-    def stated(self) -> dict[str, Any]:
-        """Values by name, without names that say nothing: that of a state, of a plant without equations."""
-        silent = {p.name for p in self.parameters if p.is_name and self.values[p.name] == p.default}
-        return {name: value for name, value in self.values.items() if name not in silent}
-
-    @property
-    def vector(self) -> Array:
-        """Values of the parameters that are numbers, in order."""
-        return np.array([self.values[p.name] for p in self.numeric()], dtype=float)
-
-    def with_vector(self, vector: Array) -> Self:
-        """The same effect with other numbers, moved to the nearest allowed value."""
-        changed = {p.name: float(min(max(v, p.lower), p.upper)) for p, v in zip(self.numeric(), vector, strict=True)}
-        moved = type(self)(**{**self.values, **changed})
-        moved._neutral = self._neutral
-        moved.leads = self.leads
-        return moved
-
-    def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
-        """Least and largest value of each number in :attr:`vector` with this acquisition."""
-        return [(p.lower, p.upper) for p in self.numeric()]
-
-    def within(self, acquisition: Acquisition) -> Self:
-        """The same effect, its numbers moved to the nearest that are allowed with this acquisition."""
-        lower, upper = np.array(self.bounds(acquisition)).reshape(-1, 2).T
-        return self.with_vector(np.clip(self.vector, lower, upper))
-
-    def is_plausible(self, extent: Extent) -> bool:
-        """Whether the values are possible on the positions, and in the seconds, that a recording spans.
-
-        What repeats has to do so there, for instance: less than a period of a sinusoid is a polynomial, which other
-        effects name.
-        """
-        return True
-
-    def measured_from(self, *neutral: float) -> Self:
-        """The same effect, given the values of its parameters this recording shows nothing of it."""
-        self._neutral = neutral
-        return self
-
-    def leading(self, leads: bool = True) -> Self:
-        """The same effect, acting on the input before those that stand ahead of it in a model; or where it stands."""
-        moved = copy(self)
-        moved.leads = leads
-        return moved
-
-    @property
-    def branch(self) -> tuple[Any, ...]:
-        """What no fit changes in a guess: choices, and parameters whose value leaves the recording as it is."""
-        words = tuple(v for v in self.values.values() if isinstance(v, str)) + ("leading",) * self.leads
-        return words if self._neutral is None else (*words, *(self.vector == np.asarray(self._neutral)).tolist())
-
-    @property
-    def idle(self) -> frozenset[str]:
-        """Numbers that have the value of which this recording shows nothing."""
-        if self._neutral is None:
-            return frozenset()
-        numbers = zip(self.numeric(), self.vector, self._neutral, strict=True)
-        return frozenset(parameter.name for parameter, value, neutral in numbers if value == neutral)
-
-    @property
-    def imitates_linear_dynamics(self) -> bool:
-        """Whether it is linear dynamics with numbers, which a fit bends until they do what other linear dynamics do."""
-        return self.linear_dynamics and bool(self.numeric())
-
-    @property
-    def one_sided(self) -> bool:
-        """Whether the effect exists in one direction only: its strength cannot be negative, or it has none."""
-        if self.strength is None:
-            return True
-        return next(p.lower for p in self.parameters if p.name == self.strength) >= 0.0
-
-    def simplified(self) -> Effect | None:
-        """A simpler effect of about the same size that is a special case of this one; None if there is none."""
-        return None
-
-    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
-        """Other effects that do nearly the same, in the shape in which they do.
-
-        A search that has fitted this one starts them from there, too: their own first guesses may lead elsewhere.
-        ``situation`` is that of the fitted model which holds this one.
-        """
-        return ()
-
-    def restarts(self, situation: Situation) -> tuple[Effect, ...]:
-        """The same law at values from where a fit may end in a better minimum, tried where structure is left.
-
-        ``situation`` is that of the fitted model which holds this one.
-        """
-        return ()
-
-    @classmethod
-    def with_plant(
-        cls, situation: Situation, constants: Mapping[str, float]
-    ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
-        """A first guess with the plant and its constants beside which it holds; None where those estimated are near.
-
-        A plant that was estimated without the effect may be so far from the one with it that no fit finds the way, in
-        a valley of numbers that make up for each other. ``constants`` are those that are estimated beside its
-        coefficients, and positions of the situation count from the zero that was.
-        """
-        return None
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
@@ -317,16 +180,17 @@ class Effect:
         """
         return tuple(start for law in self.finer_laws for start in law.starts(situation, **self.values))
 
-    def scaled(self, factor: float) -> Self:
-        """The same effect, changing the output by about ``factor`` ≥ 0 times as much; the same where it has no size."""
-        if self.strength is not None:
-            vector = self.vector
-            vector[[p.name for p in self.numeric()].index(self.strength)] *= factor
-            return self.with_vector(vector)
-        if self._neutral is not None:
-            neutral = np.asarray(self._neutral)
-            return self.with_vector(neutral + max(factor, 0.0) * (self.vector - neutral))
-        return self
+    @property
+    def imitates_linear_dynamics(self) -> bool:
+        """Whether it is linear dynamics with numbers, which a fit bends until they do what other linear dynamics do."""
+        return self.linear_dynamics and bool(self.numeric())
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether the effect exists in one direction only: its strength cannot be negative, or it has none."""
+        if self.strength is None:
+            return True
+        return next(p.lower for p in self.parameters if p.name == self.strength) >= 0.0
 
     # -- what the effect does; a class overrides what it needs -----------------------------------------------------
 
@@ -389,41 +253,3 @@ class Effect:
     def observe(self, output: Array, time: Array) -> Array:
         """What becomes of the sensor's samples, shape (N,), at the recorded times."""
         return output
-
-    # -- what the diagnosis asks -----------------------------------------------------------------------------------
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """First guesses from the data: one for each value of the shape, of a strength that is small but visible."""
-        raise NotImplementedError(f"{cls.__name__} guesses nothing")
-
-    @classmethod
-    def recognise(cls, situation: Situation) -> Recognition | None:
-        """For noise-like effects: whether residual and recorded values show it."""
-        raise NotImplementedError(f"{cls.__name__} changes the expected output")
-
-    def added_variance(self, situation: Situation) -> Array | None:
-        """For noise-like effects: variance that it adds to the noise of each row, shape (N,); None where it adds none.
-
-        Only what changes from row to row is meant.
-        """
-        return None
-
-    def bend_of_mean(self, situation: Situation) -> Array | None:
-        """For noise-like effects: what it adds to the mean of each reading, shape (N,); None where it adds nothing."""
-        return None
-
-    @classmethod
-    def of_autoregression(cls, coefficients: Array) -> Effect:
-        """For an effect that colours the noise: with the autoregression α_1 … α_p of the residual, shape (p,)."""
-        raise NotImplementedError(f"{cls.__name__} does not colour the noise")
-
-    @classmethod
-    def limit_of_recognition(cls, situation: Situation) -> str:
-        """For noise-like effects: what size of it this recording would have shown, in words."""
-        return "it shows in the noise only, and the noise does not show it"
-
-    @classmethod
-    def invisible(cls, situation: Situation) -> str | None:
-        """Why this recording cannot show the effect, whatever its size; None if it can."""
-        return None
