@@ -23,10 +23,10 @@ from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.extent import Extent
+from camid.effects.force_over_position import plant_beside_wave
 from camid.effects.parameter import Parameter
 from camid.effects.periodic_in_position import LARGEST_PERIOD
 from camid.effects.plant_force import GUESS, LEAST_FACTOR, mobility, motion_sign, static_stiffness
-from camid.effects.recorded_equation import plant_beside_wave
 from camid.effects.recorded_force import waves_of_force
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation

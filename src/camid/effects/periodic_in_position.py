@@ -17,9 +17,9 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.extent import Extent
+from camid.effects.force_over_position import plant_beside_wave
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
-from camid.effects.recorded_equation import plant_beside_wave
 from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
 from camid.effects.residual_regression import ResidualRegression
 from camid.effects.separating_experiment import SeparatingExperiment

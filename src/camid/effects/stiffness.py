@@ -14,10 +14,10 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.force_over_position import plant_beside_stop
 from camid.effects.gravity import PendulumGravity
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
-from camid.effects.recorded_equation import plant_beside_stop
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 

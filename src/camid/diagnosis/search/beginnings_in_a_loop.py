@@ -22,7 +22,7 @@ from camid.diagnosis.search.settled_laws import finer_in_place
 from camid.effects.base import Effect
 from camid.effects.disturbance import StepDisturbance
 from camid.effects.drift import ParameterDrift
-from camid.effects.recorded_equation import PlantBesideLaws, plants_beside_laws
+from camid.effects.pursued_forces import PlantBesideLaws, plants_beside_laws
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import fitted_as_far_as_it_follows

@@ -1,94 +1,10 @@
-"""Plants beside a force over the position, by their equation at the recorded positions."""
+"""Plants that integrate, in a loop that the simulation does not declare: what is missing is found in their equation."""
 
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.integrate import solve_ivp
 
 import camid
-from camid.chain.acquisition import Acquisition
-from camid.chain.plant import TransferFunction
-from camid.effects.damping import QuadraticDrag
-from camid.effects.friction import CoulombFriction
-from camid.effects.recorded_equation import plant_beside_stop, plants_beside_laws
-from camid.effects.situation import Situation
-from camid.effects.stiffness import EndStop
-
-PERIOD, ROWS = 0.05, 3000
-GAIN, RATE = 0.45, 3.0
-PLACE, STIFFNESS = 35.0, 3.0
-# What an estimation without the stop ends in: no motor.
-BENT = TransferFunction((27.0,), (1.0, 230.0, 0.0))
-BUTTONS = (-1.0, -0.4, 0.0, 0.5, 0.8, 1.0)
-
-
-@pytest.fixture(scope="module")
-def actuator():
-    """Time, command and stroke of a spindle that is driven into a buffer by hand, by another integrator."""
-    generator = np.random.default_rng(4)
-    time = PERIOD * np.arange(ROWS)
-    command = 40.0 * np.repeat(generator.choice(BUTTONS, ROWS // 60), 60)
-
-    def motion(t, x):
-        pushed = command[min(int(t / PERIOD), ROWS - 1)]
-        contact = STIFFNESS * max(x[0] - PLACE, 0.0) + 0.5 * max(x[0] - PLACE, 0.0) ** 2
-        return [x[1], GAIN * (pushed - contact) - RATE * x[1]]
-
-    found = solve_ivp(motion, (0.0, time[-1]), [5.0, 0.0], t_eval=time, rtol=1e-8, max_step=PERIOD)
-    return time, command, np.round(found.y[0] + 0.02 * generator.normal(size=ROWS), 2)
-
-
-def situation(time, command, stroke, plant=BENT):
-    """What effects are told of a recording, with a simulation that is somewhere else."""
-    nothing = np.zeros(ROWS)
-    used = np.ones(ROWS, bool)
-    return Situation(
-        time, command, stroke, nothing, nothing, nothing, plant, Acquisition(PERIOD, sensor="instant"), used
-    )
-
-
-def test_the_stop_and_the_plant_beside_it_are_seen_before_anything_is_fitted(actuator):
-    found = plant_beside_stop(situation(*actuator))
-    assert found.place == pytest.approx(PLACE, rel=0.05)
-    assert found.stiffness > STIFFNESS  # the buffer is progressive
-    assert found.plant.denominator[1] == pytest.approx(RATE, rel=0.1)
-    assert found.plant.numerator[0] == pytest.approx(GAIN, rel=0.1)
-    assert found.plant.denominator[2] == 0.0
-
-
-def test_only_a_plant_that_integrates_needs_one(actuator):
-    (stop, plant, constants) = EndStop.with_plant(situation(*actuator), {"bias": 0.3, "offset": 1.0})
-    assert type(stop) is EndStop
-    assert set(constants) == {"bias"}
-    assert plant.denominator[2] == 0.0
-    spring = TransferFunction((27.0,), (1.0, 230.0, 4.0))
-    assert EndStop.with_plant(situation(*actuator, plant=spring), {}) is None
-
-
-def test_free_motion_shows_no_stop(actuator):
-    time, command, _ = actuator
-    velocity = np.zeros(ROWS)
-    for k in range(ROWS - 1):
-        velocity[k + 1] = velocity[k] + PERIOD * (GAIN * command[k] - RATE * velocity[k])
-    position = PERIOD * np.cumsum(velocity)
-    assert plant_beside_stop(situation(time, command, position)) is None
-
-
-def test_a_buffer_of_a_spindle_is_found_though_the_plant_without_it_runs_away(actuator):
-    time, command, stroke = actuator
-    nominal = {
-        "schema": 1,
-        "time": {"column": "t"},
-        "input": {"column": "u", "hold": "zoh"},
-        "plant": {"transfer_function": {"numerator": [0.3], "denominator": [1.0, 2.4, 0.0]}},
-        "sensor": {"column": "y", "kind": "instant"},
-        "initial_state": "estimate",
-    }
-    found = camid.diagnose(pd.DataFrame({"t": time, "u": command, "y": stroke}), nominal)
-    first = found.findings[0]
-    assert first.identifier == "end-stop"
-    assert first.parameters["position"].value == pytest.approx(PLACE, rel=0.05)
-    assert found.fit.improved < 0.05 < found.fit.refitted
 
 
 def in_a_loop(wanted, period, force, gain, rate):
@@ -170,15 +86,3 @@ def test_friction_that_sticks_and_a_load_that_sets_in_meanwhile_are_found_in_a_l
     assert named["stribeck-friction"]["coulomb"].value == pytest.approx(0.35, rel=0.03)
     assert named["stribeck-friction"]["breakaway"].value == pytest.approx(0.72, rel=0.1)
     assert found.fit.improved < 0.02
-
-
-def test_forces_are_found_one_after_the_other_and_no_more_than_explain_something(actuator):
-    time, command, stroke = actuator
-    seen = situation(time, command, stroke)
-    shapes = [EndStop(position=PLACE, stiffness=1.0), CoulombFriction(force=1.0), QuadraticDrag(coefficient=1.0)]
-    found, *others = plants_beside_laws(seen, shapes, 3)
-    assert [type(law) for law in found.laws] == [EndStop]
-    assert all(found.left < other.left for other in others)
-    assert found.laws[0].values["stiffness"] > 0.0
-    assert found.plant.denominator[1] == pytest.approx(RATE, rel=0.2)  # the buffer is progressive
-    assert plants_beside_laws(seen, [CoulombFriction(force=1.0)], 2) == []

@@ -1,0 +1,150 @@
+"""Forces that explain most of the recorded motion, one after the other, beside the plant that holds with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camid.effects.base import Effect
+from camid.effects.equation_of_motion import EquationOfMotion, PlantBesideForce, equations_of_motion
+from camid.effects.plant_force import force_along
+from camid.effects.situation import Situation
+
+Array = NDArray[np.float64]
+
+# What each of several forces leaves of what was left before, at most; and what a simpler one may leave in the place of
+# the one that leaves least.
+MOST_LEFT_BY_ANOTHER, NEARLY_AS_MUCH = 0.7, 1.15
+# What another force in the place of one of them may leave over what is left with that one, and how many are looked at
+# in each place: noise in the derivatives bends laws of friction into one another.
+MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 2
+
+
+@dataclass(frozen=True)
+class PlantBesideLaws(PlantBesideForce):
+    """A plant and forces that act on it.
+
+    Attributes
+    ----------
+    laws : tuple of Effect
+        In the sizes that fit, the one that explains most first.
+    left : float
+        Share that they leave of what is left without them.
+    """
+
+    laws: tuple[Effect, ...]
+    left: float
+
+
+def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int) -> list[PlantBesideLaws]:
+    """The plant and the forces that explain most of the recorded motion, one after the other (matching pursuit).
+
+    Parameters
+    ----------
+    situation : Situation
+    shapes : sequence of Effect
+        Forces, in any size; what remembers the motion is passed over.
+    most : int
+        How many, of different names: as many as explain something beside those before them.
+
+    Returns
+    -------
+    list of PlantBesideLaws
+        Behind the likeliest those in which another force, that leaves about as much, has the place of one of them; of
+        several the first one alone stands last. Empty where the plant has zeros or too many poles, or forces of such
+        signs explain nothing.
+
+    References
+    ----------
+    Mallat & Zhang (1993), IEEE Trans. Signal Process. 41, 3397-3415.
+    """
+    equations = equations_of_motion(situation, friction=False)
+    if not equations:
+        return []
+    middle = equations[len(equations) // 2]
+    plain = middle.solved(np.zeros((len(middle.position), 0)), situation.plant.monic)
+    plant = situation.plant if plain is None else plain[0]
+    taken = [(law, -force_along(law, plant, middle.motion)) for law in shapes if law.memory_after is None]
+    taken = [(law, force) for law, force in taken if np.all(np.isfinite(force)) and np.any(force)]
+    if not taken:
+        return []
+    laws, columns = [law for law, _ in taken], np.column_stack([force for _, force in taken])
+    pursuits = [(equation, *_pursued(equation, laws, columns, most)) for equation in equations]
+    # Where two laws of friction make up for each other in one filter, another one tells them apart.
+    found: list[PlantBesideLaws] = []
+    for equation, chosen, left in sorted(pursuits, key=lambda each: min(each[2], default=1.0)):
+        sets = [(left[-1], chosen), *_with_others_instead(equation, laws, columns, chosen, left[-1])] if chosen else []
+        sets += [(left[0], chosen[:1])] if len(chosen) > 1 else []
+        sized = [
+            _with_sizes(equation, [laws[i] for i in each], columns[:, each], rest, situation) for rest, each in sets
+        ]
+        found += [each for each in sized if each is not None]
+        if sized and sized[0] is not None:
+            return [each for each in sized if each is not None]
+    return found
+
+
+def _with_others_instead(
+    equation: EquationOfMotion, laws: Sequence[Effect], columns: Array, chosen: Sequence[int], left: float
+) -> list[tuple[float, list[int]]]:
+    """The laws with one of them replaced by one of another name, and what is left then: the least first."""
+    found: list[tuple[float, list[int]]] = []
+    for place in range(len(chosen)):
+        shares = equation.left_by_each(columns, columns[:, [i for i in chosen if i != chosen[place]]])
+        named = {laws[i].identifier for i in chosen}
+        for i in np.argsort(shares).tolist():
+            if shares[i] > MOST_LEFT_INSTEAD * left or len(named) == len(chosen) + MOST_INSTEAD:
+                break
+            if laws[i].identifier not in named:
+                named.add(laws[i].identifier)
+                found.append((float(shares[i]), [*chosen[:place], i, *chosen[place + 1 :]]))
+    return sorted(found)
+
+
+def _with_sizes(
+    equation: EquationOfMotion, laws: Sequence[Effect], columns: Array, left: float, situation: Situation
+) -> PlantBesideLaws | None:
+    """The plant and the laws, in the sizes that fit the equation; None where these are impossible."""
+    found = equation.solved(columns, situation.plant.monic)
+    if found is None:
+        return None
+    plant, bias, sizes = found
+    in_sizes = _in_sizes(laws, sizes)
+    return PlantBesideLaws(plant, bias, in_sizes, left) if in_sizes else None
+
+
+def _pursued(
+    equation: EquationOfMotion, laws: Sequence[Effect], columns: Array, most: int
+) -> tuple[list[int], list[float]]:
+    """Which laws explain most, one after the other, and the shares that are left with each of them in addition."""
+    chosen: list[int] = []
+    left: list[float] = []
+    while len(chosen) < most:
+        named = {laws[i].identifier for i in chosen}
+        shares = equation.left_by_each(columns, columns[:, chosen])
+        shares[[law.identifier in named for law in laws]] = np.inf
+        # Of those that leave about as much, the simplest.
+        near = np.flatnonzero(shares <= NEARLY_AS_MUCH * np.min(shares))
+        best = min(near.tolist(), key=lambda i: (len(laws[i].vector), shares[i]))
+        if shares[best] > MOST_LEFT_BY_ANOTHER * min(left, default=1.0):
+            break
+        chosen.append(best)
+        left.append(float(shares[best]))
+    return chosen, left
+
+
+def _in_sizes(laws: Sequence[Effect], sizes: Array) -> tuple[Effect, ...]:
+    """Laws in multiples of their sizes; none where one may not have such a sign."""
+    found = []
+    for law, size in zip(laws, sizes.tolist(), strict=True):
+        try:
+            scaled = law.scaled(size)
+        except ValueError:
+            return ()
+        if size < 0.0 and np.array_equal(scaled.vector, law.scaled(0.0).vector):
+            return ()
+        found.append(scaled)
+    return tuple(found)
