@@ -26,11 +26,11 @@ from camid.effects.harmonics import (
     PeriodicDisturbanceWithHarmonic,
 )
 from camid.effects.hertz_contact import HertzEndStop
+from camid.effects.lens_distortion import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.modes import ExtraMode, ModeDampedBetween
 from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_drift import SettlingSensorDrift
-from camid.effects.sensor_geometry import LensDistortion, LensDistortionOfFourthOrder
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
 from camid.effects.stiffness import CubicStiffness, EndStop, QuadraticStiffness
 from camid.effects.two_term_springs import (

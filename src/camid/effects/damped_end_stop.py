@@ -45,8 +45,9 @@ class DampedEndStop(EndStop):
         return EndStop(position=self.values["position"], stiffness=self.values["stiffness"])
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None."""
-        return ()
+        """A force that grows with a power of the depth."""
+        laws = (law for law in EndStop.finer_laws if {"loss", "power"} <= {p.name for p in law.parameters})
+        return tuple(start for law in laws for start in law.starts(situation, **self.values))
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:

@@ -18,6 +18,7 @@ from camid.effects.compiled_part import compiled
 from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.residual_spectrum import highest_lines
+from camid.effects.sensor_shift import SensorShift
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -126,6 +127,11 @@ class StepDisturbance(Effect):
         shift = 0.5 * time_scale(situation.plant.monic.denominator)
         size, time = self.values["size"], self.values["time"]
         return tuple(type(self)(size=size, time=time + side * shift) for side in (-1.0, 1.0))
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """A camera that is knocked at that time."""
+        size = situation.response_to_force.static_gain() * self.values["size"]
+        return (SensorShift(size=size, time=self.values["time"]),) if np.isfinite(size) else ()
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

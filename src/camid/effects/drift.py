@@ -51,17 +51,20 @@ class ParameterDrift(Effect):
 
     def force_values(self, plant: TransferFunction) -> list[float]:
         """Rate, and the coefficients of position, velocity and input that drift."""
+        return [self.values["rate"], *self.changing(plant)]
+
+    def changing(self, plant: TransferFunction) -> tuple[float, float, float]:
+        """The coefficients of position, velocity and input that change."""
         kind = self.values["coefficient"]
-        return [
-            self.values["rate"],
+        return (
             static_stiffness(plant) if kind == "stiffness" else 0.0,
             static_damping(plant) if kind == "damping" else 0.0,
             1.0 if kind == "gain" else 0.0,
-        ]
+        )
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Each coefficient, by a twentieth over the recording, at a constant rate or early on.
+        """Each coefficient, by a twentieth over the recording, at a constant rate, early on, or at once.
 
         What settles within a fifth of the recording is no drift at a constant rate, and is not found by way of one.
         """
@@ -69,6 +72,8 @@ class ParameterDrift(Effect):
             drift = cls(coefficient=kind, rate=CHANGE / situation.duration)
             yield drift
             yield next(SettlingDrift.starts(situation, **drift.values))
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
@@ -108,6 +113,11 @@ class SettlingDrift(Settling, ParameterDrift):
     def force_values(self, plant: TransferFunction) -> list[float]:
         """Rate at the begin, the coefficients of position, velocity and input that drift, and the time constant."""
         return [*super().force_values(plant), self.values["time_constant"]]
+
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """What changes early on may do so at once."""
+        laws = (law for law in ParameterDrift.finer_laws if "change" in {p.name for p in law.parameters})
+        return tuple(start for law in laws for start in law.starts(situation, **self.values))
 
     def simplified(self) -> ParameterDrift:
         """The same rate for ever."""

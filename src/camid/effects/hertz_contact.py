@@ -11,6 +11,7 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.damped_end_stop import DampedEndStop
+from camid.effects.end_stop_of_any_power import EndStopOfAnyPower
 from camid.effects.overflow_over_weir import STEEPEST_AT, OverflowOverWeir
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
@@ -54,8 +55,10 @@ class HertzEndStop(EndStop):
         )
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """A straight law that takes energy, which shows as well as the power."""
-        return tuple(DampedEndStop.starts(situation, **self.simplified().values))
+        """Another power, and a straight law that takes energy, which shows as well as the power."""
+        position, hertz = self.values["position"], self.values["hertz"]
+        power = EndStopOfAnyPower(position=position, stiffness=hertz * sqrt(abs(position)), power=1.5)
+        return (power, *DampedEndStop.starts(situation, **self.simplified().values))
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """A storage that flows off over a weir, which is the same force."""

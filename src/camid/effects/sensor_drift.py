@@ -37,13 +37,15 @@ class SensorDrift(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small, as the effect is proportional to it, at a constant rate or early on.
+        """Small, as the effect is proportional to it, at a constant rate, early on, or all at once.
 
         What settles within a fifth of the recording is no drift at a constant rate, and is not found by way of one.
         """
         drift = cls(rate=SIZE * situation.largest("position") / situation.duration)
         yield drift
         yield next(SettlingSensorDrift.starts(situation, **drift.values))
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:

@@ -110,10 +110,13 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
             starts = worth_a_fit(problem, hypothesis.fitted, starts)
         if not starts:
             continue
+        lowest = hypothesis.fitted.cost
         while starts:
             fitted = _until_white(problem, starts)
             found += fitted
-            starts = _finer_starts(problem, fitted[0]) if fitted else []
+            better = bool(fitted) and fitted[0].fitted.cost < lowest
+            starts = _finer_starts(problem, fitted[0]) if better else []
+            lowest = fitted[0].fitted.cost if better else lowest
         refined += 1
         if refined == MOST_REFINED:
             break
@@ -136,11 +139,14 @@ def _fitted_from(problem: Problem, model: Model) -> Hypothesis | None:
 
 
 def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:
-    """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last."""
+    """Models in which laws with more detail take the place of the effect that a hypothesis's model holds last.
+
+    Or the same law, of values from where a fit may end in a better minimum.
+    """
     model = hypothesis.fitted.model
     others = model.effects[:-1]
     present = {e.identifier for e in others}
-    laws = finer_of(problem, model, model.effects[-1])
+    laws = [*finer_of(problem, model, model.effects[-1]), *restarts_of(problem, hypothesis.fitted, model.effects[-1])]
     last = len(others)
     return [model.replaced(last, law) for law in laws if law.identifier not in present]
 

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
+from camid.effects.lens_distortion import LensDistortion
+from camid.effects.perspective import Perspective
 from camid.effects.sensor import RollingShutter
-from camid.effects.sensor_geometry import LensDistortion, Perspective
 from camid.effects.situation import Situation
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.equations import EquationsKind
