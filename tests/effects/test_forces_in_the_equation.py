@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
+from camid.effects.actuator import Saturation
 from camid.effects.damping import QuadraticDrag
 from camid.effects.force_over_position import plant_beside_stop
 from camid.effects.friction import CoulombFriction
@@ -102,3 +103,25 @@ def test_forces_are_found_one_after_the_other_and_no_more_than_explain_something
     assert found.laws[0].values["stiffness"] > 0.0
     assert found.plant.denominator[1] == pytest.approx(RATE, rel=0.2)  # the buffer is progressive
     assert plants_beside_laws(seen, [CoulombFriction(force=1.0)], 2) == []
+
+
+def test_a_curve_of_the_command_stands_before_the_forces(actuator):
+    time, command, _ = actuator
+    limit, friction = 18.0, 4.0
+    velocity, fine = np.zeros(ROWS), 20
+    for k in range(ROWS - 1):
+        speed = velocity[k]
+        for _ in range(fine):
+            pushed = np.clip(command[k], -limit, limit) - friction * np.tanh(speed / 0.02)
+            speed += PERIOD / fine * (GAIN * pushed - RATE * speed)
+        velocity[k + 1] = speed
+    seen = situation(time, command, PERIOD * np.cumsum(velocity))
+    curves = [Saturation(limit=size) for size in (10.0, 14.0, limit, 25.0)]
+    best = plants_beside_laws(seen, [CoulombFriction(force=1.0)], 2, curves)[0]
+    assert [type(law) for law in best.laws] == [Saturation, CoulombFriction]
+    assert best.laws[0].values["limit"] == limit
+    assert best.laws[1].values["force"] == pytest.approx(friction, rel=0.2)
+    # A curve that takes nothing of the command explains nothing.
+    assert all(
+        not isinstance(each.laws[0], Saturation) for each in plants_beside_laws(seen, [], 2, [Saturation(limit=41.0)])
+    )

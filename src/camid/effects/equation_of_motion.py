@@ -7,7 +7,7 @@ a beginning alone, since noise in the derivatives bends it (an equation error; L
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -92,6 +92,18 @@ class EquationOfMotion:
         rest = rest - basis @ (basis.T @ rest)
         motion = situation.time, smooth[:, 0], derivatives[1], command
         return cls(position, motion, sections, inner, smooth[inner, 1], table, basis, rest)
+
+    def beside(self, arrived: Array) -> EquationOfMotion:
+        """The same of what arrives of the command, shape (N,)."""
+        filtered = self._filtered(arrived)
+        rest = filtered - self.basis @ (self.basis.T @ filtered)
+        return replace(self, command=filtered, rest=rest, motion=(*self.motion[:3], arrived))
+
+    @property
+    def unexplained(self) -> float:
+        """Share of the command's power that the plant without forces leaves."""
+        varying = self.command - np.mean(self.command)
+        return float(self.rest @ self.rest) / max(float(varying @ varying), 1e-300)
 
     def _filtered(self, forces: Array) -> Array:
         """Functions of the recorded position, shape (N, k), as the terms of the equation are filtered."""

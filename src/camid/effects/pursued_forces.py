@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from camid.effects.base import Effect
 from camid.effects.equation_of_motion import EquationOfMotion, PlantBesideForce, equations_of_motion
 from camid.effects.plant_force import force_along
+from camid.effects.recorded_force import MOST_ROWS
 from camid.effects.situation import Situation
 
 Array = NDArray[np.float64]
@@ -21,6 +22,8 @@ MOST_LEFT_BY_ANOTHER, NEARLY_AS_MUCH = 0.7, 1.15
 # What another force in the place of one of them may leave over what is left with that one, and how many are looked at
 # in each place: noise in the derivatives bends laws of friction into one another.
 MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 2
+# What a curve of the command leaves of what is left without it, at most: forces beside it may be most of that.
+MOST_LEFT_BY_CURVE = 0.95
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,9 @@ class PlantBesideLaws(PlantBesideForce):
     left: float
 
 
-def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int) -> list[PlantBesideLaws]:
+def plants_beside_laws(
+    situation: Situation, shapes: Sequence[Effect], most: int, curves: Sequence[Effect] = ()
+) -> list[PlantBesideLaws]:
     """The plant and the forces that explain most of the recorded motion, one after the other (matching pursuit).
 
     Parameters
@@ -49,6 +54,9 @@ def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int
         Forces, in any size; what remembers the motion is passed over.
     most : int
         How many, of different names: as many as explain something beside those before them.
+    curves : sequence of Effect
+        Static curves of the command, in the sizes that they may have: the best of them stands before the forces, if
+        it explains something.
 
     Returns
     -------
@@ -64,6 +72,44 @@ def plants_beside_laws(situation: Situation, shapes: Sequence[Effect], most: int
     equations = equations_of_motion(situation, friction=False)
     if not equations:
         return []
+    found = _with_forces(equations, situation, shapes, most)
+    curve = _best_curve(situation, curves)
+    if curve is None:
+        return found
+    bent = [each.beside(_arrived(curve, each)) for each in equations]
+    # What is left with the curve is a share of another command.
+    middle = len(equations) // 2
+    share = bent[middle].unexplained / max(equations[middle].unexplained, 1e-300)
+    with_forces = _with_forces(bent, situation, shapes, most)
+    alone = _with_sizes(bent[middle], [], np.zeros((len(situation.until(MOST_ROWS).time), 0)), 1.0, situation)
+    beside = [
+        replace(each, laws=(curve, *each.laws), left=share * each.left)
+        for each in (*with_forces, *((alone,) if alone else ()))
+    ]
+    return sorted((*beside, *found), key=lambda each: each.left)
+
+
+def _arrived(curve: Effect, equation: EquationOfMotion) -> Array:
+    """What arrives of the command, shape (N,)."""
+    time, _, _, command = equation.motion
+    return curve.transform(command, command, float(time[1] - time[0]))[0]
+
+
+def _best_curve(situation: Situation, curves: Sequence[Effect]) -> Effect | None:
+    """The curve of the command beside which the plant, with dry friction, leaves least of what arrives."""
+    equations = equations_of_motion(situation)
+    if not equations or not curves:
+        return None
+    middle = equations[len(equations) // 2]
+    shares = [middle.beside(_arrived(curve, middle)).unexplained for curve in curves]
+    best = int(np.argmin(shares))
+    return curves[best] if shares[best] < MOST_LEFT_BY_CURVE * middle.unexplained else None
+
+
+def _with_forces(
+    equations: Sequence[EquationOfMotion], situation: Situation, shapes: Sequence[Effect], most: int
+) -> list[PlantBesideLaws]:
+    """What the equation of motion, with each filter, shows of forces."""
     middle = equations[len(equations) // 2]
     plain = middle.solved(np.zeros((len(middle.position), 0)), situation.plant.monic)
     plant = situation.plant if plain is None else plain[0]
@@ -113,7 +159,7 @@ def _with_sizes(
         return None
     plant, bias, sizes = found
     in_sizes = _in_sizes(laws, sizes)
-    return PlantBesideLaws(plant, bias, in_sizes, left) if in_sizes else None
+    return PlantBesideLaws(plant, bias, in_sizes, left) if in_sizes or not laws else None
 
 
 def _pursued(

@@ -28,8 +28,9 @@ from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
 
-# Share of what the other effects leave, noise subtracted, that one beside them has to explain.
-LEAST_EXPLAINED = 0.5
+# Share of what the other effects leave, noise subtracted, that one beside them has to explain; and from which it is no
+# correction of theirs, which would leave some, however little that is of the mismatch.
+LEAST_EXPLAINED, NEARLY_ALL = 0.5, 0.95
 # Share of what a general law explains from which its special case takes its place, unless the general one explains this
 # share of what that leaves, too: a correction explains some of it.
 SPECIAL_CASE_SHARE = 0.9
@@ -67,7 +68,7 @@ def simplest(
         weakest = min(gains, key=lambda i: gains[i])
         mismatch = max(decision.base.cost - noise, 1e-300)
         explained = _explained(decision.without[weakest], decision.fitted, noise)
-        if explained >= LEAST_EXPLAINED and gains[weakest] >= LAW_ERROR * mismatch:
+        if explained >= LEAST_EXPLAINED and (gains[weakest] >= LAW_ERROR * mismatch or explained >= NEARLY_ALL):
             break
         if inexact is None:
             inexact = places_needed(problem, decision.fitted, left, STRUCTURE_P_VALUE)

@@ -236,10 +236,13 @@ def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> Pla
     from scipy.special import fdtrc
 
     whitened = problem.whitened(table if view.spread is None else table / view.spread[:, None], view.whitening)
-    lengths = np.linalg.norm(whitened, axis=0)
-    if not np.any(lengths > 0.0):
+    # What a model that runs away does is beyond all numbers, and nothing is asked of it.
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(whitened, axis=0)
+    asked = (lengths > 0.0) & np.isfinite(lengths)
+    if not np.any(asked):
         return PlaceTest(place, QUESTIONS[place], 1.0, 0.0, 0.0)
-    scale = np.where(lengths > 0.0, lengths, np.inf)
+    whitened, scale = whitened[:, asked], lengths[asked]
     fitted = (view.basis.T @ whitened) / scale
     values, vectors = np.linalg.eigh((whitened.T @ whitened) / np.outer(scale, scale) - fitted.T @ fitted)
     kept = values > max(SMALLEST_DIRECTION**2 * float(values[-1]), ROUNDING)

@@ -7,7 +7,7 @@ both.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -19,7 +19,9 @@ from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
+from camid.effects.actuator import Saturation
 from camid.effects.base import Effect
+from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import StepDisturbance
 from camid.effects.drift import ParameterDrift
 from camid.effects.pursued_forces import PlantBesideLaws, plants_beside_laws
@@ -40,6 +42,8 @@ TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL = 2, 0.5, 0.1
 MOST_FOLLOWED = 2
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
 ONSETS = np.linspace(0.02, 0.98, 49)
+# Quantiles of the command's sizes that a curve of it may have its edge at.
+LEVELS = np.linspace(0.05, 0.95, 19)
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,7 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         found = _forces(problem, base, known)
         if not found:
             return Beginning()
-        pairs = [each for each in found if len(each.laws) == TOGETHER]
+        pairs = [each for each in found if len(each.laws) >= TOGETHER]
         starts = _likeliest(problem, [start for each in pairs if (start := _start(problem, known, each)) is not None])
         fitted = [each for each in side_by_side(partial(_fitted, problem), starts) if each is not None]
         if fitted:
@@ -103,7 +107,9 @@ def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaw
     if problem.structure.plant(known.coefficients).denominator[-1] != 0.0:
         return []
     situation = problem.situations(known).plant
-    found = plants_beside_laws(situation, _shapes(problem, base, situation), TOGETHER)
+    guessed = list(candidates(problem, base))
+    curves = _curves({type(each) for each in guessed}, situation)
+    found = plants_beside_laws(situation, _shapes(guessed, situation), TOGETHER, curves)
     return found if found and found[0].left <= MOST_LEFT else []
 
 
@@ -149,11 +155,22 @@ def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None
     return Decision(base, fitted, in_place, [base] * len(in_place))
 
 
-def _shapes(problem: Problem, base: Fitted, situation: Situation) -> list[Effect]:
-    """First guesses of forces that the recordings can show, those that the motion shows too, and steps at any time."""
+def _curves(kinds: Set[type[Effect]], situation: Situation) -> list[Effect]:
+    """Curves of the command that the recordings can show, with edges anywhere in it."""
+    sizes = np.unique(np.quantile(np.abs(situation.signal), LEVELS))
+    return [
+        kind(**{kind.numeric()[0].name: float(size)})
+        for kind in (Saturation, DeadZone)
+        for size in sizes
+        if kind in kinds and size > 0.0
+    ]
+
+
+def _shapes(guessed: Sequence[Effect], situation: Situation) -> list[Effect]:
+    """Of first guesses the forces, those that the motion shows too, and steps at any time."""
     shapes = [
         each
-        for each in candidates(problem, base)
+        for each in guessed
         if (each.force is not None or each.friction_level is not None) and not isinstance(each, ParameterDrift)
     ]
     kinds = {type(each) for each in shapes}

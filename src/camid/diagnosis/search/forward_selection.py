@@ -43,8 +43,8 @@ FEWEST_EFFECTS, MOST_EFFECTS = 3, 8
 MOST_LINEAR, FAR = 4, 2.0
 # Effects that are looked for though all work is done, among the likeliest alone.
 MOST_IN_OVERTIME = 2
-# Share of the mismatch that inexact laws may leave.
-LAW_ERROR = 0.04
+# Share of the mismatch that inexact laws may leave, and of what was left that no correction of such explains.
+LAW_ERROR, NO_CORRECTION = 0.04, 0.5
 # Share of the mismatch from which an effect is worth a look at what shows beside it, though what it leaves is so
 # coloured that chance may do as much: what another effect does is structure until that is found, too.
 WORTH_A_LOOK = 0.3
@@ -125,7 +125,8 @@ def with_added_effects(
             continue
         doubtful, current, rivals = None, best, [*rivals, ranked]
         enough = len(current.model.effects) - known >= FEWEST_EFFECTS
-        if enough and left.cost - current.cost < LAW_ERROR * (base.cost - current.cost):
+        explained = left.cost - current.cost
+        if enough and explained < min(LAW_ERROR * (base.cost - current.cost), NO_CORRECTION * left.cost):
             break
     if doubtful is not None:
         current = doubtful
