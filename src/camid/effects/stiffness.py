@@ -129,6 +129,8 @@ class EndStop(AgainstMotion):
                 if share * edge != 0.0:
                     for factor in (0.3, 10.0):
                         yield cls(position=float(share * edge), stiffness=factor * stiffness)
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
     @classmethod
     def with_plant(
