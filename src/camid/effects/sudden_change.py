@@ -91,7 +91,12 @@ class SuddenChange(ParameterDrift):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Each coefficient, when a change of it explains most of the residual, to first order; the likeliest first."""
+        """Each coefficient, when a change of it explains most of the residual, to first order; the likeliest first.
+
+        None of a free decay: there a time is an amplitude, and what the law of a force has inexactly changes with it.
+        """
+        if not np.any(situation.signal):
+            return
         regression = ResidualRegression(situation, lambda forces: _responded(situation, forces))
         if regression.fails:
             return

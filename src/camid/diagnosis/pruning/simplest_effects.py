@@ -30,7 +30,7 @@ from camid.side_by_side import side_by_side
 
 # Share of what the other effects leave, noise subtracted, that one beside them has to explain; and from which it is no
 # correction of theirs, which would leave some, however little that is of the mismatch.
-LEAST_EXPLAINED, NEARLY_ALL = 0.5, 0.95
+LEAST_EXPLAINED, NEARLY_ALL = 0.5, 0.98
 # Share of what a general law explains from which its special case takes its place, unless the general one explains this
 # share of what that leaves, too: a correction explains some of it.
 SPECIAL_CASE_SHARE = 0.9
