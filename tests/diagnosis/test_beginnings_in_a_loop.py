@@ -105,3 +105,20 @@ def test_a_drive_that_saturates_is_found_beside_friction_and_a_load_that_sets_in
     assert named["coulomb-friction"]["force"].value == pytest.approx(friction, rel=0.02)
     assert abs(named["step-disturbance"]["size"].value) == pytest.approx(load, rel=0.02)
     assert found.fit.improved < 0.02 < found.fit.refitted
+
+
+def test_buffers_at_both_ends_of_the_way_are_found_in_a_loop_that_is_not_declared():
+    generator = np.random.default_rng(6)
+    wanted = np.repeat(generator.uniform(-0.9, 0.9, 20), 125)
+
+    def force(_time, position, _velocity):
+        return 30.0 * max(position - 0.5, 0.0) + 18.0 * min(position + 0.6, 0.0)
+
+    command, trolley = in_a_loop(wanted, 0.02, force, 0.99, 0.4)
+    found = diagnosed(command, 1.2 + trolley + 0.001 * generator.normal(size=len(wanted)), 0.02, 0.8, 0.5)
+    assert [f.identifier for f in found.findings] == ["end-stop"]
+    values = {name: estimate.value for name, estimate in found.findings[0].parameters.items()}
+    ends = {values["position"]: values["stiffness"], values["opposite"]: values["opposite_stiffness"]}
+    assert sorted(ends) == pytest.approx([-0.6, 0.5], rel=0.01)
+    assert [ends[place] for place in sorted(ends)] == pytest.approx([18.0, 30.0], rel=0.03)
+    assert found.fit.improved < 0.05 < found.fit.refitted

@@ -10,7 +10,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.actuator import Saturation
 from camid.effects.damping import QuadraticDrag
-from camid.effects.force_over_position import plant_beside_stop
+from camid.effects.force_over_position import plant_beside_stops
 from camid.effects.friction import CoulombFriction
 from camid.effects.pursued_forces import plants_beside_laws
 from camid.effects.situation import Situation
@@ -50,9 +50,10 @@ def situation(time, command, stroke, plant=BENT):
 
 
 def test_the_stop_and_the_plant_beside_it_are_seen_before_anything_is_fitted(actuator):
-    found = plant_beside_stop(situation(*actuator))
-    assert found.place == pytest.approx(PLACE, rel=0.05)
-    assert found.stiffness > STIFFNESS  # the buffer is progressive
+    found = plant_beside_stops(situation(*actuator))
+    ((place, stiffness),) = found.stops
+    assert place == pytest.approx(PLACE, rel=0.05)
+    assert stiffness > STIFFNESS  # the buffer is progressive
     assert found.plant.denominator[1] == pytest.approx(RATE, rel=0.1)
     assert found.plant.numerator[0] == pytest.approx(GAIN, rel=0.1)
     assert found.plant.denominator[2] == 0.0
@@ -73,7 +74,7 @@ def test_free_motion_shows_no_stop(actuator):
     for k in range(ROWS - 1):
         velocity[k + 1] = velocity[k] + PERIOD * (GAIN * command[k] - RATE * velocity[k])
     position = PERIOD * np.cumsum(velocity)
-    assert plant_beside_stop(situation(time, command, position)) is None
+    assert plant_beside_stops(situation(time, command, position)) is None
 
 
 def test_a_buffer_of_a_spindle_is_found_though_the_plant_without_it_runs_away(actuator):

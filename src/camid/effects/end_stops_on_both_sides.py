@@ -67,6 +67,16 @@ class EndStopsOnBothSides(EndStop):
         """The first of them alone."""
         return EndStop(position=self.values["position"], stiffness=self.values["stiffness"])
 
+    def finer(self, situation: Situation) -> tuple[Effect, ...]:
+        """Another detail of the first stop alone: what it does otherwise, the other one may have made up for."""
+        alone = self.simplified().values
+        others = [law for law in EndStop.finer_laws if law is not EndStopsOnBothSides]
+        loss = 0.5 / (float(np.std(situation.velocity)) or 1.0)
+        kept = [start for law in others for start in law.starts(situation, **alone)]
+        both = {"loss", "power"}
+        kept += [law(**alone, loss=loss, power=1.5) for law in others if both <= {p.name for p in law.parameters}]
+        return tuple(kept)
+
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """From another one of the same stiffness, near the middle or near the end, on the other side."""

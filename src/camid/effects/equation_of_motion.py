@@ -119,6 +119,19 @@ class EquationOfMotion:
         left = self.rest - forces @ explained
         return float(left @ left) / max(float(self.rest @ self.rest), 1e-300)
 
+    def left_by_pairs(self, forces: Array) -> Array:
+        """Share of the rest that each two of some forces, shape (N, k), leave together: shape (k, k)."""
+        forces = self._filtered(forces)
+        forces = forces - self.basis @ (self.basis.T @ forces)
+        products, seen = forces.T @ forces, forces.T @ self.rest
+        powers = np.diag(products)
+        determinant = np.outer(powers, powers) - products**2
+        gains = np.outer(seen**2, powers) + np.outer(powers, seen**2) - 2.0 * np.outer(seen, seen) * products
+        # Two that are one leave what no pair of others is worse than.
+        told = determinant > LEAST_SHOWN * np.outer(powers, powers)
+        explained = np.where(told, gains / np.where(told, determinant, 1.0), 0.0)
+        return 1.0 - explained / max(float(self.rest @ self.rest), 1e-300)
+
     def left_by_each(self, forces: Array, beside: Array) -> Array:
         """Share of the rest that each of some forces, shape (N, k), leaves beside others, shape (N, m): shape (k,)."""
         others, forces = self._filtered(beside), self._filtered(forces)

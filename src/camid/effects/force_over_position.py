@@ -47,19 +47,17 @@ class PlantBesideWave(PlantBesideForce):
 
 
 @dataclass(frozen=True)
-class PlantBesideStop(PlantBesideForce):
-    """A plant and the stop that holds it.
+class PlantBesideStops(PlantBesideForce):
+    """A plant and the stop that holds it, or one at either end of the way.
 
     Attributes
     ----------
-    place : float
-        Where the contact begins, in units of the output.
-    stiffness : float
-        In units of the input by those of the output.
+    stops : tuple of (float, float)
+        Where each contact begins, in units of the output, and its stiffness in units of the input by those of the
+        output.
     """
 
-    place: float
-    stiffness: float
+    stops: tuple[tuple[float, float], ...]
 
 
 def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ...]) -> PlantBesideWave | None:
@@ -99,33 +97,50 @@ def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ..
     return PlantBesideWave(plant, bias, length, waves, harmonic)
 
 
-def plant_beside_stop(situation: Situation) -> PlantBesideStop | None:
-    """The plant and the stop near an end of the recorded way that fit the recorded motion.
+def plant_beside_stops(situation: Situation) -> PlantBesideStops | None:
+    """The plant and the stop near an end of the recorded way, or near both, that fit the recorded motion.
 
     Returns
     -------
-    PlantBesideStop or None
+    PlantBesideStops or None
         None where the plant has zeros or too many poles, or no stop that pushes back explains much.
     """
-    best: tuple[float, EquationOfMotion, float] | None = None
+    best: tuple[float, EquationOfMotion, list[float]] | None = None
     for equation in equations_of_motion(situation):
-        low, high = float(np.min(equation.position)), float(np.max(equation.position))
-        places = [p for p in high - PLACES * (high - low) if p > 0.0]
-        places += [p for p in low + PLACES * (high - low) if p < 0.0]
-        tried = [(equation.left(_beyond(equation.position, place)), place) for place in places]
-        left, place = min(tried, default=(1.0, 0.0))
+        left, places = _likeliest_stops(equation)
         if left < (MOST_LEFT_BY_STOP if best is None else best[0]):
-            best = left, equation, float(place)
+            best = left, equation, places
     if best is None:
         return None
-    _, equation, place = best
-    found = equation.solved(_beyond(equation.position, place), situation.plant.monic)
+    _, equation, places = best
+    forces = np.column_stack([_beyond(equation.position, place) for place in places])
+    found = equation.solved(forces, situation.plant.monic)
     if found is None:
         return None
-    plant, bias, (stiffness,) = found
+    plant, bias, sizes = found
     # The force opposes the motion that the input drives.
-    pushes_back = float(stiffness) * np.sign(plant.numerator[0])
-    return PlantBesideStop(plant, bias, place, float(pushes_back)) if pushes_back > 0.0 else None
+    pushing = zip(places, (sizes * np.sign(plant.numerator[0])).tolist(), strict=True)
+    stops = tuple((place, stiffness) for place, stiffness in pushing if stiffness > 0.0)
+    return PlantBesideStops(plant, bias, stops) if stops else None
+
+
+def _likeliest_stops(equation: EquationOfMotion) -> tuple[float, list[float]]:
+    """Share that stops leave, and where they are: one, or one at either end where that leaves much less."""
+    low, high = float(np.min(equation.position)), float(np.max(equation.position))
+    above = [float(p) for p in high - PLACES * (high - low) if p > 0.0]
+    below = [float(p) for p in low + PLACES * (high - low) if p < 0.0]
+    places = above + below
+    if not places:
+        return 1.0, []
+    columns = np.column_stack([_beyond(equation.position, place) for place in places])
+    alone = equation.left_by_each(columns, np.zeros((len(columns), 0)))
+    least = int(np.argmin(alone))
+    if above and below:
+        pairs = equation.left_by_pairs(columns)[: len(above), len(above) :]
+        first, second = np.unravel_index(int(np.argmin(pairs)), pairs.shape)
+        if pairs[first, second] < MOST_LEFT_BY_STOP * alone[least]:
+            return float(pairs[first, second]), [above[first], below[second]]
+    return float(alone[least]), [places[least]]
 
 
 def _waves(position: Array, period: float, harmonic: int) -> Array:
@@ -135,6 +150,6 @@ def _waves(position: Array, period: float, harmonic: int) -> Array:
 
 
 def _beyond(position: Array, place: float) -> Array:
-    """Way beyond a stop, shape (N, 1)."""
+    """Way beyond a stop, shape (N,)."""
     way = position - place
-    return (np.maximum(way, 0.0) if place > 0.0 else np.minimum(way, 0.0))[:, None]
+    return np.maximum(way, 0.0) if place > 0.0 else np.minimum(way, 0.0)

@@ -14,7 +14,7 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
-from camid.effects.force_over_position import plant_beside_stop
+from camid.effects.force_over_position import plant_beside_stops
 from camid.effects.gravity import PendulumGravity
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
@@ -139,8 +139,11 @@ class EndStop(AgainstMotion):
         """Beside the plant that the recorded motion shows with it, where it integrates: without the stop it goes on."""
         if situation.plant.denominator[-1] != 0.0:
             return None
-        found = plant_beside_stop(situation)
+        found = plant_beside_stops(situation)
         if found is None:
             return None
-        stop = cls(position=found.place, stiffness=found.stiffness)
-        return stop, found.plant, dict.fromkeys(constants.keys() & {"bias"}, found.bias)
+        (position, stiffness), *others = found.stops
+        values = {"position": position, "stiffness": stiffness}
+        for place, other in others:
+            values |= {"opposite": place, "opposite_stiffness": other}
+        return EndStop.with_keys(values)(**values), found.plant, dict.fromkeys(constants.keys() & {"bias"}, found.bias)

@@ -36,8 +36,9 @@ from camid.fitting.problem import Problem
 from camid.fitting.recorded_zero import recorded_zero
 from camid.side_by_side import side_by_side
 
-# Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch.
-TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL = 2, 0.5, 0.1
+# Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
+# one leaves alone for others not to be looked for beside it yet.
+TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
 # Pairs of effects that are followed to the end.
 MOST_FOLLOWED = 2
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
@@ -81,7 +82,9 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         found = _forces(problem, base, known)
         if not found:
             return Beginning()
-        pairs = [each for each in found if len(each.laws) >= TOGETHER]
+        alone = [each for each in found if len(each.laws) < TOGETHER]
+        least = min((each.left for each in alone), default=1.0)
+        pairs = [each for each in found if len(each.laws) >= TOGETHER and each.left < least and least > ENOUGH_ALONE]
         starts = _likeliest(problem, [start for each in pairs if (start := _start(problem, known, each)) is not None])
         fitted = [each for each in side_by_side(partial(_fitted, problem), starts) if each is not None]
         if fitted:
@@ -89,8 +92,7 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
             decision = _decision(problem, base, best)
             if decision is not None:
                 return Beginning(decision)
-        alone = [each for each in found if len(each.laws) < TOGETHER and each.left <= MOST_LEFT]
-        start = _start(problem, known, alone[0]) if alone else None
+        start = _start(problem, known, alone[0]) if alone and least <= MOST_LEFT else None
         return Beginning(models=() if start is None else (_as_far_as_it_follows(problem, start),))
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()

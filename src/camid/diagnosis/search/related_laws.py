@@ -114,13 +114,24 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
         while starts:
             fitted = _until_white(problem, starts)
             found += fitted
-            better = bool(fitted) and fitted[0].fitted.cost < lowest
-            starts = _finer_starts(problem, fitted[0]) if better else []
-            lowest = fitted[0].fitted.cost if better else lowest
+            better = [h for h in fitted if h.fitted.cost < lowest]
+            lowest = min((h.fitted.cost for h in better), default=lowest)
+            # Where two laws do nearly the same, either may be the one that has more detail.
+            near = _of_different_laws(better, NEARLY_AS_GOOD * lowest)
+            starts = [start for h in near[:MOST_REFINED] for start in _finer_starts(problem, h)]
         refined += 1
         if refined == MOST_REFINED:
             break
     return found
+
+
+def _of_different_laws(hypotheses: Sequence[Hypothesis], most: float) -> list[Hypothesis]:
+    """The best hypothesis of each law among those that leave at most so much."""
+    found: dict[type[Effect], Hypothesis] = {}
+    for hypothesis in hypotheses:
+        if hypothesis.fitted.cost <= most:
+            found.setdefault(type(hypothesis.fitted.model.effects[-1]), hypothesis)
+    return list(found.values())
 
 
 def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
