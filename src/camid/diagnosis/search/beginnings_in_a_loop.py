@@ -19,7 +19,7 @@ from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
-from camid.effects.actuator import Saturation
+from camid.effects.actuator import GainAsymmetry, Saturation
 from camid.effects.base import Effect
 from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import StepDisturbance
@@ -45,6 +45,8 @@ MOST_FOLLOWED = 2
 ONSETS = np.linspace(0.02, 0.98, 49)
 # Quantiles of the command's sizes that a curve of it may have its edge at.
 LEVELS = np.linspace(0.05, 0.95, 19)
+# Ratios of the gains for negative and positive commands.
+RATIOS = np.geomspace(0.5, 2.0, 18)
 
 
 @dataclass(frozen=True)
@@ -158,14 +160,12 @@ def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None
 
 
 def _curves(kinds: Set[type[Effect]], situation: Situation) -> list[Effect]:
-    """Curves of the command that the recordings can show, with edges anywhere in it."""
+    """Curves of the command that the recordings can show: with edges anywhere in it, and of any asymmetry."""
     sizes = np.unique(np.quantile(np.abs(situation.signal), LEVELS))
-    return [
-        kind(**{kind.numeric()[0].name: float(size)})
-        for kind in (Saturation, DeadZone)
-        for size in sizes
-        if kind in kinds and size > 0.0
-    ]
+    curves: list[Effect] = [Saturation(limit=float(size)) for size in sizes if size > 0.0]
+    curves += [DeadZone(half_width=float(size)) for size in sizes if size > 0.0]
+    curves += [GainAsymmetry(ratio=float(ratio)) for ratio in RATIOS]
+    return [curve for curve in curves if type(curve) in kinds]
 
 
 def _shapes(guessed: Sequence[Effect], situation: Situation) -> list[Effect]:
