@@ -11,13 +11,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from camid.chain.exact import sample
 from camid.effects.base import Array, Effect
 from camid.effects.command import at_both_ends, levels
 from camid.effects.compiled_part import compiled
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import LEAST_FACTOR
-from camid.effects.residual_regression import ResidualRegression
+from camid.effects.residual_regression import ResidualRegression, sampled
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -107,10 +106,4 @@ def _rounded(signal: Array, steps: Array | float) -> Array:
 
 def _regression(situation: Situation) -> ResidualRegression:
     """What responses to changes of the command explain of a residual."""
-
-    def respond(signals: Array) -> Array:
-        columns = signals.reshape(len(signals), -1).T
-        seen = [sample(situation.plant, each, situation.acquisition) for each in columns]
-        return np.column_stack(seen).reshape(signals.shape)
-
-    return ResidualRegression(situation, respond)
+    return ResidualRegression(situation, lambda signals: sampled(situation.plant, signals, situation.acquisition))

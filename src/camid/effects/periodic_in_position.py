@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
@@ -21,7 +20,7 @@ from camid.effects.force_over_position import plant_beside_wave
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
 from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
-from camid.effects.residual_regression import ResidualRegression
+from camid.effects.residual_regression import ResidualRegression, sampled
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -135,12 +134,7 @@ class Cogging(PeriodicInPosition):
     def seen(situation: Situation) -> Callable[[Array], Array]:
         """The plant's response to a force against the motion."""
         joined = replace(situation.acquisition, hold="foh")
-
-        def respond(force: Array) -> Array:
-            columns = [sample(situation.plant, -each, joined) for each in force.reshape(len(force), -1).T]
-            return np.column_stack(columns).reshape(force.shape)
-
-        return respond
+        return lambda force: sampled(situation.plant, -force, joined)
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of small oscillations about a pole."""

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from camid.effects.base import Effect
 from camid.effects.equation_of_motion import EquationOfMotion, PlantBesideForce, equations_of_motion
 from camid.effects.plant_force import force_along
-from camid.effects.recorded_force import MOST_ROWS
 from camid.effects.situation import Situation
 
 Array = NDArray[np.float64]
@@ -61,9 +60,9 @@ def plants_beside_laws(
     Returns
     -------
     list of PlantBesideLaws
-        Behind the likeliest those in which another force, that leaves about as much, has the place of one of them; of
-        several the first one alone stands last. Empty where the plant has zeros or too many poles, or forces of such
-        signs explain nothing.
+        The likeliest first, and among them those in which another force, that leaves about as much, has the place of
+        one of them, and the first one alone. Empty where the plant has zeros or too many poles, or forces of such signs
+        explain nothing.
 
     References
     ----------
@@ -81,7 +80,7 @@ def plants_beside_laws(
     middle = len(equations) // 2
     share = bent[middle].unexplained / max(equations[middle].unexplained, 1e-300)
     with_forces = _with_forces(bent, situation, shapes, most)
-    alone = _with_sizes(bent[middle], [], np.zeros((len(situation.until(MOST_ROWS).time), 0)), 1.0, situation)
+    alone = _with_sizes(bent[middle], [], np.zeros((len(bent[middle].position), 0)), 1.0, situation)
     beside = [
         replace(each, laws=(curve, *each.laws), left=share * each.left)
         for each in (*with_forces, *((alone,) if alone else ()))

@@ -7,6 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.chain.acquisition import Acquisition
+from camid.chain.exact import sample
+from camid.chain.plant import TransferFunction
 from camid.effects.situation import Situation
 
 Array = NDArray[np.float64]
@@ -15,6 +18,12 @@ Array = NDArray[np.float64]
 MOST_ROWS, MOST_SIMULATED = 2000, 30_000
 # Share of a regressor beside the others below which nothing is left of it.
 LEAST_LEFT = 1e-9
+
+
+def sampled(plant: TransferFunction, signals: Array, acquisition: Acquisition) -> Array:
+    """What a plant makes of signals at its input, shape (N,) or (N, c), in samples of its output, of the same shape."""
+    columns = [sample(plant, each, acquisition) for each in signals.reshape(len(signals), -1).T]
+    return np.column_stack(columns).reshape(signals.shape)
 
 
 class ResidualRegression:

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from camid.chain.exact import sample
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Array, Effect
+from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.drift import ParameterDrift
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import force_along, mobility, static_damping, static_stiffness
-from camid.effects.residual_regression import ResidualRegression
+from camid.effects.residual_regression import ResidualRegression, sampled
 from camid.effects.situation import Situation
 
 COEFFICIENTS = ("stiffness", "damping", "gain", "inertia")
@@ -72,7 +71,8 @@ class SuddenChange(ParameterDrift):
         """Where the drift that was found may have been a change at once."""
         drift = ParameterDrift.with_keys(values)(**values)
         motion = situation.time, situation.position, situation.velocity, situation.signal
-        drifted = _responded(situation, force_along(drift, situation.plant, motion))
+        force = force_along(drift, situation.plant, motion)
+        drifted = sampled(situation.response_to_force, force, situation.acquisition)
         yield from cls.candidates(replace(situation, residual=situation.residual + situation.used * drifted))
 
     def restarts(self, situation: Situation) -> tuple[Effect, ...]:
@@ -97,7 +97,8 @@ class SuddenChange(ParameterDrift):
         """
         if not np.any(situation.signal):
             return
-        regression = ResidualRegression(situation, lambda forces: _responded(situation, forces))
+        answer = situation.response_to_force
+        regression = ResidualRegression(situation, lambda forces: sampled(answer, forces, situation.acquisition))
         if regression.fails:
             return
         seen = regression.situation
@@ -124,10 +125,3 @@ class SuddenChange(ParameterDrift):
     def invisible(cls, situation: Situation) -> str | None:
         """None: it is sudden however long the clock has run."""
         return None
-
-
-def _responded(situation: Situation, forces: Array) -> Array:
-    """What forces at the plant's input, shape (N,) or (N, c), do to what the residual is of, in the same shape."""
-    columns = forces.reshape(len(forces), -1).T
-    seen = [sample(situation.response_to_force, each, situation.acquisition) for each in columns]
-    return np.column_stack(seen).reshape(forces.shape)
