@@ -23,7 +23,7 @@ def situation(force):
     residual = sample(answer, force, acquisition)
     command = np.ones(COUNT)
     return Situation(
-        TIME, command, rest, rest, rest, residual, SERVO, acquisition, rows, command=command, answer=answer
+        TIME, command, rest, rest, rest, residual, SERVO, acquisition, rows, controlled=True, answer=answer
     )
 
 

@@ -8,11 +8,12 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.effects.actuator import Saturation
+from camid.effects.actuator import RateLimit, Saturation
 from camid.effects.damping import QuadraticDrag
 from camid.effects.force_over_position import plant_beside_stops
 from camid.effects.friction import CoulombFriction
 from camid.effects.pursued_forces import plants_beside_laws
+from camid.effects.sensor import Delay
 from camid.effects.situation import Situation
 from camid.effects.stiffness import EndStop
 
@@ -126,3 +127,27 @@ def test_a_curve_of_the_command_stands_before_the_forces(actuator):
     assert all(
         not isinstance(each.laws[0], Saturation) for each in plants_beside_laws(seen, [], 2, [Saturation(limit=41.0)])
     )
+
+
+def test_a_rate_and_a_delay_stand_before_the_forces(actuator):
+    time, command, _ = actuator
+    rate, late, friction, fine = 12.0, 4, 4.0, 20
+    velocity, arrived = np.zeros(ROWS), 0.0
+    for k in range(ROWS - 1):
+        speed = velocity[k]
+        for _ in range(fine):
+            arrived += np.clip(command[max(k - late, 0)] - arrived, -rate * PERIOD / fine, rate * PERIOD / fine)
+            speed += PERIOD / fine * (GAIN * (arrived - friction * np.tanh(speed / 0.02)) - RATE * speed)
+        velocity[k + 1] = speed
+    seen = situation(time, command, PERIOD * np.cumsum(velocity))
+    curves = [*(RateLimit(rate=each) for each in (6.0, 9.0, rate, 20.0)), Saturation(limit=14.0)]
+    delays = [Delay(delay=periods * PERIOD) for periods in range(1, 11)]
+    best = plants_beside_laws(seen, [CoulombFriction(force=1.0)], 2, curves, delays)[0]
+    assert [type(law) for law in best.laws] == [RateLimit, Delay, CoulombFriction]
+    assert best.laws[0].values["rate"] == rate
+    assert best.laws[1].values["delay"] == pytest.approx(late * PERIOD, abs=1.01 * PERIOD)  # it moves a row after it is pushed
+    assert best.laws[2].values["force"] == pytest.approx(friction, rel=0.2)
+    # A command that is held is late by half a period anyway.
+    on_time = situation(time, command, PERIOD * np.cumsum(np.roll(velocity, -late)))
+    best = plants_beside_laws(on_time, [CoulombFriction(force=1.0)], 2, curves, delays)[0]
+    assert [type(law) for law in best.laws] == [RateLimit, CoulombFriction]

@@ -11,7 +11,9 @@ from camid.effects.bristle_friction import StribeckBristleFriction
 from camid.effects.extent import Extent
 from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_friction import (
+    AsymmetricFrictionOfAnyKnee,
     CoulombFrictionOfAnyKnee,
+    GradualAsymmetricFriction,
     GradualCoulombFriction,
     GradualStribeckFriction,
 )
@@ -54,6 +56,30 @@ def test_friction_over_a_square_root_is_found_with_its_knee():
         assert abs(estimate.value - truth) < 4.0 * estimate.standard_deviation < 0.4 * truth, name
     (declared,) = found.improved.effects
     assert "sharpness" in declared.parameters
+
+
+def test_a_damper_with_valves_has_a_knee_and_another_force_in_each_direction():
+    law = AsymmetricFrictionOfAnyKnee(forward=0.5, backward=0.1, transition=0.4, sharpness=2.0)
+    shape = SPEEDS / np.sqrt(0.4**2 + SPEEDS**2)
+    np.testing.assert_allclose(forces(law), np.where(SPEEDS > 0.0, 0.5, 0.1) * shape, atol=1e-12)
+    plain = law.simplified()
+    assert type(plain) is CoulombFrictionOfAnyKnee
+    assert plain.values == {"force": 0.3, "transition": 0.4, "sharpness": 2.0}
+    assert {type(each) for each in plain.finer(None)} == {AsymmetricFrictionOfAnyKnee}
+    extent = Extent(span=1.0, duration=10.0, speed=1.0)
+    assert law.is_plausible(extent)  # dry friction is not that uneven
+    assert not GradualAsymmetricFriction(forward=0.5, backward=0.1, transition=0.4).is_plausible(extent)
+    assert not law.with_vector(np.array([0.5, 0.01, 0.4, 2.0])).is_plausible(extent)
+
+
+def test_a_shock_absorber_is_found_whose_rebound_is_damped_more():
+    """It was a Coulomb friction beside a bias, and a learned curve of the sensor."""
+    law = AsymmetricFrictionOfAnyKnee(forward=0.5, backward=0.12, transition=0.4, sharpness=2.0)
+    (found,) = camid.diagnose(record(law, noise=0.001, count=2500), simulation()).findings
+    assert found.title == AsymmetricFrictionOfAnyKnee.title
+    for name, truth in law.values.items():
+        estimate = found.parameters[name]
+        assert abs(estimate.value - truth) < 4.0 * estimate.standard_deviation < 0.4 * truth, name
 
 
 def test_friction_that_turns_round_gradually_is_viscous_at_rest_and_dry_beyond():

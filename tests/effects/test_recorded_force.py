@@ -57,7 +57,7 @@ def test_the_wave_is_seen_before_anything_is_fitted(belt):
     used = np.ones(ROWS, bool)
     situation = Situation(
         PERIOD * np.arange(ROWS),
-        reference(),
+        commands,
         positions,
         far,
         far,
@@ -65,7 +65,7 @@ def test_the_wave_is_seen_before_anything_is_fitted(belt):
         plant,
         Acquisition(PERIOD, sensor="instant"),
         used,
-        command=commands,
+        controlled=True,
     )
     best = waves_of_force(situation, np.ptp(positions) / RECORDED_PERIODS, 3)[0]
     assert best["period"] == pytest.approx(PITCH, rel=0.05)

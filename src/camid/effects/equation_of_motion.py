@@ -76,8 +76,7 @@ class EquationOfMotion:
         if len(position) < 10 * spoiled:
             return None
         sections = butter(FILTER_ORDER, cut_off, output="sos")
-        command = situation.signal if situation.command is None else situation.command
-        smooth = sosfiltfilt(sections, np.column_stack([position, command]), axis=0)
+        smooth = sosfiltfilt(sections, np.column_stack([position, situation.signal]), axis=0)
         derivatives = [smooth[:, 0]]
         for _ in range(situation.plant.monic.order):
             derivatives.append(np.gradient(derivatives[-1], situation.acquisition.period))
@@ -90,7 +89,7 @@ class EquationOfMotion:
         basis = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))[0]
         rest = smooth[inner, 1]
         rest = rest - basis @ (basis.T @ rest)
-        motion = situation.time, smooth[:, 0], derivatives[1], command
+        motion = situation.time, smooth[:, 0], derivatives[1], situation.signal
         return cls(position, motion, sections, inner, smooth[inner, 1], table, basis, rest)
 
     def beside(self, arrived: Array) -> EquationOfMotion:

@@ -34,6 +34,8 @@ from camid.effects.situation import Situation
 # First guesses: angles at the largest displacement, and angles from where the arm hangs at the sensor's zero.
 ANGLES = (0.5, 1.2, 2.5)
 QUADRANTS = (0, 1, 2, 3)
+# Angle over the whole way from which an arm turns at all.
+LEAST_ANGLE = 0.05
 # Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
 SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
 # Constants of a plant that a beginning says.
@@ -177,8 +179,12 @@ class ArmGravity(PendulumGravity):
         return sqrt(mobility(plant) * self.values["torque"] / self.values["amplitude"])
 
     def is_plausible(self, extent: Extent) -> bool:
-        """Whether the motion holds hardly more than a turn: what repeats along the way is cogging."""
-        return bool(2.0 * pi * self.values["amplitude"] >= LARGEST_PERIOD * extent.span)
+        """Whether the motion holds hardly more than a turn, and more than a small angle.
+
+        What repeats along the way is cogging, and what hardly turns is a constant and a spring.
+        """
+        amplitude = self.values["amplitude"]
+        return bool(LARGEST_PERIOD / (2.0 * pi) * extent.span <= amplitude <= extent.span / LEAST_ANGLE)
 
     @property
     def branch(self) -> tuple[Any, ...]:

@@ -60,8 +60,8 @@ class InputQuantisation(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The steps whose response explains the residual best, to first order; of a loop, some sizes."""
-        if situation.command is not None:
-            yield from (cls(step=situation.largest("command") / count) for count in COUNTS_IN_A_LOOP)
+        if situation.controlled:
+            yield from (cls(step=situation.largest("signal") / count) for count in COUNTS_IN_A_LOOP)
             return
         regression = _regression(situation)
         if regression.fails:
@@ -81,7 +81,7 @@ class InputQuantisation(Effect):
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """Steps of nearly the same size that round some commands the other way, to which no derivative leads."""
         regression = _regression(situation)
-        if situation.command is not None or regression.fails:
+        if situation.controlled or regression.fails:
             return ()
         steps = self.values["step"] * NEARLY
         signal = regression.situation.signal[:, None]

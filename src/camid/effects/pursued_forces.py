@@ -21,8 +21,9 @@ MOST_LEFT_BY_ANOTHER, NEARLY_AS_MUCH = 0.7, 1.15
 # What another force in the place of one of them may leave over what is left with that one, and how many are looked at
 # in each place: noise in the derivatives bends laws of friction into one another.
 MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 2
-# What a curve of the command leaves of what is left without it, at most: forces beside it may be most of that.
-MOST_LEFT_BY_CURVE = 0.95
+# What a curve of the command, and a delay of it, leaves of what is left without it, at most: forces beside a curve may
+# be most of that, and a command that is held is late by half a period anyway. Rounds in which each is chosen anew.
+MOST_LEFT_BY_CURVE, MOST_LEFT_BY_DELAY, ROUNDS = 0.95, 0.8, 3
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,11 @@ class PlantBesideLaws(PlantBesideForce):
 
 
 def plants_beside_laws(
-    situation: Situation, shapes: Sequence[Effect], most: int, curves: Sequence[Effect] = ()
+    situation: Situation,
+    shapes: Sequence[Effect],
+    most: int,
+    curves: Sequence[Effect] = (),
+    delays: Sequence[Effect] = (),
 ) -> list[PlantBesideLaws]:
     """The plant and the forces that explain most of the recorded motion, one after the other (matching pursuit).
 
@@ -54,8 +59,10 @@ def plants_beside_laws(
     most : int
         How many, of different names: as many as explain something beside those before them.
     curves : sequence of Effect
-        Static curves of the command, in the sizes that they may have: the best of them stands before the forces, if
-        it explains something.
+        Of the command, in the sizes that they may have: the best of them stands before the forces, if it explains
+        something.
+    delays : sequence of Effect
+        Of the output after the command; the best of them does, too.
 
     Returns
     -------
@@ -72,37 +79,61 @@ def plants_beside_laws(
     if not equations:
         return []
     found = _with_forces(equations, situation, shapes, most)
-    curve = _best_curve(situation, curves)
-    if curve is None:
+    path = _best_path(situation, curves, delays)
+    if not path:
         return found
-    bent = [each.beside(_arrived(curve, each)) for each in equations]
-    # What is left with the curve is a share of another command.
+    bent = [each.beside(_arrived(path, each)) for each in equations]
+    # What is left with the path is a share of another command.
     middle = len(equations) // 2
     share = bent[middle].unexplained / max(equations[middle].unexplained, 1e-300)
     with_forces = _with_forces(bent, situation, shapes, most)
     alone = _with_sizes(bent[middle], [], np.zeros((len(bent[middle].position), 0)), 1.0, situation)
     beside = [
-        replace(each, laws=(curve, *each.laws), left=share * each.left)
+        replace(each, laws=(*path, *each.laws), left=share * each.left)
         for each in (*with_forces, *((alone,) if alone else ()))
     ]
     return sorted((*beside, *found), key=lambda each: each.left)
 
 
-def _arrived(curve: Effect, equation: EquationOfMotion) -> Array:
-    """What arrives of the command, shape (N,)."""
+def _arrived(path: Sequence[Effect], equation: EquationOfMotion) -> Array:
+    """What arrives of the command, shape (N,), by when its effect is recorded."""
     time, _, _, command = equation.motion
-    return curve.transform(command, command, float(time[1] - time[0]))[0]
+    for law in path:
+        if law.place == "actuator":
+            command = law.transform(command, command, float(time[1] - time[0]))[0]
+        else:
+            command = np.interp(time - law.values["delay"], time, command)
+    return command
 
 
-def _best_curve(situation: Situation, curves: Sequence[Effect]) -> Effect | None:
-    """The curve of the command beside which the plant, with dry friction, leaves least of what arrives."""
+def _best_path(situation: Situation, curves: Sequence[Effect], delays: Sequence[Effect]) -> tuple[Effect, ...]:
+    """The curve of the command and the delay beside which the plant, with dry friction, leaves least of what arrives.
+
+    One may hide the other, so that each is chosen first.
+    """
     equations = equations_of_motion(situation)
-    if not equations or not curves:
-        return None
-    middle = equations[len(equations) // 2]
-    shares = [middle.beside(_arrived(curve, middle)).unexplained for curve in curves]
-    best = int(np.argmin(shares))
-    return curves[best] if shares[best] < MOST_LEFT_BY_CURVE * middle.unexplained else None
+    if not equations:
+        return ()
+    equation = equations[len(equations) // 2]
+
+    def left(path: Sequence[Effect | None]) -> float:
+        return equation.beside(_arrived([law for law in path if law is not None], equation)).unexplained
+
+    choices = ([None, *curves], MOST_LEFT_BY_CURVE), ([None, *delays], MOST_LEFT_BY_DELAY)
+    ends: list[tuple[float, list[Effect | None]]] = []
+    for first in (0, 1):
+        path: list[Effect | None] = [None, None]
+        for place in [first, 1 - first] * ROUNDS:
+            laws, most = choices[place]
+            paths = [[law, path[1]] if place == 0 else [path[0], law] for law in laws]
+            shares = [left(each) for each in paths]
+            best = int(np.argmin(shares))
+            changed = paths[best if shares[best] < most * shares[0] else 0]
+            if changed == path:
+                break
+            path = changed
+        ends.append((left(path), path))
+    return tuple(law for law in min(ends, key=lambda each: each[0])[1] if law is not None)
 
 
 def _with_forces(

@@ -54,8 +54,7 @@ def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict
         return []
     # The equation is that of the recording, whatever the model and its zero are: it is looked at once.
     shape = np.round((recorded - recorded[0]) / way / RESOLUTION) * RESOLUTION
-    command = situation.signal if situation.command is None else situation.command
-    signals = (shape.tobytes(), command.tobytes(), np.round(periods / way, 9).tobytes())
+    signals = (shape.tobytes(), situation.signal.tobytes(), np.round(periods / way, 9).tobytes())
     shares, amplitudes, phases = _waves(*signals, situation.acquisition.period, poles)
     at_zero = (phases - 2.0 * pi * recorded[0] / periods + pi) % (2.0 * pi) - pi
     return best_waves(1.0 - shares, 1.0 - MOST_LEFT, most, amplitudes, periods, at_zero)

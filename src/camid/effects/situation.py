@@ -24,15 +24,16 @@ class Situation:
     Attributes
     ----------
     time, signal, recorded, position, velocity, residual : ndarray, shape (N,)
-        Time in seconds, input, output, simulated output, its derivative by time, recorded minus simulated output.
+        Time in seconds, input of the plant, output, simulated output, its derivative by time, recorded minus simulated
+        output. In a closed loop the input is what the controller put out, and the residual is of that.
     plant : TransferFunction
     acquisition : Acquisition
     used : ndarray of bool, shape (N,)
         Rows that are fitted; on the others the residual is zero.
     rest : callable, optional
         Of a plant of equations, its states at rest, by name, at an output; None where it rests nowhere.
-    command : ndarray, shape (N,), optional
-        What a controller puts out, where ``signal`` is the reference that it follows; the residual is of it.
+    controlled : bool
+        Whether a controller puts the input out.
     answer : TransferFunction, optional
         What a force at the plant's input does to what the residual is of, where it is not what it does to the position.
     """
@@ -47,14 +48,13 @@ class Situation:
     acquisition: Acquisition
     used: NDArray[np.bool_]
     rest: Callable[[float], dict[str, float] | None] | None = None
-    command: Array | None = None
+    controlled: bool = False
     answer: TransferFunction | None = None
 
     def until(self, rows: int) -> Situation:
         """The begin of the recording, at most so many rows."""
         names = ("time", "signal", "recorded", "position", "velocity", "residual", "used")
-        command = None if self.command is None else self.command[:rows]
-        return replace(self, command=command, **{name: getattr(self, name)[:rows] for name in names})
+        return replace(self, **{name: getattr(self, name)[:rows] for name in names})
 
     def largest(self, name: str, share: float = 1.0) -> float:
         """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.

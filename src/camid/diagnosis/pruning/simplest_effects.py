@@ -131,7 +131,7 @@ def _special(
     special = general.simplified()
     if special is None or any(e.identifier == special.identifier for e in model.effects):
         return decision
-    if problem.kind.unseen(type(special)) is not None:
+    if problem.kind.unseen_beside(type(special), decision.without[index].model) is not None:
         return decision
     fitted = fit(problem, model.replaced(known + index, special), steps=ALL_STEPS)
     without = decision.without[index]

@@ -142,7 +142,7 @@ def depends_on_position(problem: Problem, final: Fitted) -> float:
     load than a diagnosis.
     """
     situation = problem.situation(final.model)
-    compared = situation.recorded if situation.command is None else situation.command
+    compared = situation.signal if situation.controlled else situation.recorded
     rows = situation.used & ~_at_a_limit(compared, situation.used)
     if np.count_nonzero(rows) < FEWEST_AT_A_LIMIT:
         return 1.0

@@ -19,12 +19,13 @@ from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
-from camid.effects.actuator import GainAsymmetry, Saturation
+from camid.effects.actuator import GainAsymmetry, RateLimit, Saturation
 from camid.effects.base import Effect
 from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import StepDisturbance
 from camid.effects.drift import ParameterDrift
 from camid.effects.pursued_forces import PlantBesideLaws, plants_beside_laws
+from camid.effects.sensor import Delay
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.growing_horizon import fitted_as_far_as_it_follows
@@ -43,10 +44,14 @@ TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
 MOST_FOLLOWED = 2
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
 ONSETS = np.linspace(0.02, 0.98, 49)
-# Quantiles of the command's sizes that a curve of it may have its edge at.
-LEVELS = np.linspace(0.05, 0.95, 19)
+# Quantiles of the command's sizes that a curve of it may have its edge at, and the highest edge in the largest size.
+LEVELS, HIGHEST = np.linspace(0.05, 0.95, 19), 0.9
 # Ratios of the gains for negative and positive commands.
 RATIOS = np.geomspace(0.5, 2.0, 18)
+# Delays in periods.
+PERIODS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 13.0, 17.0, 22.0, 30.0)
+# Rates between that which takes a whole recording for the command's spread and that of the command's largest step.
+RATES = np.linspace(0.1, 0.95, 35)
 
 
 @dataclass(frozen=True)
@@ -112,8 +117,10 @@ def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaw
         return []
     situation = problem.situations(known).plant
     guessed = list(candidates(problem, base))
-    curves = _curves({type(each) for each in guessed}, situation)
-    found = plants_beside_laws(situation, _shapes(guessed, situation), TOGETHER, curves)
+    kinds = {type(each) for each in guessed}
+    period = situation.acquisition.period
+    delays = [Delay(delay=periods * period) for periods in PERIODS if Delay in kinds]
+    found = plants_beside_laws(situation, _shapes(guessed, situation), TOGETHER, _curves(kinds, situation), delays)
     return found if found and found[0].left <= MOST_LEFT else []
 
 
@@ -160,11 +167,17 @@ def _decision(problem: Problem, base: Fitted, fitted: Fitted) -> Decision | None
 
 
 def _curves(kinds: Set[type[Effect]], situation: Situation) -> list[Effect]:
-    """Curves of the command that the recordings can show: with edges anywhere in it, and of any asymmetry."""
+    """What may arrive of the command: curves with edges anywhere in it or of any asymmetry, and what any rate lets."""
     sizes = np.unique(np.quantile(np.abs(situation.signal), LEVELS))
-    curves: list[Effect] = [Saturation(limit=float(size)) for size in sizes if size > 0.0]
-    curves += [DeadZone(half_width=float(size)) for size in sizes if size > 0.0]
+    # Of a command that is at its limit most of the time an edge there leaves all, or nothing.
+    sizes = sizes[(sizes > 0.0) & (sizes < HIGHEST * situation.largest("signal"))]
+    curves: list[Effect] = [Saturation(limit=float(size)) for size in sizes]
+    curves += [DeadZone(half_width=float(size)) for size in sizes]
     curves += [GainAsymmetry(ratio=float(ratio)) for ratio in RATIOS]
+    slowest = float(np.std(situation.signal)) / situation.duration
+    fastest = float(np.max(np.abs(np.diff(situation.signal)), initial=0.0)) / situation.acquisition.period
+    if slowest > 0.0:
+        curves += [RateLimit(rate=float(slowest * (fastest / slowest) ** share)) for share in RATES]
     return [curve for curve in curves if type(curve) in kinds]
 
 

@@ -30,7 +30,7 @@ def special_case_in_place(
     effect = special_case(model.effects[index])
     if effect is None or effect.identifier in known | {e.identifier for e in model.effects}:
         return None
-    if problem.kind.unseen(type(effect)) is not None:
+    if problem.kind.unseen_beside(type(effect), model.without(index)) is not None:
         return None
     return _in_place(problem, model, index, effect, steps)
 
@@ -66,7 +66,7 @@ def possible_relatives(problem: Problem, model: Model, index: int) -> list[Effec
     present = {e.identifier for i, e in enumerate(model.effects) if i != index}
 
     def is_possible(kind: type[Effect]) -> bool:
-        return problem.kind.unseen(kind) is None and kind.invisible(views.of(kind)) is None
+        return problem.kind.unseen_beside(kind, model.without(index)) is None and kind.invisible(views.of(kind)) is None
 
     return [each for each in relatives if each.identifier not in present and is_possible(type(each))]
 

@@ -129,7 +129,8 @@ def plausible_in_place(problem: Problem, fitted: Fitted, index: int) -> Hypothes
         laws.append(special)
         special = special.simplified()
     present = {e.identifier for i, e in enumerate(model.effects) if i != index}
-    laws = [e for e in laws if e.identifier not in present and problem.kind.unseen(type(e)) is None]
+    others = model.without(index)
+    laws = [e for e in laws if e.identifier not in present and problem.kind.unseen_beside(type(e), others) is None]
     laws += possible_relatives(problem, model, index)
     tried = side_by_side(partial(fitted_in_place, problem, index), [model.replaced(index, law) for law in laws])
     found = in_order([h for h in tried if h is not None])

@@ -174,7 +174,7 @@ class ClosedLoop(PlantKind):
         plant = problem.structure.plant(model.coefficients)
         situation = Situation(
             time,
-            experiment.signal,
+            experiment.output,
             self.positions[index],
             motion.position[nodes],
             motion.velocity[nodes],
@@ -183,7 +183,7 @@ class ClosedLoop(PlantKind):
             # The control is compared as it is, whatever the camera does.
             Acquisition(experiment.acquisition.period, experiment.acquisition.hold, "instant"),
             experiment.used,
-            command=experiment.output,
+            controlled=True,
             answer=_mirrored(self.loops[index].controller.answer_to_force(plant)),
         )
         return Views(situation, situation, situation)
