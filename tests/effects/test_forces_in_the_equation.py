@@ -145,7 +145,7 @@ def test_a_rate_and_a_delay_stand_before_the_forces(actuator):
     best = plants_beside_laws(seen, [CoulombFriction(force=1.0)], 2, curves, delays)[0]
     assert [type(law) for law in best.laws] == [RateLimit, Delay, CoulombFriction]
     assert best.laws[0].values["rate"] == rate
-    assert best.laws[1].values["delay"] == pytest.approx(late * PERIOD, abs=1.01 * PERIOD)  # it moves a row after it is pushed
+    assert best.laws[1].values["delay"] == pytest.approx(late * PERIOD, abs=1.01 * PERIOD)
     assert best.laws[2].values["force"] == pytest.approx(friction, rel=0.2)
     # A command that is held is late by half a period anyway.
     on_time = situation(time, command, PERIOD * np.cumsum(np.roll(velocity, -late)))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import exp, tanh
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +32,8 @@ LEVELS = (0.7, 1.3)
 VELOCITIES = (1.0, 0.3)
 # First guess of half the difference of the levels in both directions, in their mean.
 UNEVEN = 0.1
-# Friction in one direction, as a share of that in the other, that friction has at least, and the force of a damper with
-# valves; and first guess of half the difference of the latter in their mean.
-LEAST_IN_ONE_DIRECTION, LEAST_OF_A_DAMPER, DAMPER = 1.0 / 3.0, 0.1, 0.3
+# Friction in one direction, as a share of that in the other, that friction, or a damper with valves, has at least.
+LEAST_IN_ONE_DIRECTION = 0.15
 # Least speed over which it turns round, in that of the way that a recording spans over its duration: faster is at once.
 LEAST_TRANSITION = 0.02
 # Sharpness of a knee: the roundest, and first guesses.
@@ -81,9 +80,8 @@ class GradualCoulombFriction(CoulombFriction):
             for share in VELOCITIES
         )
         more, less = ((1.0 + uneven) * level for uneven in (UNEVEN, -UNEVEN))
-        knees = [CoulombFrictionOfAnyKnee(**self.values, sharpness=sharpness) for sharpness in FIRST_SHARPNESS]
-        uneven = GradualAsymmetricFriction(forward=more, backward=less, transition=transition)
-        return (*knees, uneven, *knees[0].finer(situation), *falling)
+        knees = (CoulombFrictionOfAnyKnee(**self.values, sharpness=sharpness) for sharpness in FIRST_SHARPNESS)
+        return (*knees, GradualAsymmetricFriction(forward=more, backward=less, transition=transition), *falling)
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
@@ -125,12 +123,9 @@ class CoulombFrictionOfAnyKnee(GradualCoulombFriction):
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """Levels that are larger in one direction."""
-        level = self.values["force"]
-        knee = {name: self.values[name] for name in ("transition", "sharpness")}
-        return tuple(
-            AsymmetricFrictionOfAnyKnee(forward=(1.0 + uneven) * level, backward=(1.0 - uneven) * level, **knee)
-            for uneven in (DAMPER, -DAMPER)
-        )
+        level, knee = self.values["force"], {name: self.values[name] for name in ("transition", "sharpness")}
+        more, less = ((1.0 + uneven) * level for uneven in (UNEVEN, -UNEVEN))
+        return (AsymmetricFrictionOfAnyKnee(forward=more, backward=less, **knee),)
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
@@ -150,7 +145,6 @@ class GradualAsymmetricFriction(AsymmetricFriction):
     parameters = (*AsymmetricFriction.parameters, TRANSITION)
     sum_of = ()
     friction_level = None  # type: ignore[assignment] # nothing holds the body
-    least_in_one_direction: ClassVar[float] = LEAST_IN_ONE_DIRECTION
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
@@ -171,7 +165,7 @@ class GradualAsymmetricFriction(AsymmetricFriction):
         smaller, larger = sorted((self.values["forward"], self.values["backward"]))
         turns_round = self.values["transition"] * extent.duration >= LEAST_TRANSITION * extent.span
         turns_round = turns_round and self.values["transition"] <= extent.speed
-        return bool(turns_round and smaller >= self.least_in_one_direction * larger) and super().is_plausible(extent)
+        return bool(turns_round and smaller >= LEAST_IN_ONE_DIRECTION * larger) and super().is_plausible(extent)
 
     def simplified(self) -> CoulombFriction:
         """The same of the mean level in both directions."""
@@ -204,12 +198,9 @@ class AsymmetricFrictionOfAnyKnee(GradualAsymmetricFriction):
     """
 
     title = "Asymmetric friction that turns round gradually, with any knee"
-    equation = (
-        r"f = f_\pm\,\dot y\,/\,(v_t^n + |\dot y|^n)^{1/n},\quad f_+\ (\dot y > 0),\quad f_-\ (\dot y < 0)"
-    )
+    equation = r"f = f_\pm\,\dot y\,/\,(v_t^n + |\dot y|^n)^{1/n},\quad f_+\ (\dot y > 0),\quad f_-\ (\dot y < 0)"
     reference = "Dixon (2007), The Shock Absorber Handbook, 2nd ed., chapter 6"
     parameters = (*GradualAsymmetricFriction.parameters, *CoulombFrictionOfAnyKnee.parameters[-1:])
-    least_in_one_direction = LEAST_OF_A_DAMPER
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
