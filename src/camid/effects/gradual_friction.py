@@ -271,8 +271,9 @@ class GradualStribeckFriction(StribeckFriction):
         return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0, 1.0]))
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """None."""
-        return ()
+        """What falls to nothing may be no friction."""
+        laws = (law for law in StribeckFriction.finer_laws if "peak" in {p.name for p in law.parameters})
+        return tuple(start for law in laws for start in law.starts(situation, **self.values))
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
