@@ -18,9 +18,9 @@ from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign
 from camid.effects.situation import Situation
 
-# The level of a friction that falls and turns round gradually over the peak that it resembles, and the speeds at which
-# that turns round and falls over that of the peak, for a start from it.
-LEVEL, TURN, FALL = 1.2, 0.6, 2.5
+# The friction that falls and turns round gradually which is nearest up to four times the speed of the peak, to 1.3 % of
+# that: levels over the peak, and the speeds at which it turns round and falls over that of the peak.
+LOW, HIGH, TURN, FALL = 0.436, 1.174, 0.575, 2.414
 
 
 class EddyCurrentBrake(StribeckFriction):
@@ -54,8 +54,10 @@ class EddyCurrentBrake(StribeckFriction):
 
     def simplified(self) -> StribeckFriction:  # type: ignore[override] # with less detail, and not another name
         """Friction that falls and turns round gradually, which is nearly such."""
-        level, speed = LEVEL * self.values["peak"], self.values["velocity"]
-        return GradualStribeckFriction(coulomb=0.0, breakaway=level, velocity=FALL * speed, transition=TURN * speed)
+        peak, speed = self.values["peak"], self.values["velocity"]
+        return GradualStribeckFriction(
+            coulomb=LOW * peak, breakaway=HIGH * peak, velocity=FALL * speed, transition=TURN * speed
+        )
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """None."""
@@ -74,7 +76,7 @@ class EddyCurrentBrake(StribeckFriction):
         """From friction that falls as the speed grows: where it turns round, if it does, and where it falls."""
         turn = values.get("transition", TURN / FALL * values["velocity"])
         speeds = turn / TURN, (turn / TURN * values["velocity"] / FALL) ** 0.5
-        yield from (cls(peak=values["breakaway"] / LEVEL, velocity=speed) for speed in speeds)
+        yield from (cls(peak=values["breakaway"] / HIGH, velocity=speed) for speed in speeds)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
