@@ -24,6 +24,8 @@ MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 2
 # What a curve of the command, and a delay of it, leaves of what is left without it, at most: forces beside a curve may
 # be most of that, and a command that is held is late by half a period anyway. Rounds in which each is chosen anew.
 MOST_LEFT_BY_CURVE, MOST_LEFT_BY_DELAY, ROUNDS = 0.95, 0.8, 3
+# What all laws leave at most where a rate or a delay is among them: these smooth any command, which explains some.
+MOST_LEFT_IF_LATE = 0.1
 
 
 @dataclass(frozen=True)
@@ -80,19 +82,33 @@ def plants_beside_laws(
         return []
     found = _with_forces(equations, situation, shapes, most)
     path = _best_path(situation, curves, delays)
+    beside = _behind(path, equations, situation, shapes, most)
+    if not all(law.keeps_hold for law in path) and min((each.left for each in beside), default=1.0) > MOST_LEFT_IF_LATE:
+        path = _best_path(situation, [curve for curve in curves if curve.keeps_hold], ())
+        beside = _behind(path, equations, situation, shapes, most)
+    return sorted((*beside, *found), key=lambda each: each.left) if beside else found
+
+
+def _behind(
+    path: Sequence[Effect],
+    equations: Sequence[EquationOfMotion],
+    situation: Situation,
+    shapes: Sequence[Effect],
+    most: int,
+) -> list[PlantBesideLaws]:
+    """The plant and forces behind what changes the command on its way; nothing without such."""
     if not path:
-        return found
+        return []
     bent = [each.beside(_arrived(path, each)) for each in equations]
     # What is left with the path is a share of another command.
     middle = len(equations) // 2
     share = bent[middle].unexplained / max(equations[middle].unexplained, 1e-300)
     with_forces = _with_forces(bent, situation, shapes, most)
     alone = _with_sizes(bent[middle], [], np.zeros((len(bent[middle].position), 0)), 1.0, situation)
-    beside = [
+    return [
         replace(each, laws=(*path, *each.laws), left=share * each.left)
         for each in (*with_forces, *((alone,) if alone else ()))
     ]
-    return sorted((*beside, *found), key=lambda each: each.left)
 
 
 def _arrived(path: Sequence[Effect], equation: EquationOfMotion) -> Array:
