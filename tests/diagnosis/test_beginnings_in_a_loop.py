@@ -122,3 +122,51 @@ def test_buffers_at_both_ends_of_the_way_are_found_in_a_loop_that_is_not_declare
     assert sorted(ends) == pytest.approx([-0.6, 0.5], rel=0.01)
     assert [ends[place] for place in sorted(ends)] == pytest.approx([18.0, 30.0], rel=0.03)
     assert found.fit.improved < 0.05 < found.fit.refitted
+
+
+def test_a_valve_that_overlaps_is_found_beside_a_late_camera_and_a_load_that_is_constant():
+    """It was Coulomb friction; the load, which acts behind the valve, an arm that hardly turns."""
+    generator = np.random.default_rng(6)
+    overlap, load, late, period = 0.5, 0.3, 4, 0.02
+    wanted = np.repeat(generator.uniform(-1.5, 1.5, 24), 100)
+
+    def drive(command):
+        return np.sign(command) * max(abs(command) - overlap, 0.0)
+
+    command, axis = in_a_loop(wanted, period, lambda _t, _y, _v: load, 1.2, 4.0, drive)
+    seen = np.concatenate([np.zeros(late), axis[:-late]])
+    found = diagnosed(command, 2.0 + seen + 0.002 * generator.normal(size=len(wanted)), period, 0.9, 5.0)
+    named = {f.identifier: f.parameters for f in found.findings}
+    assert {"dead-zone", "delay", "input-bias"} <= set(named)
+    assert named["dead-zone"]["half_width"].value == pytest.approx(overlap, rel=0.02)
+    assert named["delay"]["delay"].value == pytest.approx(late * period, rel=0.05)
+    assert named["input-bias"]["bias"].value == pytest.approx(-load, rel=0.05)
+
+
+def test_the_limit_of_a_rate_is_found_in_the_loop_of_a_controller_that_is_often_at_its_own():
+    """An edge at the limit of the command would leave nothing of it, and so explain all."""
+    generator = np.random.default_rng(5)
+    period, rows, rate, fine = 0.002, 3000, 150.0, 20
+    wanted = np.repeat(generator.uniform(0.02, 0.25, rows // 300), 300)
+    command, axis, position, velocity, arrived = np.zeros(rows), np.zeros(rows), 0.0, 0.0, 0.0
+    for k, goal in enumerate(wanted):
+        axis[k] = position
+        command[k] = np.clip(8.0 * (25.0 * (goal - position) - velocity), -10.0, 10.0)
+        for _ in range(fine):
+            step = rate * period / fine
+            moved = np.clip(command[k] - arrived, -step, step)
+            velocity += period / fine * (4.0 * (arrived + 0.5 * moved) - 6.0 * velocity)
+            position += period / fine * velocity
+            arrived += moved
+    nominal = {
+        "schema": 1,
+        "time": {"column": "t"},
+        "input": {"column": "u", "hold": "zoh"},
+        "plant": {"transfer_function": {"numerator": [3.2], "denominator": [1.0, 7.8, 0.0]}},
+        "controller": {"reference": "r", "position_gain": 25.0, "velocity_gain": 8.0, "limit": 10.0},
+        "sensor": {"column": "y", "kind": "instant"},
+    }
+    table = {"t": period * np.arange(rows), "r": wanted, "u": command + 0.003 * generator.normal(size=rows), "y": axis}
+    found = camid.diagnose(pd.DataFrame(table), nominal)
+    assert found.findings[0].identifier == "rate-limit"
+    assert found.findings[0].parameters["rate"].value == pytest.approx(rate, rel=0.05)

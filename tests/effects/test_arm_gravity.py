@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
+from camid.effects.extent import Extent
 from camid.effects.gravity import ArmGravity, PendulumGravity
 from camid.effects.plant_force import force_along
 from camid.effects.situation import Situation
@@ -125,3 +126,10 @@ def test_gravity_of_the_other_sign_is_that_of_an_arm_which_hangs_where_this_one_
     np.testing.assert_allclose(force_along(turned, plant, motion), -2.0 * force_along(arm, plant, motion), atol=1e-12)
     assert turned.values["torque"] == pytest.approx(1.2)
     assert -np.pi < turned.values["phase"] <= np.pi
+
+
+def test_an_arm_that_hardly_turns_is_a_constant_and_a_spring():
+    extent = Extent(span=0.5, duration=10.0)
+    assert ArmGravity(amplitude=1.0, torque=1.0, phase=0.4).is_plausible(extent)
+    assert not ArmGravity(amplitude=50.0, torque=1.0, phase=0.4).is_plausible(extent)
+    assert not ArmGravity(amplitude=0.01, torque=1.0, phase=0.4).is_plausible(extent)  # cogging

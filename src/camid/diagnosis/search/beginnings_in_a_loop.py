@@ -19,7 +19,7 @@ from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
-from camid.effects.actuator import GainAsymmetry, RateLimit, Saturation
+from camid.effects.actuator import GainAsymmetry, InputBias, RateLimit, Saturation
 from camid.effects.base import Effect
 from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import StepDisturbance
@@ -92,15 +92,15 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         alone = [each for each in found if len(each.laws) < TOGETHER]
         least = min((each.left for each in alone), default=1.0)
         pairs = [each for each in found if len(each.laws) >= TOGETHER and each.left < least and least > ENOUGH_ALONE]
-        starts = _likeliest(problem, [start for each in pairs if (start := _start(problem, known, each)) is not None])
+        starts = _likeliest(problem, [start for each in pairs for start in _starts(problem, known, each)])
         fitted = [each for each in side_by_side(partial(_fitted, problem), starts) if each is not None]
         if fitted:
             best = finer_in_place(problem, in_order(fitted)[0].fitted, len(base.model.effects), last=True)
             decision = _decision(problem, base, best)
             if decision is not None:
                 return Beginning(decision)
-        start = _start(problem, known, alone[0]) if alone and least <= MOST_LEFT else None
-        return Beginning(models=() if start is None else (_as_far_as_it_follows(problem, start),))
+        single = _starts(problem, known, alone[0])[:1] if alone and least <= MOST_LEFT else []
+        return Beginning(models=tuple(_as_far_as_it_follows(problem, start) for start in single))
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()
 
@@ -124,11 +124,18 @@ def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaw
     return found if found and found[0].left <= MOST_LEFT else []
 
 
-def _start(problem: Problem, known: Model, found: PlantBesideLaws) -> Model | None:
-    """A model with forces beside the plant that they hold with; None where no coefficients make that plant."""
+def _starts(problem: Problem, known: Model, found: PlantBesideLaws) -> list[Model]:
+    """Models with forces beside the plant that they hold with; none where no coefficients make that plant.
+
+    The constant that the equation shows acts where the forces do: what bends the command may have one on either side.
+    """
     free = {constant.name for constant in problem.kind.free_constants()}
     model = replace(known, effects=(*known.effects, *found.laws))
-    return with_plant(problem, model, found.plant, dict.fromkeys({BIAS.name} & free, found.bias))
+    starts = [with_plant(problem, model, found.plant, dict.fromkeys({BIAS.name} & free, found.bias))]
+    if BIAS.name in free and problem.kind.unseen_beside(InputBias, model) is None:
+        behind = model.plus(InputBias(bias=found.bias))
+        starts.append(with_plant(problem, behind, found.plant, {BIAS.name: 0.0}))
+    return [start for start in starts if start is not None]
 
 
 def _likeliest(problem: Problem, starts: Sequence[Model]) -> list[Model]:
