@@ -37,7 +37,7 @@ from camid.fitting.problem import Problem
 from camid.fitting.recorded_zero import recorded_zero
 from camid.side_by_side import side_by_side
 
-# Effects that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
+# Forces that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
 # one leaves alone for others not to be looked for beside it yet.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
 # Pairs of effects that are followed to the end.
@@ -61,7 +61,7 @@ class Beginning:
     Attributes
     ----------
     decision : Decision, optional
-        Two effects that explain nearly all of the mismatch together.
+        Effects that explain nearly all of the mismatch together.
     models : tuple of Model
         With one effect, for fits to start from.
     """
@@ -139,7 +139,7 @@ def _starts(problem: Problem, known: Model, found: PlantBesideLaws) -> list[Mode
 
 
 def _likeliest(problem: Problem, starts: Sequence[Model]) -> list[Model]:
-    """Those of some models with as many laws that leave least of short parts of the recordings."""
+    """Those of some models that are likeliest on short parts of the recordings."""
     if not may_be_cut(problem) or len(starts) < 2:
         return list(starts)
     return [fitted.model for fitted in on_shortest_parts(problem, starts)[:MOST_FOLLOWED]]
