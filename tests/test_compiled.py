@@ -195,3 +195,25 @@ def test_all_compiled_code_is_kept_in_this_folder():
     assert len(found) > 10
     for path in SOURCE.rglob("*.py"):
         assert path.name == "compiled.py" or "numba import njit" not in path.read_text(encoding="utf-8"), path
+
+
+CACHE_CHECK = """
+import numpy as np
+from camid.chain.acquisition import Acquisition
+from camid.engine.mechanics import Chain
+from camid.engine.run import run
+from camid.engine.integrator import integrate
+from camid.effects.hysteresis import Hysteresis
+from camid.chain.plant import second_order
+chain = Chain(second_order(1.0, 10.0, 0.1), Acquisition(0.02), (Hysteresis(strength=0.1, shape=2.0),))
+run(chain, np.ones(20), 0.02 * np.arange(20))
+hits = sum(integrate.stats.cache_hits.values())
+misses = sum(integrate.stats.cache_misses.values())
+print(hits, misses)
+"""
+
+
+def test_compiled_code_comes_from_the_disk_in_a_second_process():
+    for _ in range(2):
+        found = subprocess.run([sys.executable, "-c", CACHE_CHECK], capture_output=True, text=True, check=True).stdout
+    assert found.split() == ["1", "0"]

@@ -1,7 +1,5 @@
 """The engine against an adaptive integrator with events, and what it must not do."""
 
-import subprocess
-import sys
 import time as clock
 from math import cos, exp, pi, sin
 
@@ -377,25 +375,3 @@ def test_free_decay_under_friction_falls_by_the_same_amount_each_half_period():
     )
     peaks = np.abs(motion.at(np.array([k * pi / OMEGA for k in range(4)])))
     assert np.diff(peaks) == pytest.approx(-2.0 * 0.04, rel=1e-4)
-
-
-CACHE_CHECK = """
-import numpy as np
-from camid.chain.acquisition import Acquisition
-from camid.engine.mechanics import Chain
-from camid.engine.run import run
-from camid.engine.integrator import integrate
-from camid.effects.hysteresis import Hysteresis
-from camid.chain.plant import second_order
-chain = Chain(second_order(1.0, 10.0, 0.1), Acquisition(0.02), (Hysteresis(strength=0.1, shape=2.0),))
-run(chain, np.ones(20), 0.02 * np.arange(20))
-hits = sum(integrate.stats.cache_hits.values())
-misses = sum(integrate.stats.cache_misses.values())
-print(hits, misses)
-"""
-
-
-def test_compiled_code_comes_from_the_disk_in_a_second_process():
-    for _ in range(2):
-        found = subprocess.run([sys.executable, "-c", CACHE_CHECK], capture_output=True, text=True, check=True).stdout
-    assert found.split() == ["1", "0"]

@@ -1,9 +1,12 @@
 """A plant in a loop whose controller is at its limit most of the time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from camid.effects.actuator import GainAsymmetry
 from camid.fitting.fit import evaluate, fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import experiments_of
@@ -89,3 +92,21 @@ def test_constants_of_equations_are_found_from_far_too(monkeypatch):
     problem = problem_of(simulation, structure_of(simulation), recordings, experiments)
     found = problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
     assert found.model.constants["constant mass"] == pytest.approx(100.0, rel=0.01)
+
+
+def test_what_is_guessed_in_a_loop_sees_the_control_and_not_the_reference():
+    """A reference of one sign and size hides nothing of an actuator that is driven both ways."""
+    table = switching_loop()
+    table["r"] += 0.08 - table["r"].min()  # never negative
+    table["y"] += table["r"].max() - 0.08
+    simulation = believed(linear(1.1, 0.9))
+    recordings, experiments, _ = experiments_of([table], simulation, None)
+    problem = problem_of(simulation, structure_of(simulation), recordings, experiments)
+    situation = problem.situations(problem.with_initial_states(model_of(problem, []))).of(GainAsymmetry)
+    assert situation.controlled
+    np.testing.assert_array_equal(situation.signal, table["u"])
+    assert GainAsymmetry.invisible(situation) is None
+    assert GainAsymmetry.invisible(replace(situation, signal=table["r"].to_numpy())) is not None
+    half = situation.until(100)
+    assert half.controlled
+    np.testing.assert_array_equal(half.signal, table["u"][:100])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import exp, tanh
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -172,9 +172,9 @@ class GradualAsymmetricFriction(AsymmetricFriction):
         level = 0.5 * (self.values["forward"] + self.values["backward"])
         return GradualCoulombFriction(force=level, transition=self.values["transition"])
 
-    def scaled(self, factor: float) -> GradualAsymmetricFriction:
+    def scaled(self, factor: float) -> Self:
         """Both levels, scaled."""
-        return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0]))
+        return self.with_vector(np.concatenate([max(factor, 0.0) * self.vector[:2], self.vector[2:]]))
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """A knee that is rounder or sharper."""
@@ -216,10 +216,6 @@ class AsymmetricFrictionOfAnyKnee(GradualAsymmetricFriction):
         level = 0.5 * (self.values["forward"] + self.values["backward"])
         knee = {name: self.values[name] for name in ("transition", "sharpness")}
         return CoulombFrictionOfAnyKnee(force=level, **knee)
-
-    def scaled(self, factor: float) -> AsymmetricFrictionOfAnyKnee:
-        """Both levels, scaled."""
-        return self.with_vector(self.vector * np.array([max(factor, 0.0), max(factor, 0.0), 1.0, 1.0]))
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """None."""

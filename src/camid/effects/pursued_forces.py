@@ -83,6 +83,7 @@ def plants_beside_laws(
     found = _with_forces(equations, situation, shapes, most)
     path = _best_path(situation, curves, delays)
     beside = _behind(path, equations, situation, shapes, most)
+    # A static curve keeps a held command held, a rate and a delay do not.
     if not all(law.keeps_hold for law in path) and min((each.left for each in beside), default=1.0) > MOST_LEFT_IF_LATE:
         path = _best_path(situation, [curve for curve in curves if curve.keeps_hold], ())
         beside = _behind(path, equations, situation, shapes, most)
@@ -127,7 +128,7 @@ def _best_path(situation: Situation, curves: Sequence[Effect], delays: Sequence[
 
     One may hide the other, so that each is chosen first.
     """
-    equations = equations_of_motion(situation)
+    equations = equations_of_motion(situation) if curves or delays else []
     if not equations:
         return ()
     equation = equations[len(equations) // 2]

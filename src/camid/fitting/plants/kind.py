@@ -27,7 +27,8 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.constants import AT_ZERO, BIAS, LATENCIES, LATENCY, OFFSET, SKEW
+from camid.fitting.plants.constants import AT_ZERO, BIAS, LATENCY, OFFSET, SKEW
+from camid.fitting.plants.latencies import with_latencies
 from camid.fitting.problem import Problem
 from camid.fitting.views import Views
 from camid.identification.experiment import Experiment
@@ -399,11 +400,3 @@ class PlantKind:
                 found[constant.name] = 0.0 if at_zero else value
                 found[f"{constant.name}_deviation"] = float(np.sqrt(variance)) if np.isfinite(variance) else None
         return replace(believed, **found)  # type: ignore[arg-type]
-
-
-def with_latencies(problem: Problem, model: Model) -> list[Model]:
-    """The model with latencies of a grid, where that is free and nothing is known of it yet."""
-    if model.constants.get(LATENCY.name) != 0.0:
-        return [model]
-    latencies = problem.acquisition.period * LATENCIES
-    return [replace(model, constants={**model.constants, LATENCY.name: float(one)}, initial=()) for one in latencies]

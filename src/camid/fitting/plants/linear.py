@@ -19,7 +19,8 @@ from camid.fitting.identified_exactly import analysed, identify_exactly
 from camid.fitting.initial_motion import companion_state, recorded_start
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, LATENCY, OFFSET, SKEW
-from camid.fitting.plants.kind import PlantKind, with_latencies
+from camid.fitting.plants.kind import PlantKind
+from camid.fitting.plants.latencies import with_latencies
 from camid.fitting.problem import Problem
 from camid.identification.estimate import estimate
 from camid.identification.experiment import Experiment
