@@ -171,6 +171,8 @@ def _others(simulation: Simulation, name: str) -> list[str]:
         said.append(f"{name}: from the input to the plant's output '{units_of(simulation).output.column}'")
     if simulation.controller is not None:
         said.append(f"{name}: the plant without its controller")
+    if simulation.observer is not None:
+        said.append(f"{name}: the plant without its observer")
     if simulation.input_column is None:
         said.append(f"{name}: a free decay says nothing of the numerator, which is as it was declared")
     return said

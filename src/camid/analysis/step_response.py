@@ -244,6 +244,7 @@ def _plant_alone(simulation: Simulation) -> Simulation | None:
         bias=None,
         initial_state="zero",
         controller=None,
+        observer=None,
         effects=kept,
         reading=Reading(),
         pendulum=None if pendulum is None else replace(pendulum, rest=0.0),  # angles from rest

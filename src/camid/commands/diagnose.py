@@ -112,9 +112,9 @@ def _diagnosed(
         last_judges = one_file and len(set(problem.runs)) > 1
         problem, validation, chosen = with_validation(problem, nominal, held_out, last_judges=last_judges)
         watch.count(problem.work, len(problem.output), len(problem.fitted_runs))
-        with with_a_copy(problem, nominal, watch):
-            diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
-            watch.say("designing the next experiment")
+        diagnosis = investigate(believed, problem, nominal, validation, chosen, watch)
+        watch.say("designing the next experiment")
+        with with_a_copy():
             diagnosis = with_designed_experiments(diagnosis)
     except InputError:
         raise

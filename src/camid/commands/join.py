@@ -188,7 +188,7 @@ def _through_plant(
     """Clocks through the plant of a simulation."""
     if believed.input_column is None:
         raise InputError("a free decay has no input to align", where=believed.source, hint="match two columns")
-    if believed.controller is not None:
+    if believed.controller is not None or believed.observer is not None:
         raise InputError("a closed loop does not show the clocks", where=believed.source, hint="match two columns")
     for table, column in ((logged, believed.input_column), (seen, believed.output_column)):
         table.column(column)

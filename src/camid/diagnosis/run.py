@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.conclusion import concluded
 from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.held_by_observer import Pulled, is_astray, takes_input_away, undriven_error, with_observer
 from camid.diagnosis.improved_simulation import Deviations
 from camid.diagnosis.laws.laws_alone import log_evidence
 from camid.diagnosis.laws.learned_laws import with_learned_laws
@@ -23,6 +24,7 @@ from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning, first_beginning
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
@@ -33,6 +35,7 @@ from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.side_by_side import with_a_copy
 from camid.simulation.model import Simulation
 
 # Fits of the final model at most, and the fall of its sum of squares, as a share, that is none.
@@ -72,22 +75,60 @@ def investigate(
     ValueError
         If the simulation diverges whatever its coefficients.
     """
-    setting = prepared(believed, problem, nominal, validation, chosen, watch)
-    before, selected = _searched(setting, watch)
+    with with_a_copy(problem, nominal, watch):
+        setting = prepared(believed, problem, nominal, validation, chosen, watch)
+        beginning = first_beginning(setting.problem, setting.base)
+    pulled: Pulled | None = None
+    if beginning.runs_away:
+        pulled = _pulled(setting, watch)
+        if pulled is not None and pulled.tells_all:
+            return pulled.diagnosis
+    with with_a_copy(setting.whole, setting.problem, nominal, watch):
+        found = _investigated(setting, beginning, watch)
+    if not is_astray(found):
+        return found
+    if not beginning.runs_away:
+        pulled = _pulled(setting, watch)
+    return pulled.diagnosis if pulled is not None and pulled.tells_more else found
+
+
+def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
+    """Diagnosis with a simulation that an observer pulls towards the recording; None where there can be none."""
+    held = with_observer(setting.believed, setting.whole, setting.nominal)
+    if held is None or watch.no_time_for("a simulation that an observer pulls", needed=True):
+        return None
+    believed, problem, nominal = held
+    watch.say("pulling the simulation towards the recording")
+    aside = watch.aside(problem.work, len(problem.output), len(problem.fitted_runs))
+    try:
+        with with_a_copy(problem, nominal, aside):
+            pulled = prepared(believed, problem, nominal, setting.validation, setting.chosen, aside)
+            found, undriven = _investigated(pulled, Beginning(), aside), undriven_error(pulled)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # it diverges all the same
+        return None
+    if takes_input_away(problem, found.improved):
+        return None
+    found = replace(found, warnings=[*found.warnings, *problem.kind.remarks(found.improved)])
+    return Pulled(found, undriven)
+
+
+def _investigated(setting: Setting, beginning: Beginning, watch: Watch) -> Diagnosis:
+    """Diagnosis of what a simulation leaves, from where the search begins."""
+    before, selected = _searched(setting, beginning, watch)
     noise = None if setting.settled else relative_noise(setting.problem, selected.fitted)
     if noise is not None:
         watch.take_stock(SEARCH_AGAIN)
         if not watch.no_time_for("weighing the rows by their noise"):
             watch.say("searching again with rows weighed by their noise")
             setting = over_noise(setting, noise)
-            before, selected = _searched(setting, watch)
+            before, selected = _searched(setting, first_beginning(setting.problem, setting.base), watch)
         watch.take_stock(NAMES)
     problem, base = setting.problem, setting.base
     decision, residue = _simplified(setting, selected, before, watch)
     coloured = any(known_effects()[f.identifier].colours_noise for f in residue.findings)
     if selected.interrupted and (residue.reasons or coloured) and _leaves_colour(decision):
         # What looked like an inexact law is none, or not all that is missing: names are left to look for.
-        further = select_effects(problem, base, watch=watch, searches=setting.searches, begun=selected)
+        further = select_effects(problem, base, watch=watch, searches=setting.searches, beginning=Beginning(selected))
         if _names(further) != _names(selected):
             other, what_is_left = _simplified(setting, further, before, watch)
             if log_evidence(other) > log_evidence(decision):
@@ -95,7 +136,9 @@ def investigate(
     return concluded(setting, decision, before, residue, watch)
 
 
-def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.PlaceTest], Decision]:
+def _searched(
+    setting: Setting, beginning: Beginning, watch: Watch
+) -> tuple[list[mismatch_location.PlaceTest], Decision]:
     """Tests of what the re-estimated plant leaves, and the effects that are called for."""
     problem, base = setting.problem, setting.base
     before = mismatch_location.places(problem, base)
@@ -105,7 +148,14 @@ def _searched(setting: Setting, watch: Watch) -> tuple[list[mismatch_location.Pl
     start = setting.start if not setting.known and _leaves_structure(setting, before) else None
     leaves_structure = partial(_effects_leave_structure, setting, before)
     return before, select_effects(
-        problem, base, setting.screened, watch, start, setting.searches, leaves_structure=leaves_structure
+        problem,
+        base,
+        setting.screened if beginning.decision is None else None,  # what was screened was beside the base
+        watch,
+        start,
+        setting.searches,
+        beginning,
+        leaves_structure,
     )
 
 

@@ -69,6 +69,13 @@ class Watch(Account):
         self._work = work
         self._bound = (self.effort or 0.0) * (WORK * min(recordings, MOST_RECORDINGS) + WORK_OF_ROW * rows)
 
+    def aside(self, work: Work, rows: int, recordings: int = 1) -> Watch:
+        """One for something to be tried beside the rest, with the same limits, in the time that is left."""
+        left = None if self.limit is None else max(self.limit - (time.monotonic() - self.started), 0.0)
+        other = Watch(self.progress, left, self.effort)
+        other.count(work, rows, recordings)
+        return other
+
     @property
     def done(self) -> float:
         """Work that is done, in seconds of a processor."""

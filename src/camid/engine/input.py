@@ -12,6 +12,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.controller import Loop
 from camid.chain.hold import driven
 from camid.chain.input_log import InputLog, StraightPieces
+from camid.chain.observer import Pull
 from camid.effects.base import Effect
 from camid.engine.feedback import Feedback
 
@@ -95,10 +96,14 @@ def _logged(
     return pieces.on_grid(begin, step, count)
 
 
-def feedback_of(loop: Loop | None, steps: int) -> Feedback:
-    """The controller as the integrator takes it."""
+def feedback_of(loop: Loop | None, pull: Pull | None, steps: int) -> Feedback:
+    """The controller, or the observer, as the integrator takes it."""
+    if pull is not None:
+        frames, observer = np.ascontiguousarray(pull.frames, dtype=float), pull.observer
+        gains, errors = (observer.position_gain, observer.velocity_gain), np.zeros(len(frames))
+        return Feedback(steps, frames, *gains, np.inf, errors, pull.exposure, pull.acquisition.latency)
     if loop is None:
-        return Feedback(0, np.zeros(0), 0.0, 0.0, 0.0, np.zeros(0))
+        return Feedback(0, np.zeros(0), 0.0, 0.0, 0.0, np.zeros(0), -1.0, 0.0)
     controller, reference = loop.controller, np.ascontiguousarray(loop.reference, dtype=float)
     return Feedback(
         steps,
@@ -107,6 +112,8 @@ def feedback_of(loop: Loop | None, steps: int) -> Feedback:
         float(controller.velocity_gain),
         float(controller.limit),
         np.zeros(len(reference)),
+        -1.0,
+        0.0,
     )
 
 

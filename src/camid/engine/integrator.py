@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
 from camid.engine.events import held_step
-from camid.engine.feedback import Feedback, actuated, controlled, samples_at
+from camid.engine.feedback import Feedback, answered, passed_on, samples_at
 from camid.engine.force_step import Shocks, can_be_smooth, is_shocked, step_in_parts, step_unless_event
 from camid.engine.forces import Mechanics, dot, force_in
 from camid.engine.plant_equations import doubt_of, project
@@ -156,9 +156,8 @@ def _integrate(
         if samples_at(feedback, k):
             if at_once:
                 rate += _direct_rate(m, time, state, before, memory, direction, direct)
-            held = controlled(feedback, k, measured, rate)
-        if feedback.steps > 0:
-            passed_first, passed_last = actuated(m.forces, step, held, memory)
+            held = answered(feedback, k, step, rate, record.measured, record.rate, record.integral)
+        passed_first, passed_last = passed_on(feedback, m.forces, step, held, memory)
         first = (grid.start[k] if k < steps else grid.end[k - 1]) + passed_first
         if at_once:
             _record_rates(m, k, time, first, before, direction, direct, room, record)
@@ -220,7 +219,7 @@ def integrate(
     impulse_times, impulse_sizes : ndarray
         Sorted times in seconds, and sizes in units of u times seconds.
     feedback : Feedback
-        What a controller adds to the input.
+        What a controller or an observer adds to the input.
 
     Returns
     -------

@@ -64,7 +64,7 @@ def by_law(chain: Chain, signal: Array, time: Array, index: int, ways: Array, si
     """
     law = chain.effects[index]
     assert isinstance(law, LearnedEffect)
-    if chain.loop is not None or not chain.steps:
+    if chain.loop is not None or chain.pull is not None or not chain.steps:
         return None
     if isinstance(law, LearnedCurve) and not law.of_input:
         return _by_reading(chain, law, signal, time, index, ways, size)

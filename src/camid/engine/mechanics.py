@@ -17,6 +17,7 @@ from camid.chain.acquisition import Acquisition
 from camid.chain.companion_form import companion, derivative_rows, time_scale
 from camid.chain.controller import Loop
 from camid.chain.input_log import InputLog
+from camid.chain.observer import Pull
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.plant_force import motion_sign
@@ -67,6 +68,8 @@ class Chain:
         motion no longer changes; where it is 0 they only follow the plant.
     loop : Loop, optional
         A controller that makes the input; the recorded one then says nothing.
+    pull : Pull, optional
+        An observer that adds to what drives the plant, and holds the motion near the recorded one.
     known_force : tuple of (ndarray of shape (N,), {"zoh", "foh"}), optional
         A force at the plant's input that is a function of time, and how it goes on between the samples.
     equations : NonlinearPlant, optional
@@ -93,6 +96,7 @@ class Chain:
     state_before_record: bool = True
     steps: int | None = None
     loop: Loop | None = None
+    pull: Pull | None = None
     known_force: tuple[Array, str] | None = None
     equations: NonlinearPlant | None = None
     input_log: InputLog | None = None

@@ -126,7 +126,7 @@ def _acts_on_motion(effect: Effect) -> bool:
 
 def exactly(chain: Chain, signal: Array, acquisition: Acquisition) -> Array | None:
     """Output of a linear chain with a held or straight input, or None."""
-    if any(part is not None for part in (chain.loop, chain.known_force, chain.equations, chain.input_log)):
+    if any(part is not None for part in (chain.loop, chain.pull, chain.known_force, chain.equations, chain.input_log)):
         return None
     if any(_acts_on_motion(e) or overrides(e, *OF_THE_MOTION) for e in chain.effects):
         return None
@@ -189,7 +189,7 @@ def _moved(
     while True:
         step = period / steps
         start, end = setting.input_on_grid(chain, signal, acquisition, steps)
-        feedback = feedback_of(chain.loop, steps)
+        feedback = feedback_of(chain.loop, chain.pull, steps)
         position, velocity, integral, velocity_end, doubt = integrate(
             mechanics, setting.initial, start, end, setting.start_time, step, *setting.shocks, feedback
         )
@@ -246,7 +246,7 @@ class Setting:
 def prepared(chain: Chain, signal: Array, time: Array, acquisition: Acquisition) -> Setting:
     """What a run of the integrator begins with."""
     mechanics, order = mechanics_of(chain, signal)
-    before = chain.initial_state is not None and chain.state_before_record and chain.loop is None
+    before = chain.initial_state is not None and chain.state_before_record and chain.loop is None and chain.pull is None
     delay = acquisition.window()[0] if before else 0
     impulses = sorted(i for e in chain.effects for i in e.impulses())
     shocks = (

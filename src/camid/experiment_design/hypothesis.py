@@ -223,13 +223,20 @@ def hypothesis_of(
     Raises
     ------
     InputError
-        If no input can be designed: for a closed loop, a plant that nothing drives, or one that several columns see.
+        If no input can be designed: for a closed loop, a plant that an observer pulls, one that nothing drives, or one
+        that several columns see.
     """
     if simulation.controller is not None:
         raise InputError(
             "a closed loop is not designed for",
             where=simulation.source,
             hint="open the loop: an experiment is an input of the plant",
+        )
+    if simulation.observer is not None:
+        raise InputError(
+            "an input is designed for a plant that it drives, and this one follows a recording alone",
+            where=simulation.source,
+            hint="without the controller that held it in the recording it runs away; play other references to that one",
         )
     if simulation.input_column is None:
         raise InputError(

@@ -41,7 +41,8 @@ def _with_experiment(diagnosis: Diagnosis, finding: Finding) -> Finding:
     improved = diagnosis.improved
     if finding.separating_experiment is None or len(own) < 2:
         return finding
-    if improved.input_column is None or improved.controller is not None or improved.output_columns:
+    held = improved.controller is not None or improved.observer is not None
+    if improved.input_column is None or held or improved.output_columns:
         return finding  # no input that could be designed
     text = _advice(replace(diagnosis, hypotheses=own), finding.separating_experiment)
     return replace(finding, separating_experiment=text)

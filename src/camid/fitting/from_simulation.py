@@ -18,6 +18,7 @@ from camid.fitting.plants.equations import EquationsKind
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
 from camid.fitting.plants.named_constants import NamedConstants
+from camid.fitting.plants.observed import ObservedPlant
 from camid.fitting.plants.pendulum import PendulumKind
 from camid.fitting.plants.physical import PhysicalFreeDecay, PhysicalKind
 from camid.fitting.plants.several_readings import SeveralReadings
@@ -58,6 +59,9 @@ def kind_of(believed: Simulation, recordings: Sequence[Recording]) -> PlantKind:
     """The kind of plant that a simulation declares, for these recordings."""
     plant = _uncontrolled(believed)
     controller = believed.controller
+    if believed.observer is not None:
+        integrates = believed.plant.denominator[-1] == 0.0
+        return ObservedPlant(plant, believed.observer, integrates, offset=plant.offset, skew=plant.skew)
     if controller is None:
         return plant
     loops = tuple(Loop(controller, r.columns[controller.reference]) for r in recordings)

@@ -237,14 +237,16 @@ class Problem:
         """Chain of a model as recording ``index`` saw it."""
         experiment = self.experiments[index]
         run = self.runs[index]
+        effects = (*self.kind.forces(model), *model.in_order())
         return Chain(
             self.structure.plant(model.coefficients),
             experiment.acquisition,
-            (*self.kind.forces(model), *model.in_order()),
+            effects,
             model.initial[run] if model.initial else None,
             self.kind.state_before_record(experiment),
             None if self.steps is None else self.steps[index],
             self.kind.loop(index),
+            self.kind.pull(experiment, model, effects),
             equations=self.kind.nonlinear(model, experiment.seen),
             weight=experiment.weight,
             input_log=experiment.input_log,

@@ -13,6 +13,7 @@ from camid.errors import InputError
 from camid.number_text import printable
 from camid.physical.equations import plant_function
 from camid.simulation.control_systems import continuous_plant, is_control_system
+from camid.simulation.declared_observer import declared_observer
 from camid.simulation.declared_plant import declared_plant
 from camid.simulation.declared_reading import declared_reading
 from camid.simulation.model import DeclaredEffect, Simulation
@@ -101,7 +102,8 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
     reading = declared_reading(file, where)
     output = _output_column(file, where)
     plant = declared_plant(file.plant, where, file.sensor.columns)
-    if file.controller is None:
+    observer = declared_observer(file, plant, where)
+    if file.controller is None and observer is None:
         _refuse_unstable(plant, where)
     validation, driven, sensor = file.validation, file.input, file.sensor
     if validation is not None and not validation.start < validation.end:
@@ -138,6 +140,7 @@ def _build(file: SimulationFile, content: Mapping[str, Any], name: str) -> Simul
         validation=None if validation is None else (validation.start, validation.end),
         effects=tuple(_declared(effect, where("effects", i)) for i, effect in enumerate(file.effects)),
         controller=_controller(file, where),
+        observer=observer,
         remainder=file.remainder,
         source=name,
         reading=reading,

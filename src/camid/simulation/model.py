@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from camid.chain.acquisition import Acquisition
 from camid.chain.controller import Controller
+from camid.chain.observer import Observer
 from camid.chain.pendulum import Pendulum
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
@@ -102,6 +103,8 @@ class Simulation:
         Where the plant is written by named constants; ``plant`` follows from them, and they have the accuracies.
     controller : Controller or None
         Of a closed loop; its output is the input column.
+    observer : Observer or None
+        What pulls the simulated motion towards the recorded one.
     remainder : float or None
         Root mean square of what an earlier diagnosis left unexplained, in units of the output (of the input in a closed
         loop): a structure no larger than that is known, and not looked for again.
@@ -137,6 +140,7 @@ class Simulation:
     pendulum: Pendulum | None = None
     physical: PhysicalPlant | None = None
     controller: Controller | None = None
+    observer: Observer | None = None
     remainder: float | None = None
     reading: Reading = field(default_factory=Reading)
     output_columns: tuple[str, ...] = ()
@@ -156,7 +160,14 @@ class Simulation:
     @property
     def is_fitted_to_output(self) -> bool:
         """Whether a simulation run fits something to the recording: the initial state, an offset or a bias."""
-        return self.estimates_initial_state or "estimate" in (self.offset, self.bias)
+        return self.estimates_initial_state or self.observer is not None or "estimate" in (self.offset, self.bias)
+
+    @property
+    def may_be_observed(self) -> bool:
+        """Whether nothing holds this plant, and one output of it is linear in the input but for its effects."""
+        linear = self.pendulum is None and (self.physical is None or self.physical.equations is None)
+        held = self.controller is not None or self.observer is not None
+        return linear and not held and self.input_column is not None and not self.output_columns
 
     @property
     def known_offset(self) -> float:
@@ -247,6 +258,8 @@ class Simulation:
             content["validation"] = {"start": self.validation[0], "end": self.validation[1]}
         if self.controller is not None:
             content["controller"] = self.controller.to_mapping() | self.reading.reference.to_mapping()
+        if self.observer is not None:
+            content["observer"] = self.observer.to_mapping()
         if self.remainder is not None:
             content["remainder"] = float(self.remainder)
         content["effects"] = [effect.to_mapping() for effect in self.effects]

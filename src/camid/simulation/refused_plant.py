@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
 from camid.simulation.yaml_file import Where
+
+# Rate of an observer that holds a plant, as a multiple of its fastest pole in the right half plane.
+OF_FASTEST = 1.5
 
 
 def refuse_unstable(plant: TransferFunction, where: str) -> None:
@@ -21,7 +26,8 @@ def refuse_unstable(plant: TransferFunction, where: str) -> None:
         raise InputError(
             f"the transfer function is unstable: poles at {shown} rad/s",
             where=where,
-            hint="without a controller all poles need a real part of at most zero; check the signs",
+            hint="check the signs; where a controller holds the plant, declare it, or pull the simulation towards the "
+            f"recording: observer: {{rate: {OF_FASTEST * float(np.max(unstable.real)):.2g}}}",
         )
 
 

@@ -171,6 +171,17 @@ class ControllerPart(Converted):
     limit: NotNull[Positive] = Field(default=None, description="Largest |u|.")
 
 
+class ObserverPart(Part):
+    """An acceleration 2 w (ẏ_k − ẏ) + w² (y_k − y), which pulls the simulated motion towards the recorded one."""
+
+    rate: Positive = Field(description="w in rad/s: the lowest with which the simulation does not run away.")
+    gain: NotNull[Number] = Field(
+        default=None,
+        description="Acceleration in units of y per unit of u and s² that the pull is divided by; without it that of "
+        "the plant.",
+    )
+
+
 class Validation(Part):
     """Rows that are not fitted."""
 
@@ -208,6 +219,11 @@ class SimulationFile(Part):
     )
     controller: NotNull[ControllerPart] = Field(
         default=None, description="Closed loop: u = clip(velocity_gain (position_gain (reference − y) − ẏ))."
+    )
+    observer: NotNull[ObserverPart] = Field(
+        default=None,
+        description="Pulls the simulated motion towards the recorded one, where only a controller that is not declared "
+        "keeps the plant from running away.",
     )
     sensor: SensorPart = Field(description="The output column and the sensor that measures it.")
     initial_state: Literal["zero", "estimate"] = Field(

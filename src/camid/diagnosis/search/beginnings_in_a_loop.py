@@ -16,6 +16,7 @@ import numpy as np
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
+from camid.diagnosis.search.hypothesis_search import is_far_off
 from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
@@ -28,7 +29,7 @@ from camid.effects.pursued_forces import PlantBesideLaws, plants_beside_laws
 from camid.effects.sensor import Delay
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.growing_horizon import fitted_as_far_as_it_follows
+from camid.fitting.growing_horizon import fitted_as_far_as_it_follows, rows_followed
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.multiple_shooting import may_be_cut, on_shortest_parts, shot_several_times
 from camid.fitting.plant_with_effects import Model
@@ -64,10 +65,18 @@ class Beginning:
         Effects that explain nearly all of the mismatch together.
     models : tuple of Model
         With one effect, for fits to start from.
+    runs_away : bool
+        Whether the plant's equation shows what is missing, and no simulation with it follows the recordings.
     """
 
     decision: Decision | None = None
     models: tuple[Model, ...] = ()
+    runs_away: bool = False
+
+
+def first_beginning(problem: Problem, base: Fitted) -> Beginning:
+    """What a search begins with: what the plant's equation shows where the base is far off the recordings."""
+    return beginning_in_a_loop(problem, base) if is_far_off(problem, base) else Beginning()
 
 
 def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
@@ -100,9 +109,16 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
             if decision is not None:
                 return Beginning(decision)
         single = _starts(problem, known, alone[0])[:1] if alone and least <= MOST_LEFT else []
-        return Beginning(models=tuple(_as_far_as_it_follows(problem, start) for start in single))
+        models = tuple(_as_far_as_it_follows(problem, start) for start in single)
+        runs_away = found[0].left <= ENOUGH_ALONE and not any(_follows(problem, model) for model in models)
+        return Beginning(None, models, runs_away)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()
+
+
+def _follows(problem: Problem, model: Model) -> bool:
+    """Whether a model follows the recordings to their end."""
+    return rows_followed(problem, model) >= min(map(len, problem.times))
 
 
 def _not_at_bounds(problem: Problem, model: Model) -> Model:

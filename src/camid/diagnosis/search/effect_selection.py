@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
@@ -35,7 +36,7 @@ def select_effects(
     watch: Watch | None = None,
     nominal: Model | None = None,
     searches: Searches | None = None,
-    begun: Decision | None = None,
+    beginning: Beginning | None = None,
     leaves_structure: Callable[[Decision], bool] | None = None,
 ) -> Decision:
     """Add effects as long as each is called for, then test each against what could replace it.
@@ -52,14 +53,14 @@ def select_effects(
         As the simulation says, without effects.
     searches : Searches, optional
         What was found already, and where what is found is kept.
-    begun : Decision, optional
-        An interrupted search, which goes on.
+    beginning : Beginning, optional
+        What the search begins with, such as an interrupted one, which goes on.
     leaves_structure : callable, optional
         Whether a decision's effects leave more than noise, for which others are begun with; none are without it.
     """
     watch, searches = watch or Watch(), searches or Searches()
-    found = with_added_effects(problem, base, searches, watch, screened, nominal, begun)
-    if begun is None and leaves_structure is not None:
+    found = with_added_effects(problem, base, searches, watch, screened, nominal, beginning)
+    if leaves_structure is not None:
         found = with_other_beginnings(problem, found, searches, watch, leaves_structure, nominal)
     if len(found.rivals) < 2:
         return replace(found, without=[base] * len(found.rivals))

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.search.beginnings_in_a_loop import Beginning, beginning_in_a_loop
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
 from camid.diagnosis.search.hypothesis import Hypothesis
@@ -57,7 +57,7 @@ def with_added_effects(
     watch: Watch,
     screened: Sequence[ScreenedEffect] | None = None,
     nominal: Model | None = None,
-    begun: Decision | None = None,
+    beginning: Beginning | None = None,
 ) -> Decision:
     """Add effects to a model as long as each is called for.
 
@@ -73,16 +73,15 @@ def with_added_effects(
         Of the base, where it was screened already.
     nominal : Model, optional
         As the simulation says, without effects.
-    begun : Decision, optional
-        Effects that stand already; an interrupted search goes on though a law of it seems to be inexact.
+    beginning : Beginning, optional
+        With effects that stand already; an interrupted search goes on though a law of it seems to be inexact.
 
     Returns
     -------
     Decision
         Of which no effect was put to the test beside the others.
     """
-    beginning = _beginning(problem, base, begun)
-    screened = screened if beginning.decision is begun else None  # what was screened was beside the base
+    beginning = beginning or Beginning()
     begun = beginning.decision
     current, rivals = (base, []) if begun is None else (begun.fitted, list(begun.rivals))
     # Where small changes add up to a phase error, the screening of few is a poor guide.
@@ -132,13 +131,6 @@ def with_added_effects(
         current = doubtful
         rivals.pop()
     return Decision(base, current, rivals, interrupted=interrupted)
-
-
-def _beginning(problem: Problem, base: Fitted, begun: Decision | None) -> Beginning:
-    """What the search begins with: what was begun, or what the plant's equation shows where the base is far off."""
-    if begun is not None or not is_far_off(problem, base):
-        return Beginning(begun)
-    return beginning_in_a_loop(problem, base)
 
 
 def _linear_from_nominal(current: Fitted, nominal: Model | None, screened: Sequence[ScreenedEffect]) -> list[Model]:

@@ -17,6 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.forward_selection import LAW_ERROR, with_added_effects
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
@@ -26,7 +27,7 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 # What a search begins with, and what was screened beside it already.
-Beginning = tuple[Decision, list[ScreenedEffect] | None]
+Screened = tuple[Decision, list[ScreenedEffect] | None]
 
 # By how much the criterion of what takes the place of something has to be lower.
 SWAP_MARGIN = 2.0
@@ -84,7 +85,7 @@ def with_other_beginnings(
             )
             if watch.no_time_for(f"a search that begins with {names}"):
                 return decision
-            other = with_added_effects(problem, decision.base, searches, watch, screened, start, beginning)
+            other = with_added_effects(problem, decision.base, searches, watch, screened, start, Beginning(beginning))
             if len(other.rivals) < 2 or not _is_likelier(problem, other, decision):  # alone they were ranked already
                 continue
             if not leaves_structure(other):
@@ -100,11 +101,11 @@ def with_other_beginnings(
 
 def _passes(
     problem: Problem, decision: Decision, searches: Searches, watch: Watch, nominal: Model | None, *, much: bool
-) -> list[tuple[Model | None, list[Beginning]]]:
+) -> list[tuple[Model | None, list[Screened]]]:
     """What searches begin with, and from which coefficients what they add is followed, too."""
     first = searches.beside(decision.base) or []
 
-    def begun(hypothesis: Hypothesis) -> Beginning:
+    def begun(hypothesis: Hypothesis) -> Screened:
         found = Decision(decision.base, hypothesis.fitted, [first], [decision.base])
         # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
         return replace(found, interrupted=much or _leaves_much(found)), None
@@ -113,7 +114,7 @@ def _passes(
     if much:
         own = [decision] if decision.interrupted else []
         return [(None, _promising(problem, [*own, *(other for other, _ in others)], watch))]
-    passes: list[tuple[Model | None, list[Beginning]]] = [(None, others[:MOST_BEGINNINGS])]
+    passes: list[tuple[Model | None, list[Screened]]] = [(None, others[:MOST_BEGINNINGS])]
     if nominal is not None:
         passes.append((nominal, [*map(begun, decision.rivals[0][:1]), *others[:MOST_BEGINNINGS]]))
     return passes
@@ -157,9 +158,9 @@ def _other_beginnings(decision: Decision, first: list[Hypothesis]) -> list[Hypot
     return [h for h in first if h.identifier not in present and h.fitted.cost <= most]
 
 
-def _promising(problem: Problem, others: list[Decision], watch: Watch) -> list[Beginning]:
+def _promising(problem: Problem, others: list[Decision], watch: Watch) -> list[Screened]:
     """The beginnings beside which another effect would leave least, to first order."""
-    looked_at: list[tuple[float, Beginning]] = []
+    looked_at: list[tuple[float, Screened]] = []
     for other in others[:MOST_LOOKED_AT]:
         if len(looked_at) >= MOST_BEGINNINGS and watch.has_done(LOOKED_AT):
             break

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.chain.controller import Loop
+from camid.chain.observer import Pull
 from camid.chain.plant import TransferFunction
 from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
@@ -194,6 +195,10 @@ class PlantKind:
 
     def loop(self, index: int) -> Loop | None:
         """The controller that makes the input of a recording, if one does."""
+        return None
+
+    def pull(self, experiment: Experiment, model: Model, effects: Sequence[Effect]) -> Pull | None:
+        """What pulls the motion of a model with all effects towards a recording, if an observer does."""
         return None
 
     def state_before_record(self, experiment: Experiment) -> bool:

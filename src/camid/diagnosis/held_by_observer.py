@@ -1,0 +1,128 @@
+"""A diagnosis with a simulation that an observer pulls, where none follows the recording by itself.
+
+A plant that only a controller holds, and one that is not declared, leaves any recording for the least error where its
+motion is unstable, as between two poles of a motor. With an observer the simulation stays near the recording whatever
+it leaves out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from camid.chain.observer import USUAL_RATE, Observer, acceleration_of
+from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.setting import Setting
+from camid.effects.declared import effects_of
+from camid.engine.input import grid_input
+from camid.engine.work import Work
+from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.observed import ObservedPlant
+from camid.fitting.problem import Problem
+from camid.fitting.remembered_motions import RememberedMotions
+from camid.simulation.model import Simulation
+
+# Error of the best simulation, as a share of the output's spread, above which it does not follow the recording.
+ASTRAY = 0.05
+# The same of a pulled one, as a share of that without effects, up to which it tells what they are, and so much that
+# nothing else is looked for.
+TELLS, TELLS_ALL = 0.25, 0.05
+# The same in noise floors, up to which it is little but noise.
+NOISE = 1.5
+# Verdicts with which nothing else is looked for, and share of what the plant leaves that is pulled without its input.
+TOLD = ("explained", "adequate")
+TOLD_OF_UNDRIVEN = 0.5
+# Share of the input's spread that actuators pass on at least.
+LEAST_PASSED = 0.1
+# Steps in a period between which it is looked at.
+STEPS = 4
+# Radians by which a pull may turn in the time by which frames are late.
+MOST_LATE = 0.3
+
+
+def with_observer(believed: Simulation, problem: Problem, nominal: Model) -> tuple[Simulation, Problem, Model] | None:
+    """Simulation, problem and nominal model with an observer; None where there is none for such a plant or recording.
+
+    Parameters
+    ----------
+    believed : Simulation
+    problem : Problem
+    nominal : Model
+        As the simulation says, with the effects that it declares.
+    """
+    integrates = believed.plant.denominator[-1] == 0.0  # any other is held by itself, or refused without an observer
+    logged = any(e.input_log is not None for e in problem.experiments)
+    acceleration, acquisition = acceleration_of(believed.plant), problem.acquisition
+    if acceleration is None or logged or not (integrates and believed.may_be_observed):
+        return None
+    late = acquisition.latency
+    if acquisition.sensor != "instant":
+        late += 0.5 * float(acquisition.exposure or 0.0)
+    rate = USUAL_RATE / acquisition.period
+    observer = Observer(min(rate, MOST_LATE / late) if late > 0.0 else rate, acceleration)
+    if not observer.holds(believed.plant):
+        return None
+    believed = replace(believed, observer=observer)
+    plant = problem.kind
+    kind = ObservedPlant(plant, observer, integrates, offset=plant.offset, skew=plant.skew)
+    kind = kind.with_unknown(problem.experiments)
+    experiments = kind.compared(problem.experiments)
+    pulled = replace(problem, kind=kind, experiments=experiments, work=Work(), motions=RememberedMotions())
+    return believed, pulled, Model(nominal.coefficients, nominal.effects, constants=kind.constants())
+
+
+def is_astray(diagnosis: Diagnosis) -> bool:
+    """Whether the best simulation of a diagnosis does not follow the recording."""
+    return diagnosis.fit.improved > ASTRAY
+
+
+@dataclass(frozen=True)
+class Pulled:
+    """A diagnosis with a simulation that an observer pulls.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+    undriven : float
+        Normalised error, on the rows that judge, of the plant as given that is pulled alone, without its input: what
+        leaves hardly less says nothing, as a law that takes the input away does.
+    """
+
+    diagnosis: Diagnosis
+    undriven: float
+
+    @property
+    def tells_all(self) -> bool:
+        """Whether what is found leaves nothing but noise, or next to nothing."""
+        fits = self.diagnosis.fit
+        told = self.diagnosis.verdict in TOLD and fits.improved < TOLD_OF_UNDRIVEN * self.undriven
+        is_noise = fits.improved < NOISE * fits.noise_floor
+        return told or (is_noise and fits.improved < TELLS_ALL * min(fits.refitted, self.undriven))
+
+    @property
+    def tells_more(self) -> bool:
+        """Whether what is found says what is missing, where nothing follows without an observer."""
+        fits = self.diagnosis.fit
+        return self.tells_all or fits.improved < TELLS * min(fits.refitted, self.undriven)
+
+
+def takes_input_away(problem: Problem, improved: Simulation) -> bool:
+    """Whether actuators leave hardly anything of the input, so that the pull alone makes the motion.
+
+    A controller makes up for what is missing: without its command a simulation that does not have it is disturbed less.
+    """
+    sent, passed = [], []
+    for experiment in problem.experiments:
+        arrived, _ = grid_input(effects_of(improved), experiment.signal, experiment.acquisition, 0, STEPS)
+        sent.append(float(np.std(experiment.signal)))
+        passed.append(float(np.std(arrived)))
+    return sum(passed) < LEAST_PASSED * sum(sent)
+
+
+def undriven_error(setting: Setting) -> float:
+    """Normalised error of the plant as given on the rows that judge, pulled alone."""
+    problem = setting.problem
+    still = replace(problem, experiments=[replace(e, signal=np.zeros_like(e.signal)) for e in problem.experiments])
+    left = still.errors(setting.start, setting.judging)
+    return float(np.sqrt(np.mean(left**2))) / problem.spread(setting.judging)
