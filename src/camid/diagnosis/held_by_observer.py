@@ -14,6 +14,7 @@ import numpy as np
 from camid.chain.observer import USUAL_RATE, Observer, acceleration_of
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.setting import Setting
+from camid.diagnosis.watch import Watch
 from camid.effects.declared import effects_of
 from camid.engine.input import grid_input
 from camid.engine.work import Work
@@ -87,10 +88,18 @@ class Pulled:
     undriven : float
         Normalised error, on the rows that judge, of the plant as given that is pulled alone, without its input: what
         leaves hardly less says nothing, as a law that takes the input away does.
+    watch : Watch
+        What it left out.
     """
 
     diagnosis: Diagnosis
     undriven: float
+    watch: Watch
+
+    def taken(self, watch: Watch) -> Diagnosis:
+        """The diagnosis, with what it left out in the place of what another one did, for lack of time."""
+        watch.set(self.watch.state())
+        return self.diagnosis
 
     @property
     def tells_all(self) -> bool:

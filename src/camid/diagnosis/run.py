@@ -82,14 +82,14 @@ def investigate(
     if beginning.runs_away:
         pulled = _pulled(setting, watch)
         if pulled is not None and pulled.tells_all:
-            return pulled.diagnosis
+            return pulled.taken(watch)
     with with_a_copy(setting.whole, setting.problem, nominal, watch):
         found = _investigated(setting, beginning, watch)
     if not is_astray(found):
         return found
     if not beginning.runs_away:
         pulled = _pulled(setting, watch)
-    return pulled.diagnosis if pulled is not None and pulled.tells_more else found
+    return pulled.taken(watch) if pulled is not None and pulled.tells_more else found
 
 
 def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
@@ -109,7 +109,7 @@ def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
     if takes_input_away(problem, found.improved):
         return None
     found = replace(found, warnings=[*found.warnings, *problem.kind.remarks(found.improved)])
-    return Pulled(found, undriven)
+    return Pulled(found, undriven, aside)
 
 
 def _investigated(setting: Setting, beginning: Beginning, watch: Watch) -> Diagnosis:
