@@ -32,6 +32,12 @@ def test_a_plant_that_falls_is_refused_with_a_rate_that_holds_it():
     assert load_simulation(FALLING | {"observer": {"rate": 6.7}}).observer.rate == 6.7
 
 
+def test_no_observer_is_proposed_where_none_would_do():
+    message = refusal(plant={"transfer_function": {"numerator": [8.0], "denominator": [1.0, -0.5]}})
+    assert "the transfer function is unstable" in message
+    assert "observer" not in message
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

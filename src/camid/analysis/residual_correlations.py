@@ -164,6 +164,11 @@ def residual_correlations(
         )
     if closed:
         remarks.append("in a closed loop the residual is that of the control, and it must not depend on the reference")
+    if simulation.observer is not None:
+        remarks.append(
+            "an observer answers the noise, so that what is left of a right model has a colour, and depends on an "
+            "input that a controller made of the same noise; camid diagnose allows for both"
+        )
     size = float(np.max(np.abs(recorded))) or 1.0  # squares must not overflow
     spread = float(np.std(recorded / size))
     return ResidualCorrelations(

@@ -12,9 +12,6 @@ from camid.chain.plant import TransferFunction
 
 Array = NDArray[np.float64]
 
-# Of the pull, in radians per frame, where nothing is said of it: of a faster one the noise counts for more, and a
-# slower one holds less.
-USUAL_RATE = 0.1
 # Poles that a plant has more than zeros where a force at its input is an acceleration.
 RELATIVE_DEGREE = 2
 
@@ -96,4 +93,4 @@ class Pull:
     @property
     def exposure(self) -> float:
         """In seconds; zero of an instant sensor."""
-        return 0.0 if self.acquisition.sensor == "instant" else float(self.acquisition.exposure or 0.0)
+        return self.acquisition.window()[2]

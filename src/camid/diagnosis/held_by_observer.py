@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from camid.chain.observer import USUAL_RATE, Observer, acceleration_of
+from camid.chain.observer import Observer, acceleration_of
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.setting import Setting
 from camid.diagnosis.watch import Watch
@@ -38,8 +38,9 @@ TOLD_OF_UNDRIVEN = 0.5
 LEAST_PASSED = 0.1
 # Steps in a period between which it is looked at.
 STEPS = 4
-# Radians by which a pull may turn in the time by which frames are late.
-MOST_LATE = 0.3
+# Rate of the pull in radians per frame, and at most in the time by which frames are late: with a faster one the noise
+# counts for more, and a slower one holds less.
+USUAL_RATE, MOST_LATE = 0.1, 0.3
 
 
 def with_observer(believed: Simulation, problem: Problem, nominal: Model) -> tuple[Simulation, Problem, Model] | None:
@@ -52,22 +53,18 @@ def with_observer(believed: Simulation, problem: Problem, nominal: Model) -> tup
     nominal : Model
         As the simulation says, with the effects that it declares.
     """
-    integrates = believed.plant.denominator[-1] == 0.0  # any other is held by itself, or refused without an observer
+    held = believed.plant.denominator[-1] != 0.0  # by itself: what falls is refused without an observer
     logged = any(e.input_log is not None for e in problem.experiments)
     acceleration, acquisition = acceleration_of(believed.plant), problem.acquisition
-    if acceleration is None or logged or not (integrates and believed.may_be_observed):
+    if acceleration is None or held or logged or not believed.may_be_observed:
         return None
-    late = acquisition.latency
-    if acquisition.sensor != "instant":
-        late += 0.5 * float(acquisition.exposure or 0.0)
+    late = acquisition.latency + 0.5 * acquisition.window()[2]
     rate = USUAL_RATE / acquisition.period
     observer = Observer(min(rate, MOST_LATE / late) if late > 0.0 else rate, acceleration)
     if not observer.holds(believed.plant):
         return None
     believed = replace(believed, observer=observer)
-    plant = problem.kind
-    kind = ObservedPlant(plant, observer, integrates, offset=plant.offset, skew=plant.skew)
-    kind = kind.with_unknown(problem.experiments)
+    kind = ObservedPlant.of(problem.kind, believed, observer).with_unknown(problem.experiments)
     experiments = kind.compared(problem.experiments)
     pulled = replace(problem, kind=kind, experiments=experiments, work=Work(), motions=RememberedMotions())
     return believed, pulled, Model(nominal.coefficients, nominal.effects, constants=kind.constants())

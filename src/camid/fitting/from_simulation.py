@@ -60,8 +60,7 @@ def kind_of(believed: Simulation, recordings: Sequence[Recording]) -> PlantKind:
     plant = _uncontrolled(believed)
     controller = believed.controller
     if believed.observer is not None:
-        integrates = believed.plant.denominator[-1] == 0.0
-        return ObservedPlant(plant, believed.observer, integrates, offset=plant.offset, skew=plant.skew)
+        return ObservedPlant.of(plant, believed, believed.observer)
     if controller is None:
         return plant
     loops = tuple(Loop(controller, r.columns[controller.reference]) for r in recordings)

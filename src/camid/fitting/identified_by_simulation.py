@@ -110,7 +110,8 @@ def _whiteness(problem: Problem, fitted: Fitted) -> tuple[str, ...]:
     p = problem.whiteness(fitted.residual, fitted.sensitivities)
     if p >= SURE:
         return ()
+    coloured = f"{problem.kind.why_coloured}; or " if problem.kind.why_coloured else ""
     return (
-        f"the residual is not white (p {equals_probability(p)}): physics that is left out, or first values too far "
-        "off; camid diagnose tells more",
+        f"the residual is not white (p {equals_probability(p)}): {coloured}physics that is left out, or first values "
+        "too far off; camid diagnose tells more",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from camid.chain.observer import acceleration_of
 from camid.chain.plant import TransferFunction
 from camid.errors import InputError
 from camid.simulation.yaml_file import Where
@@ -23,12 +24,11 @@ def refuse_unstable(plant: TransferFunction, where: str) -> None:
     unstable = plant.unstable_poles()
     if unstable.size:
         shown = ", ".join(f"{p.real:.4g}{p.imag:+.4g}j" if p.imag else f"{p.real:.4g}" for p in unstable)
-        raise InputError(
-            f"the transfer function is unstable: poles at {shown} rad/s",
-            where=where,
-            hint="check the signs; where a controller holds the plant, declare it, or pull the simulation towards the "
-            f"recording: observer: {{rate: {OF_FASTEST * float(np.max(unstable.real)):.2g}}}",
-        )
+        hint = "check the signs; where a controller holds the plant, declare it"
+        if acceleration_of(plant) is not None:
+            rate = OF_FASTEST * float(np.max(unstable.real))
+            hint += f", or pull the simulation towards the recording: observer: {{rate: {rate:.2g}}}"
+        raise InputError(f"the transfer function is unstable: poles at {shown} rad/s", where=where, hint=hint)
 
 
 def refuse_table(table: list[list[float]], size: int, rows: str, where: Where) -> None:

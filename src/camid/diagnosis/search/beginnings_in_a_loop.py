@@ -62,7 +62,7 @@ class Beginning:
     Attributes
     ----------
     decision : Decision, optional
-        Effects that explain nearly all of the mismatch together.
+        With effects that stand already, or explain nearly all of the mismatch together.
     models : tuple of Model
         With one effect, for fits to start from.
     runs_away : bool

@@ -27,7 +27,7 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 
 # What a search begins with, and what was screened beside it already.
-Screened = tuple[Decision, list[ScreenedEffect] | None]
+ScreenedDecision = tuple[Decision, list[ScreenedEffect] | None]
 
 # By how much the criterion of what takes the place of something has to be lower.
 SWAP_MARGIN = 2.0
@@ -101,11 +101,11 @@ def with_other_beginnings(
 
 def _passes(
     problem: Problem, decision: Decision, searches: Searches, watch: Watch, nominal: Model | None, *, much: bool
-) -> list[tuple[Model | None, list[Screened]]]:
+) -> list[tuple[Model | None, list[ScreenedDecision]]]:
     """What searches begin with, and from which coefficients what they add is followed, too."""
     first = searches.beside(decision.base) or []
 
-    def begun(hypothesis: Hypothesis) -> Screened:
+    def begun(hypothesis: Hypothesis) -> ScreenedDecision:
         found = Decision(decision.base, hypothesis.fitted, [first], [decision.base])
         # Two effects that hide each other leave more of a mismatch than laws do that are not exact.
         return replace(found, interrupted=much or _leaves_much(found)), None
@@ -114,7 +114,7 @@ def _passes(
     if much:
         own = [decision] if decision.interrupted else []
         return [(None, _promising(problem, [*own, *(other for other, _ in others)], watch))]
-    passes: list[tuple[Model | None, list[Screened]]] = [(None, others[:MOST_BEGINNINGS])]
+    passes: list[tuple[Model | None, list[ScreenedDecision]]] = [(None, others[:MOST_BEGINNINGS])]
     if nominal is not None:
         passes.append((nominal, [*map(begun, decision.rivals[0][:1]), *others[:MOST_BEGINNINGS]]))
     return passes
@@ -158,9 +158,9 @@ def _other_beginnings(decision: Decision, first: list[Hypothesis]) -> list[Hypot
     return [h for h in first if h.identifier not in present and h.fitted.cost <= most]
 
 
-def _promising(problem: Problem, others: list[Decision], watch: Watch) -> list[Screened]:
+def _promising(problem: Problem, others: list[Decision], watch: Watch) -> list[ScreenedDecision]:
     """The beginnings beside which another effect would leave least, to first order."""
-    looked_at: list[tuple[float, Screened]] = []
+    looked_at: list[tuple[float, ScreenedDecision]] = []
     for other in others[:MOST_LOOKED_AT]:
         if len(looked_at) >= MOST_BEGINNINGS and watch.has_done(LOOKED_AT):
             break

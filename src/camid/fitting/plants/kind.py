@@ -28,7 +28,7 @@ from camid.fitting.identification_task import IdentificationTask
 from camid.fitting.identified_by_simulation import identify_by_simulation
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.plants.constants import AT_ZERO, BIAS, LATENCY, OFFSET, SKEW
+from camid.fitting.plants.constants import BIAS, LATENCY, OFFSET, SKEW, with_constants
 from camid.fitting.plants.latencies import with_latencies
 from camid.fitting.problem import Problem
 from camid.fitting.views import Views
@@ -73,6 +73,8 @@ class PlantKind:
         Places of the chain whose faults the residual does not show.
     why_hidden : str
         Why not.
+    why_coloured : str
+        Why what is left of a right model has a colour; empty where it has none but that of the noise.
     one_reading : bool
         Whether the residual is that of one reading, and not of several columns that read different things.
     offset, bias : float
@@ -99,6 +101,7 @@ class PlantKind:
     simulated_columns: ClassVar[tuple[str, ...]] = ("simulated",)
     hidden_places: ClassVar[frozenset[str]] = frozenset()
     why_hidden: ClassVar[str] = ""
+    why_coloured: ClassVar[str] = ""
     one_reading: ClassVar[bool] = True
 
     @property
@@ -386,22 +389,8 @@ class PlantKind:
         scaled = TransferFunction(*(tuple(lead * c for c in row) for row in (plant.numerator, plant.denominator)))
         stated = {"numerator": deviations[:split].tolist(), "denominator": [0.0, *deviations[split:].tolist()]}
         return replace(
-            self._with_constants(believed, fitted),
+            with_constants(believed, fitted, self.free_constants()),
             plant=scaled,
             standard_deviations=stated if finite else None,
             covariance=covariance.tolist() if finite else None,
         )
-
-    def _with_constants(self, believed: Simulation, fitted: Fitted) -> Simulation:
-        """The simulation with offset and bias as they were estimated, in place of what it said of them."""
-        found: dict[str, float | None] = {}
-        names = fitted.packing.names
-        for constant in self.free_constants():
-            if constant in (OFFSET, BIAS, LATENCY, SKEW):
-                variance = float(fitted.covariance[names.index(constant.name), names.index(constant.name)])
-                value = float(fitted.model.constants[constant.name])
-                # A search stays a hair inside its bounds.
-                at_zero = constant is LATENCY and value < AT_ZERO * fitted.problem.acquisition.period
-                found[constant.name] = 0.0 if at_zero else value
-                found[f"{constant.name}_deviation"] = float(np.sqrt(variance)) if np.isfinite(variance) else None
-        return replace(believed, **found)  # type: ignore[arg-type]

@@ -16,6 +16,7 @@ from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import OFFSET
 from camid.fitting.plants.held import HeldPlant
+from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.fitting.views import Views
 from camid.identification.experiment import Experiment
@@ -45,10 +46,21 @@ class ObservedPlant(HeldPlant):
     observer: Observer
     integrates: bool = False
 
+    prescribes_order: ClassVar[str | None] = "an observer"
+    why_no_other_orders: ClassVar[tuple[str, str] | None] = (
+        "plants that follow a recording by themselves, and this one has an observer",
+        "write the plant, and let identify or diagnose estimate it as it is pulled",
+    )
     why_hidden: ClassVar[str] = "the observer takes what the sensor reads for the position that it pulls towards"
     why_coloured: ClassVar[str] = (
         "the observer answers to the noise of the sensor, so that what is left has a colour of its own"
     )
+
+    @classmethod
+    def of(cls, plant: PlantKind, believed: Simulation, observer: Observer) -> ObservedPlant:
+        """A plant as a simulation believes it, with an observer."""
+        integrates = believed.plant.denominator[-1] == 0.0
+        return cls(plant, observer, integrates, offset=plant.offset, skew=plant.skew)
 
     def with_unknown(self, experiments: Sequence[Experiment]) -> Self:
         """Of a plant that integrates the zero is where its initial state says."""

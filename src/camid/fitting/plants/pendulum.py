@@ -17,6 +17,7 @@ from camid.effects.pendulum import SineRestoringForce
 from camid.fitting.fit import Fitted
 from camid.fitting.initial_motion import FEWEST_SMOOTHED, MOST_SMOOTHED, SMOOTHED, recorded_start
 from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.constants import with_constants
 from camid.fitting.plants.kind import PlantKind
 from camid.fitting.problem import Problem
 from camid.identification.structure import Structure
@@ -123,7 +124,11 @@ class PendulumKind(PlantKind):
             _covariance(fitted, structure),
             gain_fixed=not structure.free_numerator[0],
         )
-        return replace(self._with_constants(believed, fitted), pendulum=pendulum, plant=pendulum.transfer_function())
+        return replace(
+            with_constants(believed, fitted, self.free_constants()),
+            pendulum=pendulum,
+            plant=pendulum.transfer_function(),
+        )
 
 
 def _derivatives(problem: Problem, model: Model) -> tuple[Array, Array]:
