@@ -24,7 +24,7 @@ pytestmark = pytest.mark.workflow
 def made_by_check(name):
     """Whether `check` makes a file of paper_figs: not those of all noise seeds, large proofs and real recordings."""
     others = ("monte_carlo", "concealed", "recording_", "second_author", "physical_rigs", "two_clocks", "filmed_rigs")
-    others += ("designed_experiment", "unlisted")
+    others += ("designed_experiment", "unlisted", "undeclared_loops")
     return name.startswith("concealed_sample") or not name.startswith(others)
 
 

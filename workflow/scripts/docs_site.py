@@ -107,6 +107,11 @@ def second_proof() -> str:
     return (RESULTS / "second_author.md").read_text(encoding="utf-8").strip()
 
 
+def third_proof() -> str:
+    """The table of the proof in loops that are not declared."""
+    return (RESULTS / "undeclared_loops.md").read_text(encoding="utf-8").strip()
+
+
 def catalogue() -> str:
     """Every effect from its class: equation, parameters, source and picture, in the order of the chain."""
     drawn = {path.stem for path in PICTURES.glob("*.png")}
@@ -145,6 +150,7 @@ GENERATED: dict[str, Callable[[], str]] = {
     "open_questions": open_questions,
     "proof": proof,
     "second_proof": second_proof,
+    "third_proof": third_proof,
     "simulation_keys": simulation_keys,
 }
 

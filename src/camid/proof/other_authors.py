@@ -1,16 +1,17 @@
-"""The second proof: recordings by an author who has read the documentation alone, diagnosed and scored like the first.
+"""Further proofs: recordings by authors who have read the documentation alone, diagnosed and scored like the first.
 
-The generator in :mod:`camid.proof.second_author` was written without a look at the tool's code or at the first
-generator: other rigs, integrator, excitations and strengths. What both proofs say does not rest on one author's idea of
-a rig.
+Their generators were written without a look at the tool's code or at the first generator: other rigs, integrators,
+excitations and strengths. What the proofs say does not rest on one author's idea of a rig. Those in
+:mod:`camid.proof.second_author` are rigs of all kinds, those in :mod:`camid.proof.undeclared_loops` machines under
+industrial controllers that the user has not declared.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
@@ -21,19 +22,49 @@ from camid.proof.score_table import PARAMETER_COLUMNS, WEIGHT_COLUMNS, nrmse
 from camid.proof.scoring import STRONG, parameter_rows, score, weight_rows
 from camid.proof.sealed_files import DIAGNOSIS, IMPROVED, RECORDING, SIMULATION, write_table, write_yaml
 from camid.proof.second_author.concealment import NotShownError
-from camid.proof.second_author.recordings import Made, make
+from camid.proof.second_author.recordings import make as second_author
 from camid.proof.targets import ABOVE, Line, calibration, median_line, naming, run_time_lines, share_line
+from camid.proof.undeclared_loops.recordings import make as undeclared_loops
 
 SMALLEST_GAIN = 1e-3
 
 
+class Made(Protocol):
+    """A recording, what its user believes, another recording of the same rig, and the truth."""
+
+    @property
+    def recording(self) -> pd.DataFrame:
+        """Columns t (s), u and y, in the units of the cells."""
+
+    @property
+    def simulation(self) -> dict[str, Any]:
+        """Content of the simulation file."""
+
+    @property
+    def again(self) -> pd.DataFrame | None:
+        """The same of another recording, and ``clean``: without noise; None where there is none."""
+
+    @property
+    def truth(self) -> dict[str, Any]:
+        """Kind, rig, excitation, noise and effects."""
+
+
+# Each makes a recording from a seed, its number and how many there are.
+AUTHORS: dict[str, Callable[[int, int, int], Made]] = {
+    "second_author": second_author,
+    "undeclared_loops": undeclared_loops,
+}
+
+
 def diagnose_and_score(
-    indices: list[int], seed: int, count: int, folder: Path
+    author: str, indices: list[int], seed: int, count: int, folder: Path
 ) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     """Make, diagnose and score some of the recordings.
 
     Parameters
     ----------
+    author : str
+        Of `AUTHORS`.
     indices : list of int
     seed, count : int
         Of all of them.
@@ -50,7 +81,7 @@ def diagnose_and_score(
     made: dict[int, Made] = {}
     for index in indices:
         try:
-            made[index] = make(seed, index, count)
+            made[index] = AUTHORS[author](seed, index, count)
         except NotShownError:
             continue
         write_table(made[index].recording, recordings / str(index) / RECORDING)
@@ -104,7 +135,7 @@ def _declares_units(simulation: Mapping[str, Any]) -> bool:
     return any("unit" in part for part in simulation.values() if isinstance(part, Mapping))
 
 
-def second_lines(scores: pd.DataFrame, parameters: pd.DataFrame, weights: pd.DataFrame) -> list[Line]:
+def author_lines(scores: pd.DataFrame, parameters: pd.DataFrame, weights: pd.DataFrame) -> list[Line]:
     """Every measured rate beside the target of the first proof."""
     strong = scores[scores["multiple"] >= STRONG]
     named = strong["kind"].isin(["single", "several"])

@@ -1,13 +1,13 @@
-"""The second proof's table: scores of recordings whose truth is known."""
+"""Tables of other authors: scores of recordings whose truth is known."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from camid.proof import second_table
+from camid.proof import other_authors
+from camid.proof.other_authors import author_lines, diagnose_and_score, recovered_share
 from camid.proof.second_author.concealment import NotShownError
 from camid.proof.second_author.recordings import kinds, make
-from camid.proof.second_table import diagnose_and_score, recovered_share, second_lines
 from camid.simulation.file import load_simulation, write_simulation
 
 SEED, COUNT = 19, 20
@@ -16,7 +16,7 @@ SEED, COUNT = 19, 20
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     first = [kinds(SEED, COUNT).index(kind) for kind in ("none", "single")]
-    return diagnose_and_score(first, SEED, COUNT, tmp_path_factory.mktemp("second"))
+    return diagnose_and_score("second_author", first, SEED, COUNT, tmp_path_factory.mktemp("second"))
 
 
 def test_recordings_are_diagnosed_and_scored(tables):
@@ -38,13 +38,13 @@ def test_laws_that_no_rig_shows_together_end_no_table(tmp_path, monkeypatch):
             raise NotShownError("no rig shows actuator-lag, backlash")
         return make(seed, index, count)
 
-    monkeypatch.setattr(second_table, "make", made)
-    scores, _, _ = diagnose_and_score([nothing, nothing + 1], SEED, COUNT, tmp_path)
+    monkeypatch.setitem(other_authors.AUTHORS, "second_author", made)
+    scores, _, _ = diagnose_and_score("second_author", [nothing, nothing + 1], SEED, COUNT, tmp_path)
     assert scores["index"].tolist() == [nothing]
 
 
 def test_every_line_counts_what_it_says(tables):
-    found = {line.quantity: line for line in second_lines(*tables)}
+    found = {line.quantity: line for line in author_lines(*tables)}
     assert (found["false_alarms"].value, found["false_alarms"].count) == (0.0, 1)
     assert found["several_in_class_2"].count == 0
     assert found["named_in_class"].count <= 1
@@ -76,5 +76,5 @@ def test_a_table_without_effects_is_no_error():
         | {name: [0] for name in ("strong", "strong_in_class", "wrong_names")}
         | {"recovered": [np.nan], "seconds": [1.0]}
     )
-    lines = second_lines(scores, pd.DataFrame({"covered": []}), pd.DataFrame({"weight": [], "right": []}))
+    lines = author_lines(scores, pd.DataFrame({"covered": []}), pd.DataFrame({"weight": [], "right": []}))
     assert {line.quantity: line.value for line in lines}["false_alarms"] == 0.0

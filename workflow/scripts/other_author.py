@@ -1,4 +1,4 @@
-"""Hold what the second proof measured against the targets of the first."""
+"""Hold what another author's recordings show against the targets of the first proof."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from camid.plotting import rounded
-from camid.proof.second_table import second_lines
+from camid.proof.other_authors import author_lines
 from camid.proof.targets import quantities, to_markdown
 from camid.workflow.dataset_files import read_dataset
 from camid.workflow.job import logged
@@ -18,21 +18,21 @@ if TYPE_CHECKING:
 
 
 def main() -> None:
-    """Hold what the second proof measured against the targets of the first."""
+    """Hold what another author's recordings show against the targets of the first proof."""
     scores, parameters, weights = (
         pd.concat([read_dataset(file) for file in snakemake.input[name]], ignore_index=True)
         for name in ("scores", "parameters", "weights")
     )
-    found = second_lines(scores, parameters, weights)
+    found = author_lines(scores, parameters, weights)
     others = snakemake.params.number - len(scores)
     left_out = f"; no rig shows the laws that were drawn for the other {others}" if others else ""
     stamp = (
         f"{len(scores)} recordings of seed {snakemake.params.seed}, made, diagnosed and scored by\n"
-        f"`.venv/bin/snakemake -c2 second_author` at commit {revision()}{left_out}."
+        f"`.venv/bin/snakemake -c2 {snakemake.params.author}` at commit {revision()}{left_out}."
     )
     target = Path(snakemake.output.markdown)
     write_whole(target, lambda path: path.write_text(to_markdown(found, stamp), encoding="utf-8"))
-    table = rounded(quantities(found, "second_author"))
+    table = rounded(quantities(found, snakemake.params.author))
     table.to_csv(snakemake.output.quantities, index=False, lineterminator="\n")
 
 

@@ -1,0 +1,1 @@
+"""Machines that integrate, under controllers that their users did not declare: recordings with concealed physics."""
