@@ -1,5 +1,7 @@
 """Gravity on an arm whose joint has no spring: its torque, where it hangs, and how it is found."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -133,3 +135,17 @@ def test_an_arm_that_hardly_turns_is_a_constant_and_a_spring():
     assert ArmGravity(amplitude=1.0, torque=1.0, phase=0.4).is_plausible(extent)
     assert not ArmGravity(amplitude=50.0, torque=1.0, phase=0.4).is_plausible(extent)
     assert not ArmGravity(amplitude=0.01, torque=1.0, phase=0.4).is_plausible(extent)  # cogging
+
+
+@pytest.mark.parametrize("phase", [0.5 * np.pi, -0.5 * np.pi])
+def test_a_level_arm_bends_like_a_square(phase):
+    """And one that hangs does not: what is left of its torque there is no constant and no square."""
+    plant = TransferFunction((-2.0,), (1.0, 1.0, 0.0))
+    arm = ArmGravity(amplitude=1.5, torque=0.6, phase=phase)
+    situation = SimpleNamespace(plant=plant)
+    (square,) = arm.relatives(situation)
+    at = np.linspace(-0.1, 0.1, 5)
+    motion = (np.zeros(5), at, np.zeros(5), np.zeros(5))
+    bent = force_along(arm, plant, motion)
+    np.testing.assert_allclose(force_along(square, plant, motion), bent - bent[2], atol=1e-5)
+    assert ArmGravity(amplitude=1.5, torque=0.6, phase=0.3).relatives(situation) == ()

@@ -11,6 +11,8 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.input_quantisation import InputQuantisation
+from camid.effects.residual_regression import ResidualRegression, sampled
+from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import run
 from tests.diagnosis.test_noise_of_uneven_rows import fitted_to
@@ -79,6 +81,49 @@ def test_steps_of_a_command_are_found(seed, step):
     estimate, gain = found.parameters["step"], diagnosis.coefficients[0]
     assert abs(estimate.value - step) < 4.0 * estimate.standard_deviation < 0.05 * step
     assert abs(gain.improved - NUMERATOR[0]) < 4.0 * gain.improved_deviation < 0.05 * NUMERATOR[0]
+
+
+NOISE = 1e-3
+AXIS = ([92.0], [1.0, 2.4, 0.0])
+
+
+def axis(seed, step):
+    """What drives an axis is a command in a hundred steps that a controller's noise roughens; the errors add up."""
+    random = np.random.default_rng([57, seed])
+    time = PERIOD * np.arange(ROWS)
+    tones = zip(random.uniform(0.4, 3.0, 6), random.uniform(0.0, 2.0 * np.pi, 6), strict=True)
+    signal = np.sum([np.sin(2.0 * np.pi * tone * time + phase) for tone, phase in tones], axis=0)
+    signal += 0.1 * random.standard_normal(ROWS)
+    numerator, denominator, _ = cont2discrete(AXIS, PERIOD, method="zoh")
+    output = lfilter(numerator.ravel(), denominator, step * np.round(signal / step))
+    noise = NOISE * np.std(output) * random.standard_normal(ROWS)
+    return pd.DataFrame({"t": time, "u": signal, "y": output + noise})
+
+
+@pytest.mark.parametrize(("seed", "share"), [(1, 60), (3, 80)])
+def test_small_steps_are_found_where_what_they_do_adds_up(seed, share):
+    step = 4.0 / share
+    plant = {"transfer_function": {"numerator": [120.0], "denominator": [1.0, 1.8, 0.0]}}
+    diagnosis = camid.diagnose(axis(seed, step), {**BELIEVED, "plant": plant})
+    (found,) = diagnosis.findings
+    assert (found.identifier, diagnosis.verdict) == ("input-quantisation", "explained")
+    estimate = found.parameters["step"]
+    assert abs(estimate.value - step) < 4.0 * estimate.standard_deviation < 0.01 * step
+
+
+def test_a_product_with_a_response_is_one_with_the_signal():
+    """What answers the residual in reversed time is the adjoint of the plant, its sampling included."""
+    recorded = axis(3, 0.05)
+    plant, acquisition = TransferFunction(*map(tuple, AXIS)), Acquisition(PERIOD, exposure=0.7 * PERIOD)
+    random = np.random.default_rng(5)
+    rows = [recorded[name].to_numpy() for name in ("t", "u", "y", "y")]
+    used = np.arange(ROWS) % 3 > 0
+    residual = random.standard_normal(ROWS) * used
+    situation = Situation(*rows, np.gradient(rows[2], PERIOD), residual, plant, acquisition, used)
+    regression = ResidualRegression(situation, lambda signals: sampled(plant, signals, acquisition))
+    signals = random.standard_normal((ROWS, 4))
+    left, _ = regression.left(signals)
+    np.testing.assert_allclose(regression.reversed_answer @ signals, regression.residual @ left, rtol=1e-8)
 
 
 def test_an_input_of_two_sizes_does_not_show_them():

@@ -38,6 +38,8 @@ QUADRANTS = (0, 1, 2, 3)
 LEAST_ANGLE = 0.05
 # Angles at the largest displacement of which the recorded motion is asked, and how many of them are kept.
 SEEN_ANGLES, BEST = np.geomspace(0.3, 12.0, 60), 2
+# Sine of the angle from where an arm hangs from which it is level.
+LEVEL = 0.9
 # Constants of a plant that a beginning says.
 BIAS, OFFSET = "bias", "offset"
 # Way in turns from which a pendulum has turned over, what a simulation without gravity leaves then, as a share of the
@@ -198,6 +200,14 @@ class ArmGravity(PendulumGravity):
     def scaled(self, factor: float) -> Effect:  # type: ignore[override] # in its torque, as most laws
         """Another torque; a negative one is that of an arm which stands where this one hangs."""
         return Effect.scaled(self if factor >= 0.0 else self.turned(), abs(factor))
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """About where the arm is level its torque is a constant and a square of the displacement."""
+        from camid.effects.stiffness import QuadraticStiffness
+
+        amplitude, torque, phase = self.vector.tolist()
+        level = abs(sin(phase)) > LEVEL
+        return (QuadraticStiffness(coefficient=-0.5 * torque * sin(phase) / amplitude**2),) if level else ()
 
     def turned(self) -> ArmGravity:
         """That of an arm which hangs where this one stands."""

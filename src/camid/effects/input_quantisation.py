@@ -22,10 +22,15 @@ from camid.effects.situation import Situation
 
 # Steps that the largest command may hold, one after the other: a fit finds one from half a step of the largest away.
 COUNTS = np.arange(0.6, 20.0, 0.2)
+# The same of small steps, whose errors add up where the plant integrates, and how many of them are looked at closely.
+MANY_COUNTS, MOST_PROMISING = np.arange(20.0, 450.0, 0.2), 120
+# Steps that are held against a residual at once, which bounds the memory that takes.
+AT_ONCE = 100
 COUNTS_IN_A_LOOP = (1.2, 2.5, 5.0, 10.0)
 BEST, FEWEST_LEVELS = 2, 3
-# Steps about one that was fitted, as shares of it, and the sum of squares, as a share, below which one is worth a fit.
-NEARLY, LEAST_FALL = np.linspace(0.97, 1.03, 121), 0.999
+# Steps about one that was fitted, in shares of it: how far, then about the best of these, and how many each time; and
+# the sum of squares, as a share, below which one is worth a fit.
+NEARLY, AROUND, LEAST_FALL = (3e-2, 1e-3, 3e-5), np.linspace(-1.0, 1.0, 401), 0.999
 
 
 class InputQuantisation(Effect):
@@ -67,6 +72,8 @@ class InputQuantisation(Effect):
         if regression.fails:
             return
         steps = situation.largest("signal") / COUNTS
+        if situation.plant.denominator[-1] == 0.0:
+            steps = np.concatenate([steps, _promising(regression, situation.largest("signal") / MANY_COUNTS)])
         signal = regression.situation.signal[:, None]
         left, shown = regression.left(_rounded(signal, steps) - signal)
         products = np.where(shown, regression.residual @ left, 0.0)
@@ -83,13 +90,16 @@ class InputQuantisation(Effect):
         regression = _regression(situation)
         if situation.controlled or regression.fails:
             return ()
-        steps = self.values["step"] * NEARLY
-        signal = regression.situation.signal[:, None]
-        left, _ = regression.left(_rounded(signal, steps) - _rounded(signal, np.array([self.values["step"]])))
-        costs = np.sum((regression.residual[:, None] - left) ** 2, axis=0)
-        best = int(np.argmin(costs))
-        worth = costs[best] < LEAST_FALL * float(regression.residual @ regression.residual)
-        return (InputQuantisation(step=float(steps[best])),) if worth else ()
+        signal, step = regression.situation.signal[:, None], self.values["step"]
+        now, least = _rounded(signal, np.array([step])), float(regression.residual @ regression.residual)
+        worth = LEAST_FALL * least
+        for share in NEARLY:
+            steps = step * (1.0 + share * AROUND)
+            left, _ = regression.left(_rounded(signal, steps) - now)
+            costs = np.sum((regression.residual[:, None] - left) ** 2, axis=0)
+            if np.min(costs) < least:
+                step, least = _middle(steps, costs), float(np.min(costs))
+        return (InputQuantisation(step=step),) if least < worth else ()
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
@@ -102,6 +112,26 @@ class InputQuantisation(Effect):
 def _rounded(signal: Array, steps: Array | float) -> Array:
     """A command, shape (N,) or (N, 1), rounded to a step, or to some, shape (c,): halves away from zero."""
     return np.asarray(np.copysign(steps * np.floor(np.abs(signal) / steps + 0.5), signal))
+
+
+def _middle(steps: Array, costs: Array) -> float:
+    """The middle of the steps around the best one that round all commands as it does: others may tell them apart."""
+    best = int(np.argmin(costs))
+    worse = np.flatnonzero(costs > costs[best] / LEAST_FALL)
+    first, last = np.max(worse[worse < best], initial=-1) + 1, np.min(worse[worse > best], initial=len(costs)) - 1
+    return float(0.5 * (steps[first] + steps[last]))
+
+
+def _promising(regression: ResidualRegression, steps: Array) -> Array:
+    """Those of many small steps whose response follows the residual best, as if all were of the size of the step.
+
+    The product of a residual and a response is that of what answers in reversed time and the signal.
+    """
+    signal, reversed_answer = regression.situation.signal[:, None], regression.reversed_answer
+    blocks = np.split(steps, range(AT_ONCE, len(steps), AT_ONCE))
+    products = np.concatenate([reversed_answer @ (_rounded(signal, block) - signal) for block in blocks])
+    best = np.argsort(-products / steps, kind="stable")[:MOST_PROMISING]
+    return steps[np.sort(best)]
 
 
 def _regression(situation: Situation) -> ResidualRegression:

@@ -67,3 +67,10 @@ class ResidualRegression:
         seen = self._respond(signals)[self._rows]
         left = seen - self._basis @ (self._basis.T @ seen)
         return left, np.linalg.norm(left, axis=0) > LEAST_LEFT * np.linalg.norm(seen, axis=0)
+
+    @property
+    def reversed_answer(self) -> Array:
+        """What responds to the residual in reversed time, shape (N,): its product with a signal is the response's."""
+        placed = np.zeros(len(self.situation.signal))
+        placed[self._rows] = self.residual
+        return self._respond(placed[::-1])[::-1]

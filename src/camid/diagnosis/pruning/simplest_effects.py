@@ -90,6 +90,10 @@ def _shows_elsewhere(problem: Problem, decision: Decision, index: int, without: 
     30, 114007), linear in the functions that locate it.
     """
     effect = decision.fitted.model.effects[index]
+    if effect.of_one_recording:
+        # What goes by the clock no law corrects but one that stands at its place.
+        others = {other.place for i, other in enumerate(decision.fitted.model.effects) if i != index}
+        inexact = [place for place in inexact if place in others]
     if not inexact or effect.place in inexact:
         return False
     motions = problem.motion(without.model)

@@ -56,6 +56,9 @@ def fitted_hypothesis(
         often = REFRESHES_OVER_TIME if problem.kind.phases_add_up else REFRESHES
         refreshes = 0 if base else often
     try:
+        if any(effect.jumps_by for effect in start.effects):
+            # Where the output jumps no derivative leads on: what else may change is fitted to a good value before it.
+            start = fit(problem, start, steps=steps, fixed=len(start.effects), refreshes=refreshes).model
         result = fit(
             problem, start, steps=steps, base=base, refreshes=refreshes, finest=base is None, tolerance=TOLERANCE
         )
