@@ -3,6 +3,7 @@
 from camid.effects import (
     actuator,
     bristle_friction,
+    bristles_of_any_exponent,
     damped_end_stop,
     damping,
     dead_zone,
@@ -56,6 +57,7 @@ __all__ = [
     "Situation",
     "actuator",
     "bristle_friction",
+    "bristles_of_any_exponent",
     "compiled",
     "damped_end_stop",
     "damping",

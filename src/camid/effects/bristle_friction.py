@@ -115,17 +115,19 @@ class CoulombBristleFriction(_Bristles, CoulombFriction):  # type: ignore[misc] 
         return sqrt(mobility(plant) * self.values["force"] / self.values["presliding"])
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
-        """Levels that fall with the speed, if anything bends."""
+        """Levels that fall with the speed and, of bristles alone, other exponents, if anything bends."""
         level, bend = self.values["force"], self.values["presliding"]
         if bend <= AT_BOUND * self._least:
             return ()
+        exponents = CoulombFriction.with_keys(["presliding", "bristle_exponent"]).starts(situation, **self.values)
         spread = float(np.std(situation.velocity)) or 1.0
         guesses = [
             {"coulomb": low * level, "breakaway": high * level, "velocity": share * spread, "presliding": more * bend}
             for share in VELOCITIES
             for low, high, more in LEVELS
         ]
-        return tuple(start for values in guesses for start in StribeckBristleFriction.starts(situation, **values))
+        falling = (start for values in guesses for start in StribeckBristleFriction.starts(situation, **values))
+        return (*exponents, *falling)
 
 
 class StribeckBristleFriction(_Bristles, StribeckFriction):  # type: ignore[misc] # no level holds the body

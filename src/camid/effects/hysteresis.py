@@ -71,6 +71,8 @@ class Hysteresis(AgainstMotion):
             starts += self.with_keys(["exponent"]).starts(situation, **self.values)
         for law in CoulombFriction.finer_laws:
             names = {p.name for p in law.parameters}
+            if "bristle_exponent" in names:  # begun from bristles without one, where these explain as much
+                continue
             starts += law.starts(situation, **{name: value for name, value in values.items() if name in names})
         return tuple(starts)
 
