@@ -12,13 +12,15 @@ from camid.diagnosis.weights import UNLISTED, Comparison
 class ParameterEstimate:
     """A parameter of an effect: value, standard deviation and unit (in u, y and s).
 
-    Where the fit ends at a bound of the parameter the curvature there is no standard deviation: it has none.
+    Where the fit ends at a bound of the parameter the curvature there is no standard deviation: it has none. Nor has a
+    number that was stated for others to be counted by.
     """
 
     value: float | str
     standard_deviation: float | None
     unit: str
     at_bound: bool = False
+    stated: bool = False
 
     def to_mapping(self) -> dict[str, Any]:
         """Part of diagnosis.json."""

@@ -42,7 +42,7 @@ def parameters_of(effect: Effect, deviations: Mapping[str, float | None]) -> dic
     for name, value in effect.stated().items():
         bound = _bound_at(declared[name], value, shown.get(name))
         if bound is None:
-            found[name] = ParameterEstimate(value, shown.get(name), declared[name].unit)
+            found[name] = ParameterEstimate(value, shown.get(name), declared[name].unit, stated=declared[name].stated)
         else:
             found[name] = ParameterEstimate(bound, None, declared[name].unit, at_bound=True)
     return found

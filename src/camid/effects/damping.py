@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import ClassVar
 
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
@@ -23,7 +24,7 @@ class QuadraticDrag(AgainstMotion):
     title = "Quadratic drag"
     equation = r"f = c\,|\dot y|\,\dot y"
     reference = "Worden & Tomlinson (2001), Nonlinearity in Structural Dynamics, chapter 1"
-    parameters = (Parameter("coefficient", "u s^2/y^2", "drag c", 0.0),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "u s^2/y^2", "drag c", 0.0),)
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "coefficient"
     uses_velocity = True

@@ -34,6 +34,8 @@ class Parameter:
         Its value where nothing is said; None where it has to be.
     size : float
         What it is measured by where its value is zero; 0 where nothing is known.
+    stated : bool
+        Whether it is a number that is stated and not estimated, as one that the others are counted by.
     """
 
     name: str
@@ -47,11 +49,12 @@ class Parameter:
     is_name: bool = False
     default: str | float | None = None
     size: float = 0.0
+    stated: bool = False
 
     @property
     def is_number(self) -> bool:
-        """Whether its value is one number."""
-        return not (self.choices or self.sequence or self.is_name)
+        """Whether its value is one number that may be estimated."""
+        return not (self.choices or self.sequence or self.is_name or self.stated)
 
 
 def checked(identifier: str, parameter: Parameter, value: Any) -> Any:

@@ -163,6 +163,8 @@ def _parameter_rows(finding: Finding) -> list[dict[str, str]]:
             value, interval = number_text.with_deviation(parameter.value, parameter.standard_deviation), "–"
         elif parameter.at_bound:
             value, interval = summary.at_bound_text(replace(parameter, unit="")), "–"
+        elif parameter.stated:
+            value, interval = summary.stated_text(replace(parameter, unit="")), "–"
         else:
             value = number_text.with_deviation(parameter.value, parameter.standard_deviation)
             interval = number_text.interval(parameter.value, parameter.standard_deviation)

@@ -101,12 +101,19 @@ def estimate_text(parameter: ParameterEstimate) -> str:
         return parameter.value
     if parameter.at_bound:
         return at_bound_text(parameter)
+    if parameter.stated:
+        return stated_text(parameter)
     return with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
 
 
 def at_bound_text(parameter: ParameterEstimate) -> str:
     """A number that a fit has left at its bound."""
     return f"{plain(float(parameter.value), unit=parameter.unit)} (at its bound)"
+
+
+def stated_text(parameter: ParameterEstimate) -> str:
+    """A number that was not estimated: others are counted by it."""
+    return f"{plain(float(parameter.value), unit=parameter.unit)} (stated)"
 
 
 def is_noise_only(evidence: dict[str, Any]) -> bool:
