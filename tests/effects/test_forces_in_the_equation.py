@@ -1,5 +1,7 @@
 """Plants beside a force over the position, by their equation at the recorded positions."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,6 +14,7 @@ from camid.effects.actuator import RateLimit, Saturation
 from camid.effects.damping import QuadraticDrag
 from camid.effects.force_over_position import plant_beside_stops
 from camid.effects.friction import CoulombFriction
+from camid.effects.gradual_friction import GradualCoulombFriction
 from camid.effects.pursued_forces import plants_beside_laws
 from camid.effects.sensor import Delay
 from camid.effects.situation import Situation
@@ -151,3 +154,16 @@ def test_a_rate_and_a_delay_stand_before_the_forces(actuator):
     on_time = situation(time, command, PERIOD * np.cumsum(np.roll(velocity, -late)))
     best = plants_beside_laws(on_time, [CoulombFriction(force=1.0)], 2, curves, delays)[0]
     assert [type(law) for law in best.laws] == [RateLimit, CoulombFriction]
+
+
+def test_friction_of_an_axis_may_grow_with_the_load():
+    """It is begun from friction that does not, with the same level at the usual load; not if it is more than the load."""
+    signal = np.linspace(-2.0, 2.0, 101)
+    axis = SimpleNamespace(signal=signal, plant=TransferFunction((1.0,), (1.0, 1.0, 0.0)))
+    (loaded,) = (law for law in CoulombFriction(force=0.2).relatives(axis) if law.identifier != "dead-zone")
+    assert loaded.identifier == "load-dependent-friction"
+    usual = float(np.median(np.abs(signal)))
+    assert loaded.values["force"] + loaded.values["coefficient"] * usual == pytest.approx(0.2)
+    assert [law.identifier for law in CoulombFriction(force=20.0).relatives(axis)] == ["dead-zone"]
+    gradual = GradualCoulombFriction(force=0.2, transition=0.1)
+    assert [law.identifier for law in gradual.relatives(axis)] == ["dead-zone"]

@@ -24,6 +24,8 @@ from camid.effects.situation import Situation
 
 # Share of the level that the first guesses add at the edge of the motion, or to one direction and take from the other.
 UNEVEN = 0.6
+# Share of the level at the median load that is first guessed to grow with the load.
+LOADED = 0.1
 # Share of the break-away level that friction keeps at the speeds recorded: what falls to almost nothing is none.
 LEAST_KEPT = 0.1
 # First guess of the break-away level in the level at high speeds. Speed at which friction falls, in standard deviations
@@ -55,8 +57,19 @@ class CoulombFriction(Effect):
             yield cls(force=share * situation.largest("signal"))
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
-        """What bends the input nearly as it bends the motion, in some plants."""
-        return bent_input(situation, self.values["force"])
+        """What bends the input nearly as it bends the motion, in some plants.
+
+        Where the plant integrates, friction that grows with the load, too: a simulation without any friction has run
+        away, and what is screened beside it says little of so small a part.
+        """
+        level = self.values["force"]
+        found = bent_input(situation, level)
+        if self.friction_level is None or situation.plant.denominator[-1] != 0.0:
+            return found
+        load = float(np.median(np.abs(situation.signal)))
+        if LOADED * level >= load:  # no friction grows faster than the load
+            return found
+        return (*found, LoadDependentFriction(force=(1.0 - LOADED) * level, coefficient=LOADED * level / load))
 
 
 class StribeckFriction(Effect):
