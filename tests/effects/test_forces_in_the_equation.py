@@ -157,7 +157,7 @@ def test_a_rate_and_a_delay_stand_before_the_forces(actuator):
 
 
 def test_friction_of_an_axis_may_grow_with_the_load():
-    """It is begun from friction that does not, with the same level at the usual load; not if it is more than the load."""
+    """It is begun from friction that does not, with the same level at the usual load, if that is more."""
     signal = np.linspace(-2.0, 2.0, 101)
     axis = SimpleNamespace(signal=signal, plant=TransferFunction((1.0,), (1.0, 1.0, 0.0)))
     (loaded,) = (law for law in CoulombFriction(force=0.2).relatives(axis) if law.identifier != "dead-zone")

@@ -28,6 +28,7 @@ from camid.fitting.fit import Fitted, fit
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
 
+SENSOR = "sensor"
 # Share of what the other effects leave, noise subtracted, that one beside them has to explain; and from which it is no
 # correction of theirs, which would leave some, however little that is of the mismatch.
 LEAST_EXPLAINED, NEARLY_ALL = 0.5, 0.98
@@ -90,8 +91,8 @@ def _shows_elsewhere(problem: Problem, decision: Decision, index: int, without: 
     30, 114007), linear in the functions that locate it.
     """
     effect = decision.fitted.model.effects[index]
-    if effect.of_one_recording:
-        # What goes by the clock no law corrects but one that stands at its place.
+    if effect.place == SENSOR and effect.of_one_recording:
+        # What a reading does by the clock corrects no law of the motion, but one of the reading alone.
         others = {other.place for i, other in enumerate(decision.fitted.model.effects) if i != index}
         inexact = [place for place in inexact if place in others]
     if not inexact or effect.place in inexact:
