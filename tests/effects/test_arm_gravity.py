@@ -10,8 +10,9 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
+from camid.effects.arm_gravity import ArmGravity
 from camid.effects.extent import Extent
-from camid.effects.gravity import ArmGravity, PendulumGravity
+from camid.effects.gravity import PendulumGravity
 from camid.effects.plant_force import force_along
 from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain

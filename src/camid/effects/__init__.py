@@ -2,6 +2,7 @@
 
 from camid.effects import (
     actuator,
+    arm_gravity,
     bristle_friction,
     bristles_of_any_exponent,
     damped_end_stop,
@@ -57,6 +58,7 @@ __all__ = [
     "Parameter",
     "Situation",
     "actuator",
+    "arm_gravity",
     "bristle_friction",
     "bristles_of_any_exponent",
     "compiled",

@@ -127,7 +127,8 @@ class CoulombBristleFriction(_Bristles, CoulombFriction):  # type: ignore[misc] 
             for low, high, more in LEVELS
         ]
         falling = (start for values in guesses for start in StribeckBristleFriction.starts(situation, **values))
-        return (*exponents, *falling)
+        # What falls comes first: where that leaves noise alone, no exponent is tried.
+        return (*falling, *exponents)
 
 
 class StribeckBristleFriction(_Bristles, StribeckFriction):  # type: ignore[misc] # no level holds the body
