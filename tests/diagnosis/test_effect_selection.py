@@ -184,7 +184,7 @@ def test_friction_is_held_against_what_bends_the_input_as_much(law, plant):
     found = effect_selection._known_in_place(problem, [], current, 0)
     assert found[0].identifier == law.identifier
     assert found[0].fitted.model.effects[0].vector == pytest.approx(law.vector, rel=0.05)
-    # A mass on a spring is not driven by either, nor runs it away.
+    # A mass on a spring is not driven by either, nor does it run away.
     assert (
         effect("coulomb-friction", force=0.2).relatives(
             SimpleNamespace(plant=TransferFunction((1.0,), (1.0, 1.0, 9.0)))

@@ -8,6 +8,7 @@ import camid
 from camid.proof.concealed.generator import make, plan
 from camid.proof.sealed_files import RECORDING, SIMULATION, write_case
 from tests.support import pendulum_and_drive as rigs
+from tests.support.runge_kutta import positions
 
 
 @pytest.fixture(scope="module")
@@ -101,15 +102,7 @@ def buffered(seed):
         pushed = 3.2 * depth / (1.0 - min(depth, 3.99) / 4.0) * max(1.0 + 0.004 * state[1], 0.0)
         return np.array([state[1], 835.0 * (drive - pushed) - 2.3 * state[1] - 379.0 * state[0]])
 
-    state, found, step = np.zeros(2), np.empty(ROWS), PERIOD / 4
-    for row in range(ROWS):
-        found[row] = state[0]
-        for _ in range(4):
-            first = rate(state, signal[row])
-            second = rate(state + 0.5 * step * first, signal[row])
-            third = rate(state + 0.5 * step * second, signal[row])
-            last = rate(state + step * third, signal[row])
-            state = state + step / 6.0 * (first + 2.0 * second + 2.0 * third + last)
+    found = positions(rate, signal, PERIOD, 4)
     drift = DRIFT * (1.0 - np.exp(-time / SETTLES))
     noise = 0.004 * np.std(found) * random.standard_normal(ROWS)
     return pd.DataFrame({"t": time, "u": signal, "y": found + drift + noise})

@@ -10,6 +10,7 @@ from camid.effects.bristles_of_any_exponent import CoulombBristlesOfAnyExponent
 from camid.effects.hysteresis import Hysteresis
 from tests.effects.test_bristle_friction import situation
 from tests.support.mass_on_spring import PERIOD, PLANT, record, simulation
+from tests.support.runge_kutta import positions
 
 BEND = 0.7
 
@@ -71,10 +72,8 @@ def test_it_is_started_from_bristles_alone():
 def held_by_bristles(seed):
     """Positions of a mass on a spring under friction that yields with an exponent of 1.7, by another program."""
     random = np.random.default_rng([23, seed])
-    rows, parts = 1500, 8
+    rows = 1500
     signal = np.repeat(random.uniform(-2.0, 2.0, rows // 15), 15)
-    position, velocity, bent, step = 0.0, 0.0, 0.0, PERIOD / parts
-    seen = np.empty(rows)
     gain, damping, stiffness = PLANT.numerator[-1], *PLANT.denominator[-2:]
 
     def rate(state, drive):
@@ -82,15 +81,7 @@ def held_by_bristles(seed):
         force = gain * (drive - 0.4 * state[2])
         return np.array([state[1], force - damping * state[1] - stiffness * state[0], abs(state[1]) * way / 0.15])
 
-    state = np.array([position, velocity, bent])
-    for row in range(rows):
-        seen[row] = state[0]
-        for _ in range(parts):
-            first = rate(state, signal[row])
-            second = rate(state + 0.5 * step * first, signal[row])
-            third = rate(state + 0.5 * step * second, signal[row])
-            last = rate(state + step * third, signal[row])
-            state = state + step / 6.0 * (first + 2.0 * second + 2.0 * third + last)
+    seen = positions(rate, signal, PERIOD, 8, states=3)
     return signal, seen + 0.001 * np.std(seen) * random.standard_normal(rows)
 
 

@@ -12,6 +12,7 @@ from camid.effects.drag_of_any_power import DragOfAnyPower
 from camid.effects.extent import Extent
 from camid.effects.plant_force import force_along
 from tests.support.mass_on_spring import PERIOD, PLANT, record, simulation
+from tests.support.runge_kutta import positions
 
 LAW = DragOfAnyPower(coefficient=0.2, power=1.6, speed=2.0)
 
@@ -52,23 +53,16 @@ def test_it_is_started_at_the_usual_speed():
 def test_it_is_found(power):
     """Of a mass on a spring, by another program."""
     random = np.random.default_rng([29, round(10 * power)])
-    rows, parts = 1500, 6
+    rows = 1500
     signal = np.repeat(random.uniform(-2.0, 2.0, rows // 15), 15)
     gain, damping, stiffness = PLANT.numerator[-1], *PLANT.denominator[-2:]
-    usual, step, seen, state = 3.0, PERIOD / parts, np.empty(rows), np.zeros(2)
+    usual = 3.0
 
     def rate(state, drive):
         drag = 0.5 * np.sign(state[1]) * (abs(state[1]) / usual) ** power
         return np.array([state[1], gain * (drive - drag) - damping * state[1] - stiffness * state[0]])
 
-    for row in range(rows):
-        seen[row] = state[0]
-        for _ in range(parts):
-            first = rate(state, signal[row])
-            second = rate(state + 0.5 * step * first, signal[row])
-            third = rate(state + 0.5 * step * second, signal[row])
-            last = rate(state + step * third, signal[row])
-            state = state + step / 6.0 * (first + 2.0 * second + 2.0 * third + last)
+    seen = positions(rate, signal, PERIOD, 6)
     seen += 0.0005 * np.std(seen) * random.standard_normal(rows)
     table = record(signal=signal, count=rows).assign(u=signal, y=seen)
     found = camid.diagnose(table, {**simulation(), "sensor": {"column": "y", "kind": "instant"}})

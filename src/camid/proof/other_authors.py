@@ -23,7 +23,7 @@ from camid.proof.scoring import STRONG, parameter_rows, score, weight_rows
 from camid.proof.sealed_files import DIAGNOSIS, IMPROVED, RECORDING, SIMULATION, write_table, write_yaml
 from camid.proof.second_author.concealment import NotShownError
 from camid.proof.second_author.recordings import make as second_author
-from camid.proof.targets import ABOVE, Line, calibration, median_line, naming, run_time_lines, share_line
+from camid.proof.targets import Line, calibration, naming, recovered_line, run_time_lines, share_line
 from camid.proof.undeclared_loops.recordings import make as undeclared_loops
 
 SMALLEST_GAIN = 1e-3
@@ -147,13 +147,7 @@ def author_lines(scores: pd.DataFrame, parameters: pd.DataFrame, weights: pd.Dat
     return [
         *(line for line in naming(scores) if not line.quantity.endswith("invisible")),
         *(
-            median_line(
-                f"recovered_share{group}",
-                f"{ABOVE}{which}: share of the error recovered on another recording (median)",
-                "1",
-                part["recovered"],
-                **({} if target is None else {"at_least": target}),
-            )
+            recovered_line(f"recovered_share{group}", f"{which}: {{}} on another recording", part["recovered"], target)
             for group, (part, which, target) in groups.items()
         ),
         share_line(

@@ -166,6 +166,12 @@ def _outside(scores: pd.DataFrame) -> list[Line]:
     ]
 
 
+def recovered_line(quantity: str, words: str, shares: pd.Series, target: float | None) -> Line:
+    """Median of the shares of the error that are recovered; ``{}`` in the words stands for that, None for no target."""
+    label = f"{ABOVE}{words.format('share of the error recovered')} (median)"
+    return median_line(quantity, label, "1", shares, **({} if target is None else {"at_least": target}))
+
+
 def model(scores: pd.DataFrame, parameters: pd.DataFrame) -> list[Line]:
     """What the model of a diagnosis predicts, and its parameters."""
     strong = scores[scores["repeatable"] & (scores["multiple"] >= STRONG)]
@@ -177,12 +183,8 @@ def model(scores: pd.DataFrame, parameters: pd.DataFrame) -> list[Line]:
     }
     return [
         *(
-            median_line(
-                f"recovered_share_{name}{group}",
-                f"{ABOVE}{which}: share of the error recovered, held out, {words} (median)",
-                "1",
-                part[f"share_{name}"],
-                **({} if target is None else {"at_least": target}),
+            recovered_line(
+                f"recovered_share_{name}{group}", f"{which}: {{}}, held out, {words}", part[f"share_{name}"], target
             )
             for group, (part, which, target) in groups.items()
             for name, words in (("same_kind", "same kind"), ("double_amplitude", "twice the amplitude"))

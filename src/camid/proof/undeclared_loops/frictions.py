@@ -1,6 +1,7 @@
 """Dry frictions and hysteresis of the catalogue, as its formulas state them."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -39,13 +40,20 @@ def coulomb(scales: Scales, rng: Generator) -> Draft:
     )
 
 
-def stribeck(scales: Scales, rng: Generator) -> Draft:
-    """Friction that falls from its break-away level."""
+def falling_levels(scales: Scales, rng: Generator) -> Callable[[float], Parameters]:
+    """Draw levels (u) at high speeds and at rest, and the speed (y/s) at which friction falls, for any size."""
     share, speed = float(rng.uniform(0.4, 0.7)), float(rng.uniform(0.04, 0.25)) * scales.speed
 
     def parameters(size: float) -> Parameters:
         most = size * scales.command
         return {"coulomb": share * most, "breakaway": most, "velocity": speed}
+
+    return parameters
+
+
+def stribeck(scales: Scales, rng: Generator) -> Draft:
+    """Friction that falls from its break-away level."""
+    parameters = falling_levels(scales, rng)
 
     def make(p: Parameters) -> Level:
         low, rise, v = p["coulomb"], p["breakaway"] - p["coulomb"], p["velocity"]

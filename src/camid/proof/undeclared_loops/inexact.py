@@ -8,7 +8,7 @@ import numpy as np
 
 from .actuators import with_curve
 from .fields import play, with_force
-from .frictions import with_friction
+from .frictions import falling_levels, with_friction
 from .rigs import Array
 from .sensors import Shown, with_image
 from .setup import Draft, Drafter, Force, Hidden, Level, Scales, Setup
@@ -45,11 +45,7 @@ def wavy(scales: Scales, rng: Generator) -> Draft:
 
 def falling(scales: Scales, rng: Generator) -> Draft:
     """Friction that falls from its break-away level by a rational function."""
-    share, speed = float(rng.uniform(0.4, 0.7)), float(rng.uniform(0.04, 0.25)) * scales.speed
-
-    def parameters(size: float) -> Parameters:
-        most = size * scales.command
-        return {"coulomb": share * most, "breakaway": most, "velocity": speed}
+    parameters = falling_levels(scales, rng)
 
     def make(p: Parameters) -> Level:
         low, rise, v = p["coulomb"], p["breakaway"] - p["coulomb"], p["velocity"]
