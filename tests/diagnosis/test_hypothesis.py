@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from camid.diagnosis.search.hypothesis import Hypothesis, general_law_penalty, members_of, prior_penalty
+from camid.diagnosis.weights import GENERAL_ODDS
 from camid.effects import bristle_friction, known_effects
 from camid.effects.gradual_friction import GradualCoulombFriction, GradualStribeckFriction
 
@@ -54,7 +55,7 @@ def test_coulomb_friction_and_a_bias_may_be_asymmetric_friction():
     _coulomb, asymmetric = members_of(ranked, WITHOUT, {"coulomb-friction", "input-bias"})
     assert asymmetric.identifier == "asymmetric-friction"
     # One effect in the place of two: the odds are even.
-    assert (asymmetric.gap, asymmetric.left) == (0.0, 0.0)
+    assert (asymmetric.gap, asymmetric.left, asymmetric.odds) == (0.0, 0.0, 1.0)
 
 
 def test_friction_that_holds_nothing_at_rest_is_no_sum_with_a_bias():
@@ -81,7 +82,7 @@ def test_a_constant_that_is_estimated_stands_for_a_bias():
         found = [m.identifier for m in members_of(ranked, WITHOUT, named, constant=constant)]
         assert found == ["coulomb-friction", "asymmetric-friction"]
     (_, estimated) = members_of(ranked, WITHOUT, {"coulomb-friction"}, constant=True)
-    assert estimated.gap == general_law_penalty()
+    assert (estimated.gap, estimated.odds) == (0.0, GENERAL_ODDS)
     assert len(members_of([hypothesis(DRAG, 10.0)], WITHOUT, {"quadratic-drag"}, constant=True)) == 1
 
 

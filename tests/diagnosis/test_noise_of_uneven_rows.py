@@ -106,3 +106,13 @@ def test_rows_are_compared_over_their_noise_and_errors_with_them():
     errors = weighed.errors(fitted.model, [rows])
     assert errors == pytest.approx(weighed.output - simulated)
     assert relative_noise(weighed, fitted) is None
+
+
+def test_jitter_that_one_recording_seems_to_show_is_refuted_by_a_faster_one():
+    slow, fast = jittered(jitter=0.2 * PERIOD, seed=8), jittered(jitter=0.0, seed=9, count=1500, command_seed=2)
+    believed = load_simulation(simulation())
+    for second, refuted in ((fast, True), (jittered(jitter=0.2 * PERIOD, seed=9, count=1500, command_seed=2), False)):
+        recordings, experiments, _ = experiments_of([slow, second], believed, None)
+        problem = problem_of(believed, structure_of(believed), recordings, experiments)
+        fitted = problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+        assert (relative_noise(problem, fitted) is None) == refuted

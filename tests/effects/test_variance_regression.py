@@ -48,3 +48,14 @@ def test_an_error_that_goes_on_does_not_scatter_from_frame_to_frame(scatters):
     everything = np.ones(2000, bool)
     assert variance_regression(residual**2, velocity**2)[3] > 4.0
     assert scatters_from_frame_to_frame(SimpleNamespace(residual=residual, velocity=velocity), everything) == scatters
+
+
+def test_the_score_of_second_differences_is_in_its_standard_deviations():
+    """Neighbouring differences of frames have frames in common; as if independent the score would spread by 1.4."""
+    random = np.random.default_rng(17)
+    scores = []
+    for _ in range(400):
+        speed = np.convolve(random.standard_normal(639), np.hanning(40), "valid") ** 2
+        difference = np.diff(random.standard_normal(len(speed)), 2)
+        scores.append(variance_regression(difference**2, speed[1:-1])[3])
+    assert np.std(scores) == pytest.approx(1.0, abs=0.1)

@@ -15,6 +15,7 @@ from camid.chain.observer import Observer, acceleration_of
 from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.setting import Setting
 from camid.diagnosis.watch import Watch
+from camid.effects import known_effects
 from camid.effects.declared import effects_of
 from camid.engine.input import grid_input
 from camid.engine.work import Work
@@ -71,8 +72,9 @@ def with_observer(believed: Simulation, problem: Problem, nominal: Model) -> tup
 
 
 def is_astray(diagnosis: Diagnosis) -> bool:
-    """Whether the best simulation of a diagnosis does not follow the recording."""
-    return diagnosis.fit.improved > ASTRAY
+    """Whether the best simulation of a diagnosis does not follow the recording: it errs, and by more than noise."""
+    coloured = any(known_effects()[f.identifier].colours_noise for f in diagnosis.findings)
+    return diagnosis.fit.improved > ASTRAY and (diagnosis.structured or coloured)
 
 
 @dataclass(frozen=True)

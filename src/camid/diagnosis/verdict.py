@@ -21,6 +21,7 @@ from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import advice
+from camid.effects.special_cases import same_in_place
 from camid.engine.work import Work
 from camid.fitting.covariance import effect_deviations
 from camid.fitting.learned_law import over_of, visited
@@ -89,10 +90,17 @@ def findings(
     effects = decision.improved.model.effects[known : len(decision.fitted.model.effects)]
     named = {e.identifier for e in effects}
     strongest = int(np.argmax(removed)) if len(removed) else 0
+    views = problem.situations(decision.fitted.model)
     for i, effect in enumerate(effects):
         ranked = decision.rivals[i]
         comparison = Comparison(
-            members_of(ranked, decision.without[i], named, constant=problem.kind.offset_free or problem.kind.bias_free),
+            members_of(
+                ranked,
+                decision.without[i],
+                named,
+                constant=problem.kind.offset_free or problem.kind.bias_free,
+                same=same_in_place(effect, views.of),
+            ),
             float(removed[i]),
             beside_laws if effect.identifier in decision.certain else left,
             gain_of(decision, i),

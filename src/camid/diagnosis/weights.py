@@ -27,6 +27,7 @@ LARGEST_CLASS = 4
 HEADLINE_WEIGHT = 0.5
 # Prior probability of a law of which dry friction is the special case: rigs have dry friction more often.
 GENERAL_LAW = 0.3
+GENERAL_ODDS = GENERAL_LAW / (1.0 - GENERAL_LAW)
 # Shares below this are zero.
 LEAST_SHARE = 1e-9
 
@@ -86,6 +87,8 @@ class Member:
         special case included.
     more : int
         Parameters that it has beyond those of the likeliest.
+    odds : float
+        Prior odds against the likeliest of what is exactly that in these recordings.
     """
 
     identifier: str
@@ -95,6 +98,7 @@ class Member:
     general: bool = False
     sibling: bool = False
     more: int = 0
+    odds: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -209,15 +213,14 @@ def relative_weight(member: Member, chances: int = 1, constants: Constants | Non
     constants = constants or calibrated()
     other_law = constants.other_law**chances
     exact = exp(-0.5 * max(member.gap, 0.0))
-    prior = GENERAL_LAW / (1.0 - GENERAL_LAW)
     # What a special case leaves is what makes its general law general.
     other = 1.0 if member.special else exp(-max(member.left, 0.0) / constants.law_error)
-    other *= prior if member.sibling or member.general else 1.0
+    other *= GENERAL_ODDS if member.sibling or member.general else 1.0
     # What makes a law more general, and does nothing, is not there, whether the special case is exact or not.
     other *= exp(-0.5 * max(member.gap, 0.0)) if member.general else 1.0
     # A general law that fits better than its special case, and says no more, is ranked behind it for its prior.
-    exact *= prior if member.general and member.gap < 0.0 else 1.0
-    return (1.0 - other_law) * exact + other_law * other
+    exact *= GENERAL_ODDS if member.general and member.gap < 0.0 else 1.0
+    return member.odds * ((1.0 - other_law) * exact + other_law * other)
 
 
 def weight_outside(comparison: Comparison, constants: Constants) -> float:

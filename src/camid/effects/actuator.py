@@ -247,9 +247,10 @@ class GainAsymmetry(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """An input of one sign shows nothing of it, and none at all even less."""
-        if not np.any(situation.signal):
+        signals = situation.all_signals
+        if not np.any(signals):
             return "there is no input, of which it is a gain"
-        if np.min(situation.signal) >= 0.0 or np.max(situation.signal) <= 0.0:
+        if np.min(signals) >= 0.0 or np.max(signals) <= 0.0:
             return "the input has one sign only, for which an asymmetric gain is a change of the gain"
         return None
 

@@ -21,8 +21,8 @@ def levels(signal: Array) -> int:
 
 
 def one_level(situation: Situation, effect: str) -> str | None:
-    """Why a held input of one absolute value does not show a static curve of it; None if it may."""
-    if situation.acquisition.hold == "zoh" and levels(situation.signal) == 1:
+    """Why held inputs of one absolute value do not show a static curve of it; None if it may."""
+    if situation.acquisition.hold == "zoh" and levels(situation.all_signals) == 1:
         return f"the input has one absolute value only, for which {effect} is a change of the gain"
     return None
 

@@ -26,6 +26,8 @@ from camid.effects.situation import Situation
 UNEVEN = 0.6
 # Share of the level at the median load that is first guessed to grow with the load.
 LOADED = 0.1
+# Largest load over the least one up to which all are one.
+ONE_LOAD = 1.001
 # Share of the break-away level that friction keeps at the speeds recorded: what falls to almost nothing is none.
 LEAST_KEPT = 0.1
 # First guess of the break-away level in the level at high speeds. Speed at which friction falls, in standard deviations
@@ -307,7 +309,13 @@ class LoadDependentFriction(_UnevenFriction):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Without several loads it is Coulomb friction."""
-        sizes = abs(situation.signal)
-        if sizes.max(initial=0.0) <= 1.001 * sizes.min(initial=float("inf")):
-            return "the input has one absolute value only, for which the friction is one constant"
-        return None
+        if cls.same_as(situation) is None:
+            return None
+        return "the input has one absolute value only, for which the friction is one constant"
+
+    @classmethod
+    def same_as(cls, situation: Situation) -> str | None:
+        """Coulomb friction, without several loads."""
+        sizes = abs(situation.all_signals)
+        several = sizes.max(initial=0.0) > ONE_LOAD * sizes.min(initial=float("inf"))
+        return None if several else CoulombFriction.identifier

@@ -104,7 +104,7 @@ class InputQuantisation(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """An input of few levels shows nothing of it that is not another curve."""
-        if situation.acquisition.hold == "zoh" and levels(situation.signal) < FEWEST_LEVELS:
+        if situation.acquisition.hold == "zoh" and levels(situation.all_signals) < FEWEST_LEVELS:
             return "the input has two absolute values at most, for which steps of the command are another curve"
         return None
 

@@ -166,4 +166,4 @@ class ParallelMode(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Nothing excites it without input."""
-        return None if np.any(situation.signal) else "without input nothing excites a mode beside the plant"
+        return None if np.any(situation.all_signals) else "without input nothing excites a mode beside the plant"

@@ -36,6 +36,8 @@ STILL = 3.0
 REPEATED_IN_MOTION, LEAST_RATIO_OF_LOSS = 0.05, 0.1
 # Residuals beyond this many robust standard deviations count as these in a regression of the variance.
 MOST_DEVIATIONS = 6.0
+# Standard deviations from which a recording refutes what another one seems to show.
+REFUTING = 3.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
 CERTAIN_PROBABILITY = 1e-4
 
@@ -292,6 +294,14 @@ class TimestampJitter(Effect):
         timing = sqrt(jitter)
         spoiled = np.zeros(len(situation.time), bool)
         return Recognition(cls(std=timing), {"std": 0.5 * deviation / timing}, 2.0 * tail(score), spoiled)
+
+    def is_refuted(self, situation: Situation) -> bool:
+        """Whether the residual's variance grows less with the speed than these times would make it."""
+        usable = situation.used & ~_repeated(situation)
+        if np.sum(usable) < FEWEST_ROWS:
+            return False
+        _, slope, deviation, _ = variance_regression(situation.residual[usable] ** 2, situation.velocity[usable] ** 2)
+        return slope + REFUTING * deviation < self.values["std"] ** 2
 
     def added_variance(self, situation: Situation) -> Array:
         """What passes in the time by which a frame is early or late, squared; in second order, where motion turns."""

@@ -82,6 +82,10 @@ class SearchHooks:
         """For noise-like effects: what it adds to the mean of each reading, shape (N,); None where it adds nothing."""
         return None
 
+    def is_refuted(self, situation: Situation) -> bool:
+        """For noise-like effects: whether another recording of the rig, with its residual, speaks against it."""
+        return False
+
     @classmethod
     def of_autoregression(cls, coefficients: Array) -> Effect:
         """For an effect that colours the noise: with the autoregression α_1 … α_p of the residual, shape (p,)."""
@@ -95,4 +99,9 @@ class SearchHooks:
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Why this recording cannot show the effect, whatever its size; None if it can."""
+        return None
+
+    @classmethod
+    def same_as(cls, situation: Situation) -> str | None:
+        """Identifier of the effect that this one is exactly in this recording, whatever its size; None if of none."""
         return None

@@ -92,7 +92,7 @@ class Delay(Effect):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Without input there is nothing that it is late after."""
-        return None if np.any(situation.signal) else "without input a delay only shifts the start of the motion"
+        return None if np.any(situation.all_signals) else "without input a delay only shifts the start of the motion"
 
 
 class RollingShutter(Effect):

@@ -36,6 +36,8 @@ class Situation:
         Whether a controller puts the input out.
     answer : TransferFunction, optional
         What a force at the plant's input does to what the residual is of, where it is not what it does to the position.
+    others : ndarray, shape (M,), optional
+        Input of the other recordings of the rig, whose levels this one may not have.
     """
 
     time: Array
@@ -50,6 +52,7 @@ class Situation:
     rest: Callable[[float], dict[str, float] | None] | None = None
     controlled: bool = False
     answer: TransferFunction | None = None
+    others: Array | None = None
 
     def until(self, rows: int) -> Situation:
         """The begin of the recording, at most so many rows."""
@@ -59,12 +62,19 @@ class Situation:
     def largest(self, name: str, share: float = 1.0) -> float:
         """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
 
+        The input is that of all recordings: what bends it may do so in another one.
         Without input the force that would hold the plant where it moves takes its place.
         """
-        found = float(np.quantile(np.abs(getattr(self, name)), share))
+        values = self.all_signals if name == "signal" else getattr(self, name)
+        found = float(np.quantile(np.abs(values), share))
         if name == "signal" and found == 0.0 and self.plant.denominator[-1] != 0.0:
             found = abs(self.plant.denominator[-1] / self.plant.numerator[-1]) * self.largest("position", share)
         return found or 1.0
+
+    @property
+    def all_signals(self) -> Array:
+        """Input of all recordings of the rig, one behind the other."""
+        return self.signal if self.others is None else np.concatenate([self.signal, self.others])
 
     @property
     def response_to_force(self) -> TransferFunction:

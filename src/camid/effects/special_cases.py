@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Sequence, Set
 
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.situation import Situation
 
 
 def special_case(effect: Effect) -> Effect | None:
@@ -60,6 +61,22 @@ def sums_with(identifier: str, named: Set[str], effects: Sequence[Effect], *, co
         if exact and any(part == identifier or is_constant(part, identifier) for part in kind.sum_of):
             found.append(kind)
     return found
+
+
+def same_in_place(effect: Effect, situation_of: Callable[[type[Effect]], Situation]) -> list[str]:
+    """Names of the laws that are exactly an effect in a recording, whatever their numbers.
+
+    Parameters
+    ----------
+    effect : Effect
+        There are none of a law with more detail than that of its name.
+    situation_of : callable
+        The recording as a kind of effect sees it.
+    """
+    kinds = known_effects()
+    if type(effect) is not kinds.get(effect.identifier):
+        return []
+    return [name for name, kind in kinds.items() if kind.same_as(situation_of(kind)) == effect.identifier]
 
 
 def is_constant(*names: str) -> bool:

@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 
 # Residuals fewer than these show no spread.
 FEWEST_ROWS = 8
+# Rows up to which squares of second differences are correlated.
+MOST_LAGS = 2
 # Score, in standard deviations, from which differences of frames scatter with the speed: a chance of one in a hundred.
 SCATTERS = 2.33
 
@@ -38,7 +40,11 @@ def scatters_from_frame_to_frame(situation: Situation, usable: NDArray[np.bool_]
 
 
 def variance_regression(square: Array, regressor: Array) -> tuple[float, float, float, float]:
-    """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor."""
+    """Gaussian likelihood gain, slope, its standard deviation and score of variance = c + slope · regressor.
+
+    The score is in its standard deviations, with regard to the correlation that neighbouring rows may have, as
+    differences of frames do (Newey & West 1987, Econometrica 55, 703-708).
+    """
     mean = float(np.mean(square))
     unit = float(np.mean(regressor))
     if mean <= 0.0 or float(np.ptp(regressor)) == 0.0:
@@ -49,7 +55,7 @@ def variance_regression(square: Array, regressor: Array) -> tuple[float, float, 
     centred = regressor - np.mean(regressor)
     # Fourth moments as they are, so that heavy tails are not taken for a dependence.
     excess = square / mean - 1.0
-    score = float(centred @ excess / sqrt(float(np.mean(excess**2)) * float(centred @ centred)))
+    score = float(centred @ excess / _deviation_of_product(centred, excess))
     base, slope = mean, 0.0
     information = np.eye(2)
     for _ in range(30):  # Fisher scoring for the two variances
@@ -64,3 +70,12 @@ def variance_regression(square: Array, regressor: Array) -> tuple[float, float, 
     gain = 0.5 * float(len(square) * (log(mean) + 1.0) - np.sum(np.log(variance) + square / variance))
     deviation = float(np.sqrt(max(np.linalg.pinv(information)[1, 1], 0.0)))
     return gain, float(slope) / unit, deviation / unit, score
+
+
+def _deviation_of_product(regressor: Array, excess: Array) -> float:
+    """Standard deviation of the product of a regressor and a noise, whose neighbouring rows may be correlated."""
+    alone = float(np.mean(excess**2)) * float(regressor @ regressor)
+    together = alone
+    for lag in range(1, MOST_LAGS + 1):
+        together += 2.0 * float(np.mean(excess[lag:] * excess[:-lag])) * float(regressor[lag:] @ regressor[:-lag])
+    return sqrt(max(together, alone))

@@ -326,14 +326,28 @@ class Problem:
         return found
 
     def situation(self, model: Model, index: int | None = None) -> Situation:
-        """What first guesses need, of one recording as it was read: the longest where none is named."""
+        """What first guesses need, of one recording as it was read; see :meth:`situations`."""
         return self.situations(model, index).reading
 
     def situations(self, model: Model, index: int | None = None) -> Views:
-        """The same as each effect sees it."""
-        if index is None:
-            index = int(np.argmax([np.count_nonzero(e.used) for e in self.experiments]))
-        return self.kind.situations(self, model, index)
+        """The same as each effect sees it: where none is named, of the recording of which the model leaves most."""
+        return self.kind.situations(self, model, self._leaves_most(model) if index is None else index)
+
+    def _leaves_most(self, model: Model) -> int:
+        """The recording whose sum of squares is the largest: it shows best what is missing."""
+        if len(self.fitted_runs) == 1:
+            return self.fitted_runs[0]
+
+        def left(run: int) -> float:
+            experiment = self.experiments[run]
+            return float(np.sum((experiment.output - self.simulate_one(model, run))[experiment.used] ** 2))
+
+        return max(self.fitted_runs, key=left)
+
+    def signals_beside(self, index: int) -> Array | None:
+        """Input of the recordings that are fitted beside one, one behind the other; None where it is alone."""
+        signals = [self.experiments[run].signal for run in self.fitted_runs if run != index]
+        return np.concatenate(signals) if signals else None
 
     # -- noise -----------------------------------------------------------------------------------------------------
 

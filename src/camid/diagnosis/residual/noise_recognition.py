@@ -8,7 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from camid.diagnosis.residual.uneven_noise import LARGEST_P_VALUE, standard_deviation, with_rate_of_reading
+from camid.diagnosis.residual.uneven_noise import (
+    LARGEST_P_VALUE,
+    longest_first,
+    standard_deviation,
+    with_rate_of_reading,
+)
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.effects.noise import Quantisation, tail
@@ -56,14 +61,17 @@ def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: 
         Of the nominal simulation.
     """
     known = {e.identifier for e in declared}
-    situation = _where_motion_is_finite(with_rate_of_reading(whole, final.model))
+    situation, *others = (
+        _where_motion_is_finite(with_rate_of_reading(whole, final.model, run)) for run in longest_first(whole)
+    )
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames come before outliers
         possible = effect.noise_like and problem.kind.unseen(effect) is None
         if possible and identifier not in known:
             recognition = effect.recognise(situation)
             if recognition is not None and recognition.p_value < LARGEST_P_VALUE:
-                found += [recognition] if recognition.named else []
+                refuted = any(recognition.effect.is_refuted(other) for other in others)
+                found += [recognition] if recognition.named and not refuted else []
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
     rounding = _is_rounding(situation, [*declared, *(r.effect for r in found)])

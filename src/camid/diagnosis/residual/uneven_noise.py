@@ -37,16 +37,19 @@ WORTH_WEIGHING = 1.5
 LARGEST_BEND = 16.0
 
 
-def with_rate_of_reading(problem: Problem, model: Model, index: int | None = None) -> Situation:
-    """What recognition needs of a recording, the longest where none is named, with the rate of its reading.
+def longest_first(problem: Problem) -> list[int]:
+    """The recordings that are fitted: noise is recognised in the longest, and may be refuted by the others."""
+    return sorted(problem.fitted_runs, key=lambda run: -np.count_nonzero(problem.experiments[run].used))
+
+
+def with_rate_of_reading(problem: Problem, model: Model, index: int) -> Situation:
+    """What recognition needs of a recording, with the rate of its reading.
 
     Differences from frame to frame fall short of the rate of a motion that turns round within a few frames, and what is
     divided by them is too large. A reading that is delivered later is that of an earlier time, and the next one
     delivered nearly a period later is that of a time just behind. A force that jumps with a frame may bend the reading
     there, so that the rate before and that behind are taken as their root mean square: noise has its mean variance.
     """
-    if index is None:
-        index = int(np.argmax([np.count_nonzero(e.used) for e in problem.experiments]))
     situation = problem.situation(model, index)
     reading = problem.simulate_one(model, index)
     # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
@@ -102,20 +105,23 @@ def relative_noise(problem: Problem, fitted: Fitted) -> tuple[Array, ...] | None
     """
     if problem.relative_noise is not None:
         return None
-    longest = with_rate_of_reading(problem, fitted.model)
-    differences = _from_frame_to_frame(longest)
+    each = _situations(problem, fitted.model)
+    longest, *others = longest_first(problem)
+    differences = _from_frame_to_frame(each[longest])
     if not differences.used.any():
         return None
-    changing, whole = (float(np.mean(each.residual[each.used] ** 2)) for each in (differences, longest))
+    changing, whole = (float(np.mean(view.residual[view.used] ** 2)) for view in (differences, each[longest]))
     if changing < LEAST_FROM_FRAME_TO_FRAME * whole:
         return None
     found = []
     for _, effect in sorted(known_effects().items()):
         if effect.makes_variance_uneven and problem.kind.unseen(effect) is None:
             recognition = effect.recognise(differences)
-            if recognition is not None and recognition.named and recognition.p_value < LARGEST_P_VALUE:
+            if recognition is None or not recognition.named or recognition.p_value >= LARGEST_P_VALUE:
+                continue
+            if not any(recognition.effect.is_refuted(_from_frame_to_frame(each[run])) for run in others):
                 found.append(recognition.effect)
-    situations = _situations(problem, fitted.model) if found else []
+    situations = each if found else []
     noise = _relative(found, situations)
     if noise is None:
         return None

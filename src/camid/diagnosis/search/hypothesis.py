@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camid.diagnosis.search.screening import trials
-from camid.diagnosis.weights import GENERAL_LAW, Member
+from camid.diagnosis.weights import GENERAL_ODDS, Member
 from camid.effects.base import Effect
 from camid.effects.special_cases import is_constant, special_case, sums_with
 from camid.fitting.fit import Fitted
@@ -53,7 +53,7 @@ def prior_penalty(problem: Problem, effect: Effect) -> float:
 
 def general_law_penalty() -> float:
     """Twice the logarithm of the prior odds against a law of which dry friction is the special case."""
-    return 2.0 * float(np.log((1.0 - GENERAL_LAW) / GENERAL_LAW))
+    return -2.0 * float(np.log(GENERAL_ODDS))
 
 
 def in_order(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
@@ -65,7 +65,12 @@ def in_order(hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
 
 
 def members_of(
-    ranked: Sequence[Hypothesis], without: Fitted, named: Set[str] = frozenset(), *, constant: bool = False
+    ranked: Sequence[Hypothesis],
+    without: Fitted,
+    named: Set[str] = frozenset(),
+    *,
+    constant: bool = False,
+    same: Sequence[str] = (),
 ) -> tuple[Member, ...]:
     """The names of a class, for :func:`camid.diagnosis.weights.weights`.
 
@@ -79,6 +84,8 @@ def members_of(
         All effects of the model, this one among them: some together may have another name.
     constant : bool
         Whether the model holds a constant at input or sensor that is estimated, which stands for the other.
+    same : sequence of str
+        Laws of which the likeliest is the special case, and which are exactly that in these recordings.
     """
     lead = ranked[0]
     mismatch = max(without.cost - lead.fitted.cost, 1e-300)
@@ -109,9 +116,11 @@ def members_of(
 
     laws = sums_with(lead.identifier, named, lead.fitted.model.effects, constant=constant)
     sums = [law.identifier for law in laws]
-    penalty = 0.0 if found_apart else general_law_penalty()
+    odds = 1.0 if found_apart else GENERAL_ODDS
     ranked = [h for h in ranked if h.identifier not in sums]
-    return (*(member(h) for h in ranked), *(Member(identifier, penalty, 0.0) for identifier in sums))
+    others = [Member(identifier, 0.0, 0.0, odds=odds) for identifier in sums]
+    others += [Member(identifier, 0.0, 0.0, odds=GENERAL_ODDS) for identifier in same]
+    return (*(member(h) for h in ranked), *others)
 
 
 def special_case_of(hypothesis: Hypothesis) -> str | None:

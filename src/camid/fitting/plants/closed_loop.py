@@ -111,6 +111,7 @@ class ClosedLoop(HeldPlant):
             experiment.used,
             controlled=True,
             answer=_mirrored(self.loops[index].controller.answer_to_force(plant)),
+            others=problem.signals_beside(index),
         )
         return Views(situation, situation, situation)
 

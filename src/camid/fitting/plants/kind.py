@@ -281,6 +281,7 @@ class PlantKind:
                 acquisition,
                 experiment.used,
                 self.rest_of(model),
+                others=problem.signals_beside(index),
             )
 
         reading = seen(recorded, simulated)
