@@ -30,6 +30,7 @@ from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
+from camid.diagnosis.zeros_of_recordings import CountedFromOwn, with_own_zeros
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
@@ -77,6 +78,9 @@ def investigate(
     """
     with with_a_copy(problem, nominal, watch):
         setting = prepared(believed, problem, nominal, validation, chosen, watch)
+        counted = _counted_from_own_zeros(setting, watch)
+        if counted is not None and counted.leaves_nothing:
+            return counted.taken(watch)
         beginning = first_beginning(setting.problem, setting.base)
     pulled: Pulled | None = None
     if beginning.runs_away:
@@ -85,11 +89,30 @@ def investigate(
             return pulled.taken(watch)
     with with_a_copy(setting.whole, setting.problem, nominal, watch):
         found = _investigated(setting, beginning, watch)
+    if counted is not None and counted.is_likelier(found):
+        return counted.taken(watch)
     if not is_astray(found):
         return found
     if not beginning.runs_away:
         pulled = _pulled(setting, watch)
     return pulled.taken(watch) if pulled is not None and pulled.tells_more else found
+
+
+def _counted_from_own_zeros(setting: Setting, watch: Watch) -> CountedFromOwn | None:
+    """Diagnosis with a zero of the sensor for each recording, where these explain much; None where they do not."""
+    found = with_own_zeros(setting.problem, setting.base)
+    if found is None or watch.no_time_for("a zero of the sensor for each recording"):
+        return None
+    problem, moved = found
+    watch.say("counting each recording from its own zero")
+    whole = problem.with_used([e.used for e in setting.whole.experiments])
+    nominal = replace(setting.nominal, constants=whole.kind.constants())
+    aside = watch.aside(whole.work, len(whole.output), len(whole.fitted_runs))
+    with with_a_copy(whole, nominal, aside):
+        own = prepared(setting.believed, whole, nominal, setting.validation, setting.chosen, aside)
+        decided = _decided(own, first_beginning(own.problem, own.base), aside)
+        recorded = [e.output for e in setting.problem.experiments]
+        return CountedFromOwn.of(concluded(*decided, aside), decided[1].improved, moved, recorded, aside)
 
 
 def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
@@ -114,6 +137,13 @@ def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
 
 def _investigated(setting: Setting, beginning: Beginning, watch: Watch) -> Diagnosis:
     """Diagnosis of what a simulation leaves, from where the search begins."""
+    return concluded(*_decided(setting, beginning, watch), watch)
+
+
+def _decided(
+    setting: Setting, beginning: Beginning, watch: Watch
+) -> tuple[Setting, Decision, list[mismatch_location.PlaceTest], Residue]:
+    """What is decided of that, and what it rests on."""
     before, selected = _searched(setting, beginning, watch)
     noise = None if setting.settled else relative_noise(setting.problem, selected.fitted)
     if noise is not None:
@@ -133,7 +163,7 @@ def _investigated(setting: Setting, beginning: Beginning, watch: Watch) -> Diagn
             other, what_is_left = _simplified(setting, further, before, watch)
             if log_evidence(other) > log_evidence(decision):
                 decision, residue = other, what_is_left
-    return concluded(setting, decision, before, residue, watch)
+    return setting, decision, before, residue
 
 
 def _searched(

@@ -98,7 +98,7 @@ def findings(
                 ranked,
                 decision.without[i],
                 named,
-                constant=problem.kind.offset_free or problem.kind.bias_free,
+                constant=problem.kind.offset_free or problem.kind.bias_free or problem.own_zeros,
                 same=same_in_place(effect, views.of),
             ),
             float(removed[i]),

@@ -183,7 +183,8 @@ class _OutputError:
         self.few = problem
         self.derivative = UpdatedDerivative(self._differences, refreshes, self._first)
         # About the middle of what was recorded: an offset may be far larger than the motion.
-        middle, worst = float(np.mean(problem.recorded)), RUNAWAY_RESIDUAL * problem.output_spread
+        middle = 0.0 if problem.own_zeros else float(np.mean(problem.recorded))
+        worst = RUNAWAY_RESIDUAL * problem.output_spread
         rows = np.ones(len(problem.output))
         self.lowest, self.highest = (problem.over_noise((middle + side * worst) * rows) for side in (-1.0, 1.0))
         self.latest: list[tuple[Array, Array]] = []

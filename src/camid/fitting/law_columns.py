@@ -62,7 +62,7 @@ def _by_tangents(pinned: Problem, model: Model, index: int, ways: Array, size: f
         parts.append(part[used])
     if not parts:
         return None
-    columns = pinned.over_noise(np.concatenate(parts))
+    columns = pinned.as_compared(np.concatenate(parts))
     return columns if local else columns @ ways
 
 

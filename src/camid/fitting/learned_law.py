@@ -216,7 +216,7 @@ def visited(problem: Problem, fitted: Fitted) -> dict[str, Array]:
         "position": problem.fitted([m[0] for m in motions]),
         "velocity": problem.fitted([m[1] for m in motions]),
         "input": problem.fitted([e.signal for e in problem.experiments]),
-        "reading": problem.in_units(problem.output - fitted.residual),
+        "reading": problem.fitted(problem.simulate(fitted.model)),
     }
 
 

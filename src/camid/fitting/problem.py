@@ -81,6 +81,9 @@ class Problem:
     relative_noise : tuple of ndarray, optional
         Standard deviation of the noise in each row of each recording, shapes (N,), over its root mean square, where it
         is uneven: what is compared is divided by it.
+    own_zeros : bool
+        Whether each recording is counted from a zero of its own, which follows from the fitted rows: of what is
+        compared the mean over them is taken away, and a simulated reading has the mean of the recorded ones.
     work : Work
         Counts all simulations for this problem and those that were made from it.
     motions : RememberedMotions
@@ -95,6 +98,7 @@ class Problem:
     steps: tuple[int, ...] | None = None
     remainder: float | None = None
     relative_noise: tuple[Array, ...] | None = None
+    own_zeros: bool = False
     work: Work = field(default_factory=Work, compare=False)
     motions: RememberedMotions = field(default_factory=RememberedMotions, compare=False)
 
@@ -120,7 +124,7 @@ class Problem:
     @cached_property
     def output(self) -> Array:
         """The same as they are compared: over the relative noise where that is uneven."""
-        return self.over_noise(self.recorded)
+        return self.as_compared(self.recorded)
 
     @cached_property
     def output_spread(self) -> float:
@@ -160,6 +164,21 @@ class Problem:
         """Values on the fitted rows, shape (M,) or (M, c), over the relative noise where that is uneven."""
         noise = self._noise_of_fitted
         return rows if noise is None else np.asarray(rows / (noise if rows.ndim == 1 else noise[:, None]))
+
+    def as_compared(self, rows: Array) -> Array:
+        """The same, less what the zero of each recording makes up for where each has its own."""
+        rows = self.over_noise(rows)
+        if not self.own_zeros:
+            return rows
+        noise = self._noise_of_fitted
+        found, first = rows.copy(), 0
+        for experiment in self.experiments:
+            part = slice(first, first := first + int(np.count_nonzero(experiment.used)))
+            weight = np.ones(part.stop - part.start) if noise is None else 1.0 / noise[part]
+            if len(weight):
+                mean = (weight @ rows[part]) / (weight @ weight)
+                found[part] -= np.multiply.outer(weight, mean)
+        return found
 
     def in_units(self, rows: Array) -> Array:
         """What :meth:`over_noise` was given, shape (M,)."""
@@ -257,7 +276,16 @@ class Problem:
         """What is compared with the output of one recording, all rows, shape (N,)."""
         chain, experiment = self.chain(model, index), self.experiments[index]
         moved = partial(self._moved, chain, model, index, experiment.seen)
-        return run(chain, experiment.signal, self.times[index], moved=moved)
+        simulated = run(chain, experiment.signal, self.times[index], moved=moved)
+        return simulated + self.zero(simulated, index) if self.own_zeros else simulated
+
+    def zero(self, simulated: Array, index: int) -> float:
+        """By how much a recording reads more than what is simulated of it, shape (N,), in the mean of fitted rows."""
+        used = self.experiments[index].used
+        if not used.any():
+            return 0.0
+        weight = None if self.relative_noise is None else self.relative_noise[index][used] ** -2
+        return float(np.average((self.experiments[index].output - simulated)[used], weights=weight))
 
     def _moved(self, chain: Chain, model: Model, index: int, seen: int | None) -> Motion:
         """Motion of a model's chain, remembered where the integrator finds its steps itself; see :meth:`chain`."""
@@ -305,12 +333,12 @@ class Problem:
     def simulate_fitted(self, model: Model) -> Array:
         """What is compared with the outputs, the fitted rows of all recordings, concatenated; shape (M,)."""
         parts = [run(chain, signal, time)[used] for chain, signal, time, used in self.fitted_chains(model)]
-        return self.over_noise(np.concatenate(parts)) if parts else np.zeros(0)
+        return self.as_compared(np.concatenate(parts)) if parts else np.zeros(0)
 
     def errors(self, model: Model, rows: Sequence[NDArray[np.bool_]]) -> Array:
         """Recorded minus simulated output on some rows of each recording, concatenated, as it is compared."""
         judging, simulated = self.with_used(rows), self.simulate(model)
-        return judging.output - judging.over_noise(judging.fitted(simulated))
+        return judging.over_noise(judging.recorded - judging.fitted(simulated))
 
     def motion(self, model: Model) -> list[tuple[Array, Array]]:
         """Position and velocity at the recorded times, before the sensor: two arrays of shape (N,) per recording."""

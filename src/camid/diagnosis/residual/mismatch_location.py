@@ -154,7 +154,7 @@ def regressors(problem: Problem, fitted: Fitted, motions: Sequence[tuple[Array, 
             hold = problem.chain(fitted.model, index).declared().hold if place == "actuator" else "foh"
             columns = problem.kind.force_responses(problem, fitted.model, index, forces, hold)
         parts.append(np.column_stack([column[experiment.used] for column in columns]))
-    return problem.over_noise(np.concatenate(parts))
+    return problem.as_compared(np.concatenate(parts))
 
 
 def _input_without_noise(problem: Problem, model: Model, index: int) -> Array:
@@ -225,7 +225,7 @@ def _bend_of_the_reading(problem: Problem, fitted: Fitted, motions: Sequence[tup
     for index, (position, _) in enumerate(motions):
         seen = problem.kind.position_seen(problem, fitted.model, index, position)
         bends.append(np.gradient(np.gradient(seen)))
-    return problem.over_noise(problem.fitted(bends))[:, None]
+    return problem.as_compared(problem.fitted(bends))[:, None]
 
 
 def _place_test(problem: Problem, view: Metric, place: str, table: Array) -> PlaceTest:
