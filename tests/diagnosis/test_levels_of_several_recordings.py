@@ -88,6 +88,10 @@ def test_friction_under_one_load_may_grow_with_it():
     assert effect.identifier == "coulomb-friction"
     others = dict(effect.alternatives)
     assert others[LoadDependentFriction.identifier] == pytest.approx(0.3 / 0.7 * effect.weight)
+    # Both are there for the next experiment, which has to have several levels.
+    by_name = {h.identifier: h for h in found.hypotheses}
+    assert by_name[LoadDependentFriction.identifier].misfit == pytest.approx(0.0, abs=1e-3)
+    assert by_name[LoadDependentFriction.identifier].weight == others[LoadDependentFriction.identifier]
     # Two loads tell them apart.
     found = diagnosis(*(recording("coulomb-friction", size, seed) for seed, size in enumerate(SIZES)))
     (effect,) = found.findings

@@ -74,6 +74,16 @@ def test_a_stop_may_begin_elsewhere(spring):
     assert all(h.variant and h.held == {"end-stop position"} for h in found)
 
 
+def test_a_law_with_more_detail_is_no_other_value(spring, monkeypatch):
+    """It has more numbers than the name that it would be a value of."""
+    hypotheses, earlier = spring
+    law = type(hypotheses[1].effect)
+    both = law.with_keys(["position", "stiffness", "opposite", "opposite_stiffness"])
+    guess = both(position=-3.0, stiffness=0.1, opposite=3.0, opposite_stiffness=0.1)
+    monkeypatch.setattr(law, "candidates", classmethod(lambda cls, situation: iter([guess])))
+    assert other_values(hypotheses, earlier, own_sums(hypotheses, earlier)) == []
+
+
 def test_what_is_known_around_other_values_is_the_sum_of_squares_there(spring):
     """The parabola around them, moved by its slope, is what another fit of size and coefficients leaves."""
     hypotheses, earlier = spring

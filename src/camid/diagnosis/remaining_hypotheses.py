@@ -16,7 +16,8 @@ from camid.diagnosis.verdict import different_inputs
 from camid.diagnosis.weights import LEAST_WEIGHT, UNLISTED
 from camid.effects.base import Effect
 from camid.effects.declared import declared
-from camid.fitting.fit import Fitted
+from camid.effects.special_cases import same_in_place
+from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.problem import Problem
 from camid.simulation.model import Simulation
 
@@ -152,7 +153,7 @@ def remaining(
     """
     result: list[RemainingHypothesis] = []
     for rivals, without in zip(decision.rivals, decision.without, strict=False):
-        models = {h.identifier: h for h in reversed(rivals)}
+        models = {h.identifier: h for h in (*_same(problem, decision.fitted, rivals[0].identifier), *reversed(rivals))}
         finding = next((f for f in found if f.identifier in models and f.comparison is not None), None)
         if finding is None or not any(name != UNLISTED for name, _ in finding.alternatives):
             continue
@@ -169,6 +170,16 @@ def remaining(
         lead = Hypothesis(name, decision.fitted)
         result = [_Class(believed, problem, noise, lead).hypothesis(lead, found[0].weight if found else 1.0)]
     return result
+
+
+def _same(problem: Problem, fitted: Fitted, identifier: str) -> list[Hypothesis]:
+    """Laws that are exactly one of a model's effects in these recordings, as another experiment may show."""
+    effects = fitted.model.effects
+    place = next((i for i, effect in enumerate(effects) if effect.identifier == identifier), None)
+    if place is None:
+        return []
+    laws = same_in_place(effects[place], problem.situations(fitted.model).of)
+    return [Hypothesis(law.identifier, evaluate(problem, fitted.model.replaced(place, law))) for law in laws]
 
 
 @dataclass(frozen=True)

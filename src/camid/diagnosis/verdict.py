@@ -99,7 +99,7 @@ def findings(
                 decision.without[i],
                 named,
                 constant=problem.kind.offset_free or problem.kind.bias_free or problem.own_zeros,
-                same=same_in_place(effect, views.of),
+                same=[law.identifier for law in same_in_place(effect, views.of)],
             ),
             float(removed[i]),
             beside_laws if effect.identifier in decision.certain else left,

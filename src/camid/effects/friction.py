@@ -309,13 +309,22 @@ class LoadDependentFriction(_UnevenFriction):
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
         """Without several loads it is Coulomb friction."""
-        if cls.same_as(situation) is None:
+        if _one_load(situation) is None:
             return None
         return "the input has one absolute value only, for which the friction is one constant"
 
     @classmethod
-    def same_as(cls, situation: Situation) -> str | None:
-        """Coulomb friction, without several loads."""
-        sizes = abs(situation.all_signals)
-        several = sizes.max(initial=0.0) > ONE_LOAD * sizes.min(initial=float("inf"))
-        return None if several else CoulombFriction.identifier
+    def same_as(cls, effect: Effect, situation: Situation) -> Effect | None:
+        """Coulomb friction without several loads, half of which may be that of the load."""
+        load = _one_load(situation)
+        if not load or type(effect) is not CoulombFriction:
+            return None
+        half = 0.5 * effect.values["force"]
+        return cls(force=half, coefficient=half / load)
+
+
+def _one_load(situation: Situation) -> float | None:
+    """The only absolute value of the input; None where there are several."""
+    sizes = abs(situation.all_signals)
+    largest = float(sizes.max(initial=0.0))
+    return None if largest > ONE_LOAD * sizes.min(initial=float("inf")) else largest

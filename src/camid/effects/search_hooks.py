@@ -102,6 +102,6 @@ class SearchHooks:
         return None
 
     @classmethod
-    def same_as(cls, situation: Situation) -> str | None:
-        """Identifier of the effect that this one is exactly in this recording, whatever its size; None if of none."""
+    def same_as(cls, effect: Effect, situation: Situation) -> Effect | None:
+        """The effect of this kind that is exactly another one in this recording, and not in others; None if none is."""
         return None

@@ -63,20 +63,17 @@ def sums_with(identifier: str, named: Set[str], effects: Sequence[Effect], *, co
     return found
 
 
-def same_in_place(effect: Effect, situation_of: Callable[[type[Effect]], Situation]) -> list[str]:
-    """Names of the laws that are exactly an effect in a recording, whatever their numbers.
+def same_in_place(effect: Effect, situation_of: Callable[[type[Effect]], Situation]) -> list[Effect]:
+    """The laws of other names that do exactly what an effect does in a recording.
 
     Parameters
     ----------
     effect : Effect
-        There are none of a law with more detail than that of its name.
     situation_of : callable
         The recording as a kind of effect sees it.
     """
-    kinds = known_effects()
-    if type(effect) is not kinds.get(effect.identifier):
-        return []
-    return [name for name, kind in kinds.items() if kind.same_as(situation_of(kind)) == effect.identifier]
+    found = (kind.same_as(effect, situation_of(kind)) for kind in known_effects().values())
+    return [each for each in found if each is not None]
 
 
 def is_constant(*names: str) -> bool:

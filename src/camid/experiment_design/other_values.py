@@ -85,6 +85,8 @@ def _shapes(hypothesis: Hypothesis, without: Hypothesis, earlier: Earlier) -> li
     found = []
     try:
         for guess in type(effect).candidates(problem.situations(model).of(type(effect))):
+            if type(guess) is not type(effect):  # a law with more detail has other numbers
+                continue
             numbers = np.array([guess.values[n] for n in names], float)
             if not any(np.allclose(numbers, k, rtol=ALIKE, atol=0.0) for k in kept):
                 kept.append(numbers)
