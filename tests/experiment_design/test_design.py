@@ -280,3 +280,16 @@ def test_a_free_decay_has_no_input_to_design():
     content = believed(input=None, initial_state="estimate")
     with pytest.raises(InputError, match="nothing drives this plant"):
         camid.design(content, amplitude=(-1, 1), duration=4.0, frame_rate=50.0, noise=0.01)
+
+
+def test_the_numbers_of_a_driven_pendulum_are_determined():
+    """Those of its motion near rest are fitted, and have units, though its constants are others."""
+    pendulum = {"natural_frequency": 6.0, "damping": 0.05, "rest": 0.0, "gain": 0.2}
+    known = {**believed(), "plant": {"pendulum": pendulum}}
+    found = camid.design([known], amplitude=(-1.0, 1.0), frame_rate=50.0, duration=4.0, noise=0.002, time_limit=None)
+    assert {each.name: each.unit for each in found.determined} == {
+        "b0": "y/(u s^2)",
+        "a1": "s^-1",
+        "a0": "s^-2",
+        "rest": "y",
+    }

@@ -300,11 +300,16 @@ class Simulation:
                 yield f"{letter}{power}{symbol}", value, deviation if is_free else 0.0, unit
 
     def unit_of_coefficient(self, name: str) -> str:
-        """Unit in u, y and s of ``b0``, ``a1`` and so on of the monic plant; of a constant that has a name its own."""
+        """Unit in u, y and s of ``b0``, ``a1`` and so on of the monic plant; of a constant that has a name its own.
+
+        A pendulum has both: constants, and the coefficients of its motion near rest.
+        """
         if self.physical is not None:
             return self.physical.units.get(name, "")
         if self.pendulum is not None:
-            return next(unit for parameter, _, _, unit in self.pendulum.coefficient_rows() if parameter == name)
+            units = {parameter: unit for parameter, _, _, unit in self.pendulum.coefficient_rows()}
+            if name in units:
+                return units[name]
         return _unit_of_coefficient(name[0] == "b", int(name[1:]) - self.plant.order)
 
     def _transfer_function(self) -> dict[str, Any]:
