@@ -93,3 +93,22 @@ def test_a_zero_that_is_declared_holds_for_all():
     found = camid.diagnose([recording(1.0, 1), recording(1.0, 2, zero=-0.3)], declared, time_limit=None)
     assert found.verdict != "adequate"
     assert not said(found)
+
+
+def test_a_motor_may_begin_elsewhere():
+    """The position of a plant that integrates is counted from where each recording begins."""
+
+    def rate(state, drive):
+        return np.array([state[1], 50.0 * drive - 8.0 * state[1]])
+
+    tables = []
+    for seed, zero in enumerate((0.0, 7.5)):
+        random = np.random.default_rng(seed)
+        signal = np.repeat(random.choice([-1.0, 1.0], ROWS // 8), 8)
+        seen = positions(rate, signal, PERIOD, PARTS) + zero + NOISE * random.standard_normal(ROWS)
+        tables.append(pd.DataFrame({"t": PERIOD * np.arange(ROWS), "u": signal, "y": seen}))
+    plant = {"transfer_function": {"numerator": [45.0], "denominator": [1.0, 7.0, 0.0]}}
+    found = camid.diagnose(tables, {**SIMULATION, "plant": plant}, time_limit=None)
+    assert found.verdict == "adequate"
+    ((_, value, deviation),) = said(found)
+    assert abs(value - 7.5) < 4.0 * deviation

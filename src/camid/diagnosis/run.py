@@ -79,7 +79,7 @@ def investigate(
     with with_a_copy(problem, nominal, watch):
         setting = prepared(believed, problem, nominal, validation, chosen, watch)
         counted = _counted_from_own_zeros(setting, watch)
-        if counted is not None and counted.leaves_nothing:
+        if counted is not None and counted.tells_all:
             return counted.taken(watch)
         beginning = first_beginning(setting.problem, setting.base)
     pulled: Pulled | None = None

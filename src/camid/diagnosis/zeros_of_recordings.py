@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 # Share of the sum of squares that zeros explain from which they are tried in the place of anything else, and the
 # logarithm of the likelihood ratio that they need beside that.
 WORTH_TRYING, STRONG = 0.1, 10.0
+# Standard deviations from which zeros differ, and verdicts with which nothing else is looked for then.
+CERTAIN, TOLD = 5.0, ("explained", "adequate")
 # Rounds in which zeros and coefficients are estimated in turn at most, and the change, in standard deviations of the
 # zeros, that is none.
 MOST_ROUNDS, SETTLED = 4, 0.1
@@ -123,9 +125,11 @@ class CountedFromOwn:
         return cls(diagnosis, moved + values, deviations, moved, recorded, watch)
 
     @property
-    def leaves_nothing(self) -> bool:
-        """Whether with them nothing is missing."""
-        return self.diagnosis.verdict == "adequate"
+    def tells_all(self) -> bool:
+        """Whether zeros differ beside all that is found, and nothing but noise is left: no other search does better."""
+        known = self.deviations > 0.0
+        differ = bool(np.any(np.abs(self.values[known]) > CERTAIN * self.deviations[known]))
+        return differ and self.diagnosis.verdict in TOLD and not self.diagnosis.structured
 
     def is_likelier(self, other: Diagnosis) -> bool:
         """Whether they are likelier than a diagnosis with one zero for all, by Bayes's criterion."""
@@ -151,8 +155,8 @@ class CountedFromOwn:
 
     def _sentences(self) -> list[str]:
         return [
-            f"recording {index + 1} reads {value:.4g} ± {deviation:.1g} y more than the first one at the plant's zero, "
-            "as if the camera had been moved between them: each is counted from a zero of its own"
+            f"recording {index + 1} reads {value:.4g} ± {deviation:.1g} y more than the first one at the plant's zero "
+            "(the camera was moved, or the rig began elsewhere): each is counted from a zero of its own"
             for index, (value, deviation) in enumerate(zip(self.values, self.deviations, strict=True))
             if deviation > 0.0
         ]
