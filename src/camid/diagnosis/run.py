@@ -78,10 +78,10 @@ def investigate(
     """
     with with_a_copy(problem, nominal, watch):
         setting = prepared(believed, problem, nominal, validation, chosen, watch)
-        counted = _counted_from_own_zeros(setting, watch)
-        if counted is not None and counted.tells_all:
-            return counted.taken(watch)
         beginning = first_beginning(setting.problem, setting.base)
+    counted = _counted_from_own_zeros(setting, watch)
+    if counted is not None and counted.tells_all:
+        return counted.taken(watch)
     pulled: Pulled | None = None
     if beginning.runs_away:
         pulled = _pulled(setting, watch)
@@ -108,11 +108,14 @@ def _counted_from_own_zeros(setting: Setting, watch: Watch) -> CountedFromOwn | 
     whole = problem.with_used([e.used for e in setting.whole.experiments])
     nominal = replace(setting.nominal, constants=whole.kind.constants())
     aside = watch.aside(whole.work, len(whole.output), len(whole.fitted_runs))
-    with with_a_copy(whole, nominal, aside):
-        own = prepared(setting.believed, whole, nominal, setting.validation, setting.chosen, aside)
-        decided = _decided(own, first_beginning(own.problem, own.base), aside)
-        recorded = [e.output for e in setting.problem.experiments]
-        return CountedFromOwn.of(concluded(*decided, aside), decided[1].improved, moved, recorded, aside)
+    try:
+        with with_a_copy(whole, nominal, aside):
+            own = prepared(setting.believed, whole, nominal, setting.validation, setting.chosen, aside)
+            decided = _decided(own, first_beginning(own.problem, own.base), aside)
+            recorded = [e.output for e in setting.problem.experiments]
+            return CountedFromOwn.of(concluded(*decided, aside), decided[1].improved, moved, recorded, aside)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # it diverges so
+        return None
 
 
 def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
