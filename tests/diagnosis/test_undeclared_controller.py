@@ -8,7 +8,7 @@ import pytest
 
 import camid
 from camid.chain.acquisition import Acquisition
-from camid.diagnosis.held_by_observer import takes_input_away
+from camid.diagnosis.held_by_observer import is_astray, takes_input_away
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
 
@@ -129,3 +129,18 @@ def test_frames_that_are_left_out_one_by_one_do_not_pull_and_those_that_judge_do
     assert {f.identifier for f in found.findings} <= {"outliers"}
     for coefficient, truth in zip(found.coefficients, (8.0, 0.5, -22.0), strict=True):
         assert abs(coefficient.improved - truth) < 4.0 * coefficient.improved_deviation < 0.1 * abs(truth)
+
+
+@pytest.mark.parametrize(
+    ("error", "structured", "named", "astray"),
+    [
+        (0.2, True, (), True),
+        (0.2, False, (), False),  # noise alone, however much
+        (0.2, False, ("coloured-noise",), True),  # what runs away looks like that, too
+        (0.02, True, (), False),
+    ],
+)
+def test_what_leaves_noise_alone_follows_the_recording(error, structured, named, astray):
+    findings = [SimpleNamespace(identifier=name) for name in named]
+    diagnosis = SimpleNamespace(fit=SimpleNamespace(improved=error), structured=structured, findings=findings)
+    assert is_astray(diagnosis) == astray

@@ -280,10 +280,12 @@ class Problem:
         return simulated + self.zero(simulated, index) if self.own_zeros else simulated
 
     def zero(self, simulated: Array, index: int) -> float:
-        """By how much a recording reads more than what is simulated of it, shape (N,), in the mean of fitted rows."""
+        """By how much a recording reads more than what is simulated of it, shape (N,), in the mean of fitted rows.
+
+        Of all rows where it judges only.
+        """
         used = self.experiments[index].used
-        if not used.any():
-            return 0.0
+        used = used if used.any() else np.ones(len(used), bool)
         weight = None if self.relative_noise is None else self.relative_noise[index][used] ** -2
         return float(np.average((self.experiments[index].output - simulated)[used], weights=weight))
 
