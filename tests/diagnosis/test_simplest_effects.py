@@ -1,13 +1,17 @@
 """Where no law is exact: few names, an honest verdict, and a remainder that the next diagnosis knows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import camid
+from camid.diagnosis import run
 from camid.proof.concealed.generator import make, plan
 from camid.proof.sealed_files import RECORDING, SIMULATION, write_case
 from tests.support import pendulum_and_drive as rigs
+from tests.support.mass_on_spring import effect, record, simulation
 from tests.support.runge_kutta import positions
 
 
@@ -121,3 +125,18 @@ def test_a_drift_corrects_no_law_of_the_plant():
     assert {"end-stop", "sensor-drift"} <= {finding.identifier for finding in diagnosis.findings}
     drift = next(f for f in diagnosis.findings if f.identifier == "sensor-drift")
     assert drift.parameters["rate"].value == pytest.approx(DRIFT / SETTLES, rel=0.1)
+
+
+def test_two_laws_that_turn_into_each_other_end(monkeypatch):
+    """What took the place of a law of impossible values may be stretched to it again, for ever."""
+    rounds = []
+
+    def another(problem, decision, *_):
+        rounds.append(decision)
+        return replace(decision)
+
+    monkeypatch.setattr(run, "without_wandered", another)
+    monkeypatch.setattr(run, "_wandered", lambda setting, model: set(range(len(model.effects))))
+    diagnosis = camid.diagnose(record(effect("coulomb-friction", force=0.02)), simulation(), time_limit=None)
+    assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
+    assert len(rounds) == 2

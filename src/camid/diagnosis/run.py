@@ -226,9 +226,17 @@ def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest
 
 
 def _simplified(
-    setting: Setting, decision: Decision, before: list[mismatch_location.PlaceTest], watch: Watch
+    setting: Setting,
+    decision: Decision,
+    before: list[mismatch_location.PlaceTest],
+    watch: Watch,
+    replaced: frozenset[str] = frozenset(),
 ) -> tuple[Decision, Residue]:
-    """The decision, and what its effects leave: with the fewest, and laws without a name, where that is structure."""
+    """The decision, and what its effects leave: with the fewest, and laws without a name, where that is structure.
+
+    ``replaced`` are effects that were stretched to impossible values before: what took the place of one that is again
+    stays as it is, or two laws would turn into each other for ever.
+    """
     problem = setting.problem
     if not setting.settled:
         watch.say("testing what is left")
@@ -257,18 +265,31 @@ def _simplified(
         if set(residue.reasons) - {"validation"}:
             decision = simplest(problem, decision, setting.known, residue.places, watch)
         decision = _converged(problem, decision, watch)
-        wandered = _wandered(setting, decision.fitted.model)
-        if wandered:
-            place = min(wandered) - setting.known
-            fewer = without_wandered(problem, decision, setting.known, place, watch)
-        else:
-            fewer = without_faded(problem, decision, setting.known, watch)
+        fewer, known = _with_fewer(setting, decision, watch, replaced)
         if fewer is not decision:
-            return _simplified(setting, fewer, before, watch)
+            if known is not None:
+                return _simplified(setting, fewer, before, watch, known)
+            decision, residue = fewer, residue_of(setting, fewer, fewer.fitted, before)
     if not residue.reasons:
         return decision, residue_of(setting, decision, decision.fitted, before)
     decision = with_learned_laws(problem, decision, setting.judging, setting.known, watch)
     return decision, residue_of(setting, decision, decision.fitted, before)
+
+
+def _with_fewer(
+    setting: Setting, decision: Decision, watch: Watch, replaced: frozenset[str]
+) -> tuple[Decision, frozenset[str] | None]:
+    """The decision without an effect that is none, or with another in its place, and the effects that were replaced.
+
+    None in the place of these where it was replaced before, and nothing is to be made of its successor again.
+    """
+    wandered = _wandered(setting, decision.fitted.model)
+    if not wandered:
+        return without_faded(setting.problem, decision, setting.known, watch), replaced
+    place = min(wandered)
+    gone = decision.fitted.model.effects[place].identifier
+    fewer = without_wandered(setting.problem, decision, setting.known, place - setting.known, watch)
+    return fewer, None if gone in replaced else replaced | {gone}
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
