@@ -139,4 +139,4 @@ def test_two_laws_that_turn_into_each_other_end(monkeypatch):
     monkeypatch.setattr(run, "_wandered", lambda setting, model: set(range(len(model.effects))))
     diagnosis = camid.diagnose(record(effect("coulomb-friction", force=0.02)), simulation(), time_limit=None)
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
-    assert len(rounds) == 2
+    assert len(rounds) == run.MOST_REPLACED + 1

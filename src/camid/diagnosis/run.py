@@ -44,6 +44,8 @@ MOST_FINAL_FITS = 4
 SETTLED = 1e-3
 # Share of the work up to which a search leaves enough for another one.
 SEARCH_AGAIN = 0.4
+# How often a law of impossible values is replaced by another one that is then settled beside the others.
+MOST_REPLACED = 1
 # Chance of a place's test below which the re-estimated plant may be bent by what is missing.
 SUSPECT_P_VALUE = 1e-2
 
@@ -230,12 +232,12 @@ def _simplified(
     decision: Decision,
     before: list[mismatch_location.PlaceTest],
     watch: Watch,
-    replaced: frozenset[str] = frozenset(),
+    replaced: tuple[str, ...] = (),
 ) -> tuple[Decision, Residue]:
     """The decision, and what its effects leave: with the fewest, and laws without a name, where that is structure.
 
     ``replaced`` are effects that were stretched to impossible values before: what took the place of one that is again
-    stays as it is, or two laws would turn into each other for ever.
+    and again stays as it is, or two laws would turn into each other for ever.
     """
     problem = setting.problem
     if not setting.settled:
@@ -277,11 +279,11 @@ def _simplified(
 
 
 def _with_fewer(
-    setting: Setting, decision: Decision, watch: Watch, replaced: frozenset[str]
-) -> tuple[Decision, frozenset[str] | None]:
+    setting: Setting, decision: Decision, watch: Watch, replaced: tuple[str, ...]
+) -> tuple[Decision, tuple[str, ...] | None]:
     """The decision without an effect that is none, or with another in its place, and the effects that were replaced.
 
-    None in the place of these where it was replaced before, and nothing is to be made of its successor again.
+    None in the place of these where it was replaced too often, and nothing is to be made of its successor again.
     """
     wandered = _wandered(setting, decision.fitted.model)
     if not wandered:
@@ -289,7 +291,7 @@ def _with_fewer(
     place = min(wandered)
     gone = decision.fitted.model.effects[place].identifier
     fewer = without_wandered(setting.problem, decision, setting.known, place - setting.known, watch)
-    return fewer, None if gone in replaced else replaced | {gone}
+    return fewer, None if replaced.count(gone) == MOST_REPLACED else (*replaced, gone)
 
 
 def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
