@@ -136,7 +136,7 @@ class CountedFromOwn:
         own, beside = self.diagnosis.conditions, other.conditions
         if own is None or beside is None or beside.noise <= 0.0 or own.noise <= 0.0:
             return False
-        more = _numbers(self.diagnosis) + np.count_nonzero(self.deviations) - _numbers(other)
+        more = _numbers(self.diagnosis) + int(np.count_nonzero(self.deviations)) - _numbers(other)
         return 2.0 * own.rows * log(beside.noise / own.noise) > more * log(own.rows)
 
     def taken(self, watch: Watch) -> Diagnosis:
