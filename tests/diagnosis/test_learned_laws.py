@@ -9,29 +9,21 @@ import pytest
 import camid
 from camid.simulation.file import write_simulation
 from tests.support.mass_on_spring import simulation
+from tests.support.runge_kutta import positions
 
 PERIOD, COUNT, STEPS = 0.02, 1600, 20
 
 
 def rig(force, seed, actuator=lambda u: u, noise=0.004):
-    """A mass on a spring with a force of its own, by a Runge–Kutta integrator that shares nothing with the tool's."""
+    """A mass on a spring with a force of its own, by an integrator that shares nothing with the tool's."""
     random = np.random.default_rng(np.random.SeedSequence((seed, 31)))
     signal = np.repeat(random.uniform(-1.5, 1.5, COUNT // 8), 8)
-    step = PERIOD / STEPS
 
     def slope(state, u):
         y, v = state
         return np.array([v, 100.0 * (actuator(u) - force(y, v)) - 2.0 * v - 100.0 * y])
 
-    state, output = np.zeros(2), np.empty(COUNT)
-    for k, u in enumerate(signal):
-        output[k] = state[0]
-        for _ in range(STEPS):
-            a = slope(state, u)
-            b = slope(state + 0.5 * step * a, u)
-            c = slope(state + 0.5 * step * b, u)
-            d = slope(state + step * c, u)
-            state = state + step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    output = positions(slope, signal, PERIOD, STEPS)
     time = PERIOD * np.arange(COUNT)
     noisy = output + noise * random.standard_normal(COUNT)
     return pd.DataFrame({"t": time, "u": signal, "y": noisy, "clean": output})

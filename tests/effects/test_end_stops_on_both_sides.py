@@ -9,6 +9,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.end_stops_on_both_sides import EndStopsOnBothSides
 from camid.effects.stiffness import EndStop
 from tests.support.mass_on_spring import PLANT
+from tests.support.runge_kutta import positions
 
 PERIOD, COUNT, FINE = 0.02, 1500, 10
 
@@ -29,23 +30,14 @@ def test_each_stop_pushes_back_beyond_it(gain):
 
 
 def recorded(force, seed):
-    """A mass on a spring, and a force over its position (Runge and Kutta)."""
+    """A mass on a spring, and a force over its position."""
     random = np.random.default_rng(seed)
     signal = np.repeat(random.choice([-1.6, -0.6, 0.4, 1.3], COUNT // 12 + 1), 12)[:COUNT]
-    state, outputs, step = np.zeros(2), [], PERIOD / FINE
 
     def slope(x, level):
         return np.array([x[1], 20.0 * (level - force(x[0])) - 2.0 * x[1] - 40.0 * x[0]])
 
-    for level in signal:
-        outputs.append(state[0])
-        for _ in range(FINE):
-            first = slope(state, level)
-            second = slope(state + 0.5 * step * first, level)
-            third = slope(state + 0.5 * step * second, level)
-            fourth = slope(state + step * third, level)
-            state = state + step / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
-    output = np.array(outputs)
+    output = positions(slope, signal, PERIOD, FINE)
     noise = 0.004 * np.std(output) * random.standard_normal(COUNT)
     return pd.DataFrame({"t": PERIOD * np.arange(COUNT), "u": signal, "y": output + noise})
 

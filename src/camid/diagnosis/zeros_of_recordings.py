@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, Signals
+from camid.diagnosis.held_by_observer import TOLD
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.plants.constants import OFFSET
@@ -24,8 +25,8 @@ Array = NDArray[np.float64]
 # Share of the sum of squares that zeros explain from which they are tried in the place of anything else, and the
 # logarithm of the likelihood ratio that they need beside that.
 WORTH_TRYING, STRONG = 0.1, 10.0
-# Standard deviations from which zeros differ, and verdicts with which nothing else is looked for then.
-CERTAIN, TOLD = 5.0, ("explained", "adequate")
+# Standard deviations from which zeros differ.
+CERTAIN = 5.0
 # Rounds in which zeros and coefficients are estimated in turn at most, and the change, in standard deviations of the
 # zeros, that is none.
 MOST_ROUNDS, SETTLED = 4, 0.1
@@ -70,6 +71,12 @@ def with_own_zeros(problem: Problem, base: Fitted) -> tuple[Problem, Array] | No
 
 def zeros_beyond(problem: Problem, fitted: Fitted) -> tuple[Array, Array, float]:
     """Zeros of recordings beyond the first one's that a model leaves, and the share of what is left that they explain.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of several recordings that are fitted.
+    fitted : Fitted
 
     Returns
     -------

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from camid.engine.mechanics import NotApplicable
 from camid.fitting.covariance import covariance_of
+from camid.fitting.noise_of_residual import Noise
 from camid.fitting.onset_profile import onset_deviations
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
-from camid.fitting.problem import Noise, Problem
+from camid.fitting.problem import Problem
 from camid.fitting.updated_derivative import UpdatedDerivative
 from camid.identification.autoregression import coloured
 from camid.side_by_side import in_threads

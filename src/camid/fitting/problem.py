@@ -16,12 +16,11 @@ from camid.effects.situation import Situation
 from camid.engine.mechanics import Chain
 from camid.engine.run import ROUGH, few_steps_of, move, run, steps_of
 from camid.engine.work import Work
+from camid.fitting.noise_of_residual import Noise, colour_of, noise_of, whitened
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.remembered_motions import RememberedMotions
 from camid.fitting.views import Views
 from camid.identification.experiment import Experiment
-from camid.identification.residual_analysis import LARGEST_LAG, ROWS_PER_LAG
-from camid.identification.residual_statistics import Moments, Rows, levinson, sums_of_products, whiteness
 from camid.identification.structure import Structure
 
 if TYPE_CHECKING:
@@ -29,35 +28,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LARGEST_ORDER = 12
 # Share of the rows of a run of which a part is fitted for the sake of its initial state alone.
 LEAST_FITTED = 0.25
-ROWS_PER_COEFFICIENT = 20
-# Noise is taken for white unless a filter improves the likelihood by this more than Bayes's criterion asks: a weak
-# effect would else be mistaken for colour, which the test of whiteness would not confirm.
-COLOUR_PENALTY = 12.0
 # Rows after the last fitted one that a simulation needs, for what an actuator or the sensor takes from the next sample.
 ROWS_AFTER_FITTED = 2
 # Error of a simulation, as a share of the root mean square of what the model leaves, that changes no comparison.
 NEGLIGIBLE = 0.02
 # Steps in a period of simulations that decide.
 MOST_STEPS = 100
-
-
-@dataclass(frozen=True)
-class Noise:
-    """What the residual says about the noise.
-
-    Attributes
-    ----------
-    whitening : ndarray, shape (p + 1,)
-        Filter 1 + a_1 z⁻¹ + … after which it is white.
-    deviance : float
-        -2 log likelihood, with a penalty for the filter's order.
-    """
-
-    whitening: Array
-    deviance: float
 
 
 @dataclass(frozen=True)
@@ -383,62 +361,12 @@ class Problem:
 
     def noise(self, residual: Array, fitted: int) -> Noise:
         """Noise that a residual on the fitted rows, shape (M,), consists of, after ``fitted`` numbers were fitted."""
-        count = len(residual)
-        size = float(np.max(np.abs(residual), initial=0.0))
-        if size == 0.0:
-            return Noise(np.ones(1), -np.inf)
-        sums, pairs = np.zeros(LARGEST_LAG + 1), np.zeros(LARGEST_LAG + 1)
-        position = 0
-        for experiment in self.experiments:
-            rows = np.zeros(len(experiment.used))
-            part = int(np.count_nonzero(experiment.used))
-            rows[experiment.used] = residual[position : position + part] / size
-            position += part
-            mask = experiment.used.astype(float)
-            for lag in range(min(LARGEST_LAG, len(rows) - 1) + 1):
-                sums[lag] += rows[lag:] @ rows[: len(rows) - lag]
-                pairs[lag] += mask[lag:] @ mask[: len(rows) - lag]
-        # The sums over fewer pairs are not corrected for it, so that the correlations are those of a process.
-        order = min(LARGEST_ORDER, count // ROWS_PER_COEFFICIENT)
-        filters, left = levinson(sums[: order + 1] / sums[0])
-        penalties = np.log(count) * np.arange(len(filters)) + np.where(np.arange(len(filters)) > 0, COLOUR_PENALTY, 0.0)
-        best = int(np.argmin(count * np.log(left) + penalties))
-        variance = sums[0] * size**2 / max(count - fitted, 1) * left[best]
-        return Noise(filters[best], float(count * np.log(variance) + penalties[best]))
+        return noise_of(self.experiments, residual, fitted)
 
     def whiteness(self, residual: Array, sensitivities: Array) -> float:
         """Probability of a residual at least as coloured if the noise is white, with regard to what was fitted."""
-        longest = max(int(np.count_nonzero(e.used)) for e in self.experiments)
-        lags = max(min(LARGEST_LAG, longest // ROWS_PER_LAG), 1)
-        size = float(np.max(np.abs(residual), initial=0.0)) or 1.0
-        rows = Rows.of(self.experiments, residual / size, sensitivities, np.zeros((len(residual), 0)), lags, 0)
-        sums = sums_of_products(rows.residual, lags)
-        if sums[0] <= 0.0:
-            return 1.0
-        found = whiteness(sums, Moments.of(rows, lags))
-        return 1.0 if found is None else found
+        return colour_of(self.experiments, residual, sensitivities)
 
     def whitened(self, values: Array, whitening: Array) -> Array:
         """Rows, shape (M,) or (M, c), after a whitening filter; rows whose past is not fitted are set to zero."""
-        if len(whitening) == 1:
-            return values
-        result = whitening[0] * values
-        known = np.ones(len(values), bool)
-        position = 0
-        for experiment in self.experiments:
-            rows = np.flatnonzero(experiment.used)
-            part = slice(position, position + len(rows))
-            position += len(rows)
-            whole = len(rows) == 0 or rows[-1] - rows[0] + 1 == len(rows)
-            for lag in range(1, len(whitening)):
-                if whole:
-                    result[part][lag:] += whitening[lag] * values[part][:-lag]
-                    known[part][:lag] = False
-                    continue
-                near = rows[lag:] - rows[:-lag] == lag
-                earlier = np.flatnonzero(near)
-                result[part][earlier + lag] += whitening[lag] * values[part][earlier]
-                known[part][:lag] = False
-                known[part][lag:][~near] = False
-        result[~known] = 0.0
-        return result
+        return whitened(self.experiments, values, whitening)
