@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camid.fitting.fit import DIFFERENCE_STEP, evaluate
+from camid.fitting.fit import evaluate
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
+from camid.fitting.output_error import DIFFERENCE_STEP
 from camid.fitting.problem import Problem
 from camid.identification.from_recordings import experiments_of
 from camid.simulation.file import load_simulation

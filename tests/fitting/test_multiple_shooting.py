@@ -8,9 +8,10 @@ import pytest
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.friction import CoulombFriction, StribeckFriction
-from camid.fitting.fit import DIFFERENCE_STEP, evaluate, fit, sensitivities
+from camid.fitting.fit import evaluate, fit
 from camid.fitting.initial_motion import recorded_start
 from camid.fitting.multiple_shooting import in_parts, may_be_cut, shot_several_times
+from camid.fitting.output_error import DIFFERENCE_STEP, sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.linear import LinearPlant

@@ -138,8 +138,10 @@ class Effect(EffectValues, SearchHooks):
     friction_level: ClassVar[Compiled | None] = None
     """Dry friction at a speed ≥ 0, in units of u; at speed zero what holds a body that sticks."""
     memory_after: ClassVar[Compiled | None] = None
-    """Inner state, zero at first, that the force depends on: what becomes of ``memory`` over a displacement, which
+    """Inner state that the force depends on, zero at rest: what becomes of ``memory`` over a displacement, which
     replaces ``position``, at a mean velocity."""
+    largest_memory: ClassVar[float | None] = None
+    """Size that the inner state may have in motion that goes on before the record; None where it is zero at first."""
     switch: ClassVar[Compiled | None] = None
     """Function whose change of sign marks a kink of the force."""
     actuated: ClassVar[Compiled | None] = None

@@ -52,6 +52,7 @@ class _Bristles(Effect):
 
     uses_velocity = False
     friction_level = None
+    largest_memory = 1.0
     _least: float = PRESLIDING.lower
 
     @compiled

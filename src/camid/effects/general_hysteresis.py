@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import exp, log
+from math import exp, inf, log
 from typing import Any
 
 from camid.effects.base import Effect
@@ -44,6 +44,7 @@ class HysteresisOfAnyLoop(Hysteresis):
         *Hysteresis.parameters,
         Parameter("curvature_back", "", "curvature ρ on the way back; that along the force is 1 − ρ", scale="one"),
     )
+    largest_memory = inf
 
     @compiled
     def memory_after(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]

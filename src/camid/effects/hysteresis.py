@@ -35,6 +35,7 @@ class Hysteresis(AgainstMotion):
     )
     separated_by = (SeparatingExperiment.FREE_DECAY,)
     strength = "strength"
+    largest_memory = 1.0
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]

@@ -41,6 +41,8 @@ class Forces(NamedTuple):
         Whether a force depends on a velocity that it changes at once.
     along : float
         Sign of the gain: dry friction against the motion acts along ``-along · direction``.
+    begun : ndarray, shape (f,)
+        Inner states at the start.
     slip : float
         Speed in y/s below which dry friction grows in proportion, for plants in which it acts with a lag and would
         chatter; zero elsewhere.
@@ -50,6 +52,7 @@ class Forces(NamedTuple):
 
     functions: NDArray[np.int64]
     values: Array
+    begun: Array
     data: int
     stride: int
     velocity_force: float

@@ -80,6 +80,8 @@ class Chain:
         Factor of what the sensor reads.
     work : Work, optional
         Counts what running the chain takes.
+    initial_memory : ndarray, shape (number of effects,), optional
+        What the forces that remember begin with; they have forgotten everything where it is not given.
 
     Raises
     ------
@@ -102,6 +104,7 @@ class Chain:
     input_log: InputLog | None = None
     weight: float = 1.0
     work: Work | None = None
+    initial_memory: Array | None = None
 
     def declared(self) -> Acquisition:
         """Acquisition with what the effects declare."""
@@ -285,7 +288,8 @@ def _forces(chain: Chain, velocity_force: float, implicit: bool, slip: float) ->
     along = motion_sign(chain.plant)
     data, stride = values.ctypes.data, values.shape[1] * 8
     ramps = any(e.actuated is not None and not e.keeps_hold for e in chain.effects)
-    return Forces(addresses, values, data, stride, velocity_force, implicit, along, slip, ramps)
+    begun = np.zeros(count) if chain.initial_memory is None else chain.initial_memory
+    return Forces(addresses, values, begun, data, stride, velocity_force, implicit, along, slip, ramps)
 
 
 def _slip(chain: Chain, signal: Array) -> float:

@@ -47,7 +47,7 @@ def workspace_of(m: Mechanics, initial: Array) -> Workspace:
     return Workspace(
         initial.copy(),
         np.empty(size),
-        np.zeros(count),
+        m.forces.begun.copy(),
         np.zeros(count),
         np.ones(count + 2),
         np.ones(count + 2),

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.residual.validation_rows import VALIDATION_SHARE
 from camid.experiment_design.hypothesis import Hypothesis, Played
-from camid.fitting.fit import sensitivities
+from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.side_by_side import in_threads
 

@@ -14,7 +14,7 @@ from camid.experiment_design.other_values import around
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
 from camid.experiment_design.separation import Pair, most_left, values_of
 from camid.experiment_design.together import Earlier, Together
-from camid.fitting.fit import sensitivities
+from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.side_by_side import side_by_side
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from camid.experiment_design.hypothesis import Hypothesis, Played
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel
-from camid.fitting.fit import sensitivities
+from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import NEGLIGIBLE, Problem

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from camid.effects.learned import LearnedEffect
 from camid.engine.work import Work
-from camid.fitting.fit import Fitted, evaluate, sensitivities
+from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.linearised_law import Absorbed, on_points
+from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect, LearnedForce
-from camid.fitting.fit import Fitted, evaluate, sensitivities
+from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.law_columns import law_columns
+from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

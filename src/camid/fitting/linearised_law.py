@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect
-from camid.fitting.fit import Fitted, sensitivities
+from camid.fitting.fit import Fitted
 from camid.fitting.law_columns import law_columns
 from camid.fitting.learned_law import DIFFERENCE, coefficient_is_free, largest_force, orthonormal, visited
+from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.problem import Problem
 

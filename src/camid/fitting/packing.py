@@ -63,26 +63,27 @@ class Packing:
             lower.append(constant.lower)
             upper.append(constant.upper)
             names.append(constant.name)
-        model = _with_mode_states(problem, model)
-        modes = model.modes() if _has_mode_states(problem, model) else []
+        model = problem.with_states_of_effects(model)
+        linear = problem.kind.nonlinear(model) is None
+        modes, memories = (model.modes(), model.memories()) if linear else ([], [])
         for i, state in enumerate(model.initial):
             if state is not None:
-                order = len(state) - len(modes)
+                order = len(state) - len(modes) - len(memories)
                 size = float(np.linalg.norm(state[:order])) or 1.0
-                units += [size] * order
+                units += [size] * order + (_mode_sizes(problem, model) if modes else []) + [1.0] * len(memories)
                 names += [f"{INITIAL} {i}"] * order
-                if order < len(state):
-                    units += _mode_sizes(problem, model)
-                    names += [f"{INITIAL} {i} of {effect}" for effect in modes]
-                lower += [-np.inf] * len(state)
-                upper += [np.inf] * len(state)
+                names += [f"{INITIAL} {i} of {effect}" for effect in modes + memories]
+                unbounded = [np.inf] * (order + len(modes))
+                farthest = [*unbounded, *(float(model.effects[m].largest_memory or 0.0) for m in memories)]
+                lower += [-bound for bound in farthest]
+                upper += farthest
         measures = np.array(units)
         low, high = np.array(lower) / measures, np.array(upper) / measures
         return cls(model, free, measures, low, high, names, problem, constants, fixed)
 
     def pack(self, model: Model) -> Array:
         """Vector of a model."""
-        model = _with_mode_states(self.problem, model)
+        model = self.problem.with_states_of_effects(model)
         parts = [model.coefficients[self.free], *(e.vector for e in model.effects[self.fixed :])]
         parts.append(np.array([model.constants[c.name] for c in self.constants]))
         parts += [s for s in model.initial if s is not None]
@@ -132,16 +133,6 @@ class Packing:
             if column in wanted:
                 groups.setdefault(key, {})[column] = moved
         return list(groups.values())
-
-
-def _has_mode_states(problem: Problem, model: Model) -> bool:
-    """Whether the plant is linear: what flexes beside or after it then has a state at the start, as the plant has."""
-    return problem.kind.nonlinear(model) is None
-
-
-def _with_mode_states(problem: Problem, model: Model) -> Model:
-    """The model with initial states of its modes."""
-    return model.with_mode_states(problem.structure.order) if _has_mode_states(problem, model) else model
 
 
 def _mode_sizes(problem: Problem, model: Model) -> list[float]:

@@ -23,8 +23,8 @@ class Model:
         [b_0 … b_m, a_1 … a_n] of the monic plant in SI units.
     effects : tuple of Effect
     initial : tuple of (ndarray or None)
-        Companion state of the plant at the start of each recording, and behind it those of modes that effects have
-        beside and after it (:meth:`modes`); None at rest.
+        Companion state of the plant at the start of each recording, behind it those of modes that effects have beside
+        and after it (:meth:`modes`), and behind these what effects remember (:meth:`memories`); None at rest.
     constants : dict of str to float
         Constants of the plant beside its coefficients; its kind knows what they mean
         (:class:`camid.fitting.plants.kind.PlantKind`).
@@ -54,9 +54,26 @@ class Model:
         after = [(i, e.after_plant()) for i, e in enumerate(self.effects)]
         return [i for i, part in (*beside, *after) if part is not None for _ in range(part.order)]
 
-    def with_mode_states(self, order: int) -> Model:
-        """The same model with initial states of a plant of an order and of its modes, those at rest that it lacks."""
-        length = order + len(self.modes())
+    def memories(self) -> list[int]:
+        """Index of every effect whose force remembers motion that may have gone before a recording."""
+        return [i for i, e in enumerate(self.effects) if e.largest_memory is not None]
+
+    def memory_in_order(self, run: int, order: int) -> Array | None:
+        """What each effect remembers at the start of a recording, in the order in which they act, shape (f,).
+
+        None where the recording begins at rest. The plant is of such an order.
+        """
+        state, memories = self.initial[run] if self.initial else None, self.memories()
+        first = order + len(self.modes())
+        if state is None or len(state) != first + len(memories) or not memories:
+            return None
+        begun = np.zeros(len(self.effects))
+        begun[memories] = state[first:]
+        return begun[np.argsort([not e.leads for e in self.effects], kind="stable")]
+
+    def with_states_of_effects(self, order: int) -> Model:
+        """The same model with initial states of a plant of an order and of its effects, those at rest that it lacks."""
+        length = order + len(self.modes()) + len(self.memories())
         if all(state is None or len(state) == length for state in self.initial):
             return self
         rest = np.zeros(length)

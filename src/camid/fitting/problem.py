@@ -203,6 +203,13 @@ class Problem:
             return replace(model, initial=tuple(None for _ in self.experiments))
         return self.kind.with_initial_states(self, model)
 
+    def with_states_of_effects(self, model: Model) -> Model:
+        """The model with initial states of its effects, where it has them of a plant that is linear.
+
+        What flexes beside or after such a plant, or remembers its motion, has a state at the start as it has.
+        """
+        return model.with_states_of_effects(self.structure.order) if self.kind.nonlinear(model) is None else model
+
     def pinned(self, model: Model, *, finest: bool, negligible: float = 0.0) -> Problem:
         """The same with the steps of the integrator that suit a model.
 
@@ -248,7 +255,15 @@ class Problem:
             weight=experiment.weight,
             input_log=experiment.input_log,
             work=self.work,
+            initial_memory=self._memory(model, run),
         )
+
+    def _memory(self, model: Model, run: int) -> Array | None:
+        """What the effects of a chain remember at the start of a recording."""
+        if self.kind.nonlinear(model) is not None:
+            return None
+        begun = model.memory_in_order(run, self.structure.order)
+        return None if begun is None else np.concatenate([np.zeros(len(self.kind.forces(model))), begun])
 
     def simulate_one(self, model: Model, index: int) -> Array:
         """What is compared with the output of one recording, all rows, shape (N,)."""

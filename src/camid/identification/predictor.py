@@ -10,6 +10,7 @@ with S the sensor. At the truth they are the noise-free regressors, hence the in
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -267,17 +268,38 @@ class Predictor:
         linear[split : split + order] = False
         return self._solve_linear(parameters, linear)
 
-    def with_fitted_initial_states(self, coefficients: Array) -> Array:
-        """Parameter vector of coefficients in SI units with the initial states and constants that fit them best."""
+    def with_fitted_initial_states(
+        self, coefficients: Array, beside: tuple[Predictor, Callable[[float], float]] | None = None
+    ) -> Array:
+        """Parameter vector of coefficients in SI units with the initial states and constants that fit them best.
+
+        The rows of a predictor ``beside`` count for what its function makes of the root mean square that is left
+        without them.
+        """
         parameters = self.from_physical(coefficients)
         linear = np.zeros(len(parameters), bool)
         linear[len(self.structure.free) :] = True
-        return self._solve_linear(parameters, linear)[0] if self.linear_unknowns else parameters
+        if not self.linear_unknowns:
+            return parameters
+        found, cost = self._solve_linear(parameters.copy(), linear)
+        if beside is None or not np.isfinite(cost):
+            return found
+        other, weight = beside
+        parameters[linear] = 0.0
+        more = other.factorise(parameters, sensitive=False)[0]
+        return self._solve_linear(parameters, linear, weight(np.sqrt(cost / max(len(self.target), 1))) * more)[0]
 
-    def _solve_linear(self, parameters: Array, linear: NDArray[np.bool_]) -> tuple[Array, float]:
-        """The parameters with those that enter linearly solved for, and the sum of squares that is left."""
+    def _solve_linear(
+        self, parameters: Array, linear: NDArray[np.bool_], more: Array | None = None
+    ) -> tuple[Array, float]:
+        """The parameters with those that enter linearly solved for, and the sum of squares that is left.
+
+        ``more`` is the triangle of other rows, shape (p + 1, p + 1).
+        """
         parameters[linear] = 0.0
         triangle, _, _ = self.factorise(parameters, sensitive=False)
+        if more is not None:
+            triangle = np.asarray(np.linalg.qr(np.vstack([triangle, more]), mode="r"))
         if not np.all(np.isfinite(triangle)):
             return parameters, np.inf
         solution, cost, _, _ = solve(triangle, np.flatnonzero(linear))

@@ -8,7 +8,7 @@ best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -46,11 +46,15 @@ MOST_SIZES = 3
 LEAST_GAIN = 10.0
 # The factor of a guess that is far too large.
 MUCH_SMALLER = 0.1
+# What an effect remembers at the start where one asks what that does, of at most one.
+BEGUN = 0.5
 # Gain from which a law with more detail is fitted though what the plainer one leaves is white: a chance of 1e-4.
 LEAST_GAIN_OF_DETAIL = 15.0
 
 # An effect and the number of its guess.
 _Key = tuple[str, int]
+# From an effect, what it changes, and what its memory at the start does.
+_Judge = Callable[..., "ScreenedEffect"]
 
 
 @dataclass(frozen=True)
@@ -157,6 +161,24 @@ def _change(problem: Problem, base: Fitted, model: Model) -> Array | None:
     return change if np.all(np.isfinite(change)) else None
 
 
+def beginnings(problem: Problem, base: Fitted, effect: Effect, change: Array) -> Array | None:
+    """What the memory of an effect at the start of each recording that begins in motion does, shape (M, c).
+
+    ``change``, shape (M,), is that of the effect with none; None where it forgets everything before a recording.
+    """
+    plain = base.model.plus(effect)
+    model = problem.with_states_of_effects(plain)
+    if effect.largest_memory is None or model is plain:
+        return None
+    begun = [None if s is None else np.concatenate([s[:-1], [BEGUN]]) for s in model.initial]
+    moved = _change(problem, base, replace(model, initial=tuple(begun)))
+    if moved is None:
+        return None
+    runs = [run for run, state in enumerate(begun) if state is not None]
+    rows = np.repeat(problem.runs, [np.count_nonzero(e.used) for e in problem.experiments])
+    return (moved - change)[:, None] * (rows[:, None] == runs)
+
+
 def may_be_more_than_chance(problem: Problem, fitted: Fitted, model: Model) -> bool:
     """Whether what a model's last effect does otherwise than a fitted model shows in what that one leaves.
 
@@ -165,7 +187,8 @@ def may_be_more_than_chance(problem: Problem, fitted: Fitted, model: Model) -> b
     change = _change(problem, fitted, model)
     if change is None:
         return False
-    return _judged(problem, metrics(problem, fitted), model.effects[-1], change).gain > LEAST_GAIN_OF_DETAIL
+    begun = beginnings(problem, fitted, model.effects[-1], change)
+    return _judged(problem, metrics(problem, fitted), model.effects[-1], change, begun).gain > LEAST_GAIN_OF_DETAIL
 
 
 def projector(table: Array) -> Array:
@@ -288,16 +311,17 @@ def screen(problem: Problem, base: Fitted, signatures: Signatures | None = None)
 
 
 def _simulated(
-    problem: Problem, base: Fitted, judge: Callable[[Effect, Array], ScreenedEffect], kept: bool, effect: Effect
+    problem: Problem, base: Fitted, judge: _Judge, kept: bool, effect: Effect
 ) -> tuple[ScreenedEffect, Array | None] | None:
     """A candidate as it is judged, and the change of the output where that is kept; None where it has no meaning."""
     change = signature(problem, base, effect)
-    return None if change is None else (judge(effect, change), change if kept else None)
+    if change is None:
+        return None
+    begun = beginnings(problem, base, effect, change)
+    return judge(effect, change, begun), change if kept and begun is None else None
 
 
-def _resized(
-    problem: Problem, base: Fitted, judge: Callable[[Effect, Array], ScreenedEffect], screened: ScreenedEffect
-) -> ScreenedEffect:
+def _resized(problem: Problem, base: Fitted, judge: _Judge, screened: ScreenedEffect) -> ScreenedEffect:
     """The candidate in the size that fits, where its guess was far from that and says less."""
     best = screened
     for _ in range(MOST_SIZES):
@@ -309,7 +333,7 @@ def _resized(
         except ValueError:  # out of bounds
             break
         change = signature(problem, base, effect)
-        again = None if change is None else judge(effect, change)
+        again = None if change is None else judge(effect, change, beginnings(problem, base, effect, change))
         if again is None or again.gain <= best.gain:
             break
         best = again
@@ -335,8 +359,10 @@ def _listed(effects: Iterator[Effect]) -> Iterator[tuple[_Key, Effect]]:
         yield (effect.identifier, number), effect
 
 
-def _judged(problem: Problem, views: Sequence[Metric], effect: Effect, change: Array) -> ScreenedEffect:
-    """What the residual says about an effect that changes the output so, shape (M,)."""
+def _judged(
+    problem: Problem, views: Sequence[Metric], effect: Effect, change: Array, begun: Array | None = None
+) -> ScreenedEffect:
+    """What the residual says about an effect that changes the output so, shape (M,), and by its memory so, (M, c)."""
     best = ScreenedEffect(effect, 0.0, 0.0, 0.0)
     if float(np.max(np.abs(change), initial=0.0)) <= ROUNDING * problem.output_spread:
         return best
@@ -346,9 +372,17 @@ def _judged(problem: Problem, views: Sequence[Metric], effect: Effect, change: A
         size = float(np.linalg.norm(rest))
         if size <= imitated * whole or view.variance <= 0.0:
             continue
-        product = float(rest @ view.residual)
+        residual, gain = view.residual, 0.0
+        if begun is not None:
+            beside = projector(np.column_stack([view.left(problem, column)[0] for column in begun.T]))
+            rest, known = rest - beside @ (beside.T @ rest), beside.T @ residual
+            residual, gain = residual - beside @ known, float(known @ known)
+            size = float(np.linalg.norm(rest))
+            if size <= imitated * whole:
+                continue
+        product = float(rest @ residual)
         factor = product / size**2
-        gain = product**2 / size**2
+        gain += product**2 / size**2
         remaining = max(float(view.residual @ view.residual) - gain, 1e-300) / max(len(rest) - 1, 1)
         if effect.one_sided and factor <= 0.0:
             gain = 0.0

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from camid.chain.exact import sample
 from camid.fitting.exact_output import exact_output
+from camid.fitting.first_rows import FirstRows
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.growing_horizon import fit_growing
 from camid.fitting.identification_task import IdentificationTask
@@ -101,7 +102,11 @@ class LinearPlant(PlantKind):
         structure = problem.structure
         denominator = np.concatenate([[1.0], model.coefficients[structure.degree + 1 :]])
         predictor = Predictor.around(structure, experiments_at(problem, model), denominator)
-        parameters = predictor.with_fitted_initial_states(model.coefficients)
+        first = FirstRows.of(problem, model)
+        beside = None
+        if first is not None:
+            beside = Predictor.around(structure, experiments_at(first.alone, model), denominator), first.weight
+        parameters = predictor.with_fitted_initial_states(model.coefficients, beside)
         polynomials = predictor.split(parameters)[2]
         initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
         found = replace(model, initial=initial, constants=self._fitted_constants(problem, model, predictor, parameters))
