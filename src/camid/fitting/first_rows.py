@@ -59,8 +59,12 @@ class FirstRows:
         used = [[e.used for e in each.experiments] for each in (self.problem, self.alone)]
         return FirstRows(problem.with_used(used[0]), problem.with_used(used[1]), self.compared)
 
-    def weight(self, deviation: float) -> float:
-        """What a first row counts for beside a fitted one, where these leave such a root mean square."""
+    def weight(self, residual: Array) -> float:
+        """What a first row counts for beside fitted ones that leave such a residual, shape (M,)."""
+        return self.weight_beside(float(np.sqrt(np.mean(residual**2))))
+
+    def weight_beside(self, deviation: float) -> float:
+        """The same where these leave such a root mean square."""
         return min(deviation / (UNKNOWN_SHARE * (float(np.std(self.problem.output)) or 1.0)), LARGEST_WEIGHT)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from camid.effects.learned import LearnedEffect
 from camid.engine.work import Work
+from camid.fitting.beginning import Beginning
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.linearised_law import Absorbed, on_points
 from camid.fitting.output_error import sensitivities
@@ -128,12 +129,17 @@ def fit_formula(
     if work * (MOST_STEPS + REFRESHES * len(begin)) > most_work:
         raise TooMuchWorkError("the fit of this formula would take too long")
     derivative = UpdatedDerivative(chain.derivatives, REFRESHES)
+    beginning = Beginning.about(chain.pinned, packing, chain.first, left)
+    by_first_rows = np.hstack([beginning.table, np.zeros((len(beginning.errors), len(vector)))])
+
+    def residual(at: Array) -> Array:
+        return np.concatenate([chain.residual(at), beginning.error(at[:split])])
 
     def jacobian(at: Array) -> Array:
-        return -derivative.at(at, chain.simulated(at))
+        return -np.vstack([derivative.at(at, chain.simulated(at)), by_first_rows])
 
     found = least_squares(
-        chain.residual,
+        residual,
         begin,
         jac=jacobian,
         bounds=chain.limits,

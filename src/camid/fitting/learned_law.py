@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect, LearnedForce
+from camid.fitting.beginning import Beginning
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.law_columns import law_columns
 from camid.fitting.output_error import sensitivities
@@ -319,6 +320,7 @@ class _Step:
         # The prior is one more residual for each weight; weights are measured so that it has the variance of the noise.
         factor = np.linalg.cholesky(self.curve.roughness)
         to_weights = np.sqrt(self.smooth.ratio) * np.linalg.inv(factor.T)
+        beginning = Beginning.about(self.pinned, self.packing, self.model, self.residual)
         known: dict[bytes, tuple[Model, Array, Array]] = {}
 
         def at(vector: Array) -> tuple[Model, Array, Array]:
@@ -333,7 +335,8 @@ class _Step:
         def residual(vector: Array) -> Array:
             rows = self.problem.output - at(vector)[2]
             rows = np.nan_to_num(rows, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
-            return np.concatenate([rows, vector[len(vector) - len(self.weights) :]])
+            others, prior = np.split(vector, [len(vector) - len(self.weights)])
+            return np.concatenate([rows, prior, beginning.error(others)])
 
         def derivative(vector: Array) -> Array:
             model, _, simulated = at(vector)
@@ -342,7 +345,8 @@ class _Step:
             columns = _derivatives(self.pinned, model, self.curve, simulated) @ to_weights
             count = columns.shape[1]
             prior = np.hstack([np.zeros((count, table.shape[1])), np.eye(count)])
-            return np.vstack([-np.hstack([table, columns]), prior])
+            first = np.hstack([beginning.table, np.zeros((len(beginning.errors), count))])
+            return np.vstack([-np.hstack([table, columns]), prior, -first])
 
         count = len(self.weights)
         start = np.clip(self.packing.pack(self.model), self.packing.lower, self.packing.upper)

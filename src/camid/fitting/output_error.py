@@ -189,8 +189,7 @@ class OutputError:
     def _weight(self, vector: Array) -> float:
         """What the first rows count for beside what the others leave."""
         assert self.first_rows is not None
-        residual = (self.seen.output - self.simulated(vector))[self.compared]
-        return self.first_rows.weight(float(np.sqrt(np.mean(residual**2))))
+        return self.first_rows.weight((self.seen.output - self.simulated(vector))[self.compared])
 
     def _least_as_weighed(self, start: Array, steps: int) -> Array:
         """The same with the present weight of the first rows."""

@@ -105,7 +105,7 @@ class LinearPlant(PlantKind):
         first = FirstRows.of(problem, model)
         beside = None
         if first is not None:
-            beside = Predictor.around(structure, experiments_at(first.alone, model), denominator), first.weight
+            beside = Predictor.around(structure, experiments_at(first.alone, model), denominator), first.weight_beside
         parameters = predictor.with_fitted_initial_states(model.coefficients, beside)
         polynomials = predictor.split(parameters)[2]
         initial = tuple(None if p is None else companion_state(structure, model.coefficients, p) for p in polynomials)
