@@ -11,7 +11,7 @@ from camid.diagnosis.search import screening
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.screening import Signatures, screen
 from camid.effects import known_effects
-from camid.fitting import fit as fitting
+from camid.fitting import output_error
 from camid.fitting.fit import evaluate, fit
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.linear import LinearPlant
@@ -171,5 +171,5 @@ def test_threads_change_no_derivative(monkeypatch):
     problem, model = rig(white)
     effect = known_effects()["coulomb-friction"](force=0.1)
     alone = evaluate(problem, model.plus(effect)).sensitivities
-    monkeypatch.setattr(fitting, "STEPS_WORTH_A_THREAD", 0)
+    monkeypatch.setattr(output_error, "STEPS_WORTH_A_THREAD", 0)
     np.testing.assert_array_equal(evaluate(problem, model.plus(effect)).sensitivities, alone)

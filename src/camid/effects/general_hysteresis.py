@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import exp, inf, log
+from math import exp, log
 from typing import Any
 
 from camid.effects.base import Effect
@@ -21,7 +21,7 @@ from camid.effects.situation import Situation
 RETURNS = (0.5, 1.2)
 SHARES = (0.3, 1.5)
 # Largest curvature on the way back; of materials it lies between 0 and 1 (Erlicher & Point 2004, Int. J. Solids Struct.
-# 41, 4175-4200).
+# 41, 4175-4200). The force may reach a multiple of h then, which is no larger either.
 LARGEST_BACK = 10.0
 # Curvature along a way below which there is none.
 STRAIGHT = 1e-9
@@ -44,7 +44,7 @@ class HysteresisOfAnyLoop(Hysteresis):
         *Hysteresis.parameters,
         Parameter("curvature_back", "", "curvature ρ on the way back; that along the force is 1 − ρ", scale="one"),
     )
-    largest_memory = inf
+    largest_memory = LARGEST_BACK
 
     @compiled
     def memory_after(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]

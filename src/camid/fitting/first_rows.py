@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 # Logarithm by which the fastest motion of the plant has faded when the fitted rows begin, from which they say too
 # little of it, and first rows that show it.
-FADED, MOST_ROWS = 3.0, 50
+FADED, MOST_ROWS = 5.0, 50
 # Error of a first row, as a share of the output's spread, that what was before the record may make; and by how much at
 # least it weighs less than a fitted one.
 UNKNOWN_SHARE, LARGEST_WEIGHT = 0.1, 0.3

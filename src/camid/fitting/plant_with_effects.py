@@ -68,7 +68,9 @@ class Model:
         if state is None or len(state) != first + len(memories) or not memories:
             return None
         begun = np.zeros(len(self.effects))
-        begun[memories] = state[first:]
+        # Where an effect has gone, what was another's state may stand in the place of a memory until a fit.
+        largest = [float(self.effects[m].largest_memory or 0.0) for m in memories]
+        begun[memories] = np.clip(state[first:], np.negative(largest), largest)
         return begun[np.argsort([not e.leads for e in self.effects], kind="stable")]
 
     def with_states_of_effects(self, order: int) -> Model:
