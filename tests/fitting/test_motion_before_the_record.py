@@ -16,6 +16,7 @@ from camid.fitting.plants.linear import LinearPlant
 from camid.fitting.problem import Problem
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
+from tests.support.runge_kutta import motion
 
 PERIOD, LEAD, COUNT, STEPS = 0.01, 150, 700, 20
 STAGE = {"numerator": [280.0], "denominator": [1.0, 80.0, 780.0]}
@@ -33,16 +34,7 @@ def rig(strength=STRENGTH, noise=0.01, seed=3):
         loop = SHAPE * (speed - 0.5 * abs(speed) * memory - 0.5 * speed * abs(memory))
         return np.array([speed, force, loop])
 
-    state, rows, step = np.zeros(3), [], PERIOD / STEPS
-    for drive in levels:
-        rows.append(state)
-        for _ in range(STEPS):
-            first = rates(state, drive)
-            second = rates(state + 0.5 * step * first, drive)
-            third = rates(state + 0.5 * step * second, drive)
-            fourth = rates(state + step * third, drive)
-            state = state + step / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
-    table = np.array(rows)[LEAD:]
+    table = motion(rates, levels, PERIOD, STEPS, states=3)[LEAD:]
     y = table[:, 0] + noise * np.std(table[:, 0]) * random.standard_normal(COUNT)
     return pd.DataFrame({"t": PERIOD * np.arange(COUNT), "u": levels[LEAD:], "y": y, "z": table[:, 2]})
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 
-def positions(rate, signal, period, parts, states=2):
-    """First state at the beginning of each period, shape (N,), from rest.
+def motion(rate, signal, period, parts, states=2):
+    """All states at the beginning of each period, shape (N, states), from rest.
 
     Parameters
     ----------
@@ -18,9 +18,9 @@ def positions(rate, signal, period, parts, states=2):
         Steps of the method in a period.
     states : int
     """
-    state, step, seen = np.zeros(states), period / parts, np.empty(len(signal))
+    state, step, seen = np.zeros(states), period / parts, np.empty((len(signal), states))
     for row, drive in enumerate(signal):
-        seen[row] = state[0]
+        seen[row] = state
         for _ in range(parts):
             first = rate(state, drive)
             second = rate(state + 0.5 * step * first, drive)
@@ -28,3 +28,8 @@ def positions(rate, signal, period, parts, states=2):
             last = rate(state + step * third, drive)
             state = state + step / 6.0 * (first + 2.0 * second + 2.0 * third + last)
     return seen
+
+
+def positions(rate, signal, period, parts, states=2):
+    """First state of :func:`motion`, shape (N,)."""
+    return motion(rate, signal, period, parts, states)[:, 0]

@@ -33,6 +33,8 @@ class Forces(NamedTuple):
         Addresses of the compiled force, friction level, inner state, switch and actuator of each effect; 0 where it has
         none.
     values : ndarray, shape (f, v)
+    begun : ndarray, shape (f,)
+        Inner states at the start.
     data, stride : int
         Where the values begin in memory, and bytes from one effect's to the next one's.
     velocity_force : float
@@ -41,8 +43,6 @@ class Forces(NamedTuple):
         Whether a force depends on a velocity that it changes at once.
     along : float
         Sign of the gain: dry friction against the motion acts along ``-along · direction``.
-    begun : ndarray, shape (f,)
-        Inner states at the start.
     slip : float
         Speed in y/s below which dry friction grows in proportion, for plants in which it acts with a lag and would
         chatter; zero elsewhere.

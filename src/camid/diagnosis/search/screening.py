@@ -54,7 +54,7 @@ LEAST_GAIN_OF_DETAIL = 15.0
 # An effect and the number of its guess.
 _Key = tuple[str, int]
 # From an effect, what it changes, and what its memory at the start does.
-_Judge = Callable[..., "ScreenedEffect"]
+_Judge = Callable[[Effect, Array, Array | None], "ScreenedEffect"]
 
 
 @dataclass(frozen=True)
@@ -296,7 +296,7 @@ def screen(problem: Problem, base: Fitted, signatures: Signatures | None = None)
     # A change of the output is as long as the recordings: it is kept only where it will be wanted again.
     kept = signatures is not None and not known and signatures.has_room(problem, len(listed))
 
-    roughly = {key: judge(listed[key], change) for key, change in known.items()}
+    roughly = {key: judge(listed[key], change, None) for key, change in known.items()}
     likely = sorted(roughly, key=lambda key: -roughly[key].gain)[:SIMULATED_AGAIN]
     # What a constant does beside a plant that is linear an offset does, too, and beside other effects something else.
     fresh = [key for key in listed if key not in known or key in likely or listed[key].is_constant]
@@ -369,17 +369,14 @@ def _judged(
     imitated = IMITATED_OVER_TIME if problem.kind.phases_add_up else IMITATED
     for view in views:
         rest, whole = view.left(problem, change)
-        size = float(np.linalg.norm(rest))
-        if size <= imitated * whole or view.variance <= 0.0:
-            continue
         residual, gain = view.residual, 0.0
         if begun is not None:
             beside = projector(np.column_stack([view.left(problem, column)[0] for column in begun.T]))
             rest, known = rest - beside @ (beside.T @ rest), beside.T @ residual
             residual, gain = residual - beside @ known, float(known @ known)
-            size = float(np.linalg.norm(rest))
-            if size <= imitated * whole:
-                continue
+        size = float(np.linalg.norm(rest))
+        if size <= imitated * whole or view.variance <= 0.0:
+            continue
         product = float(rest @ residual)
         factor = product / size**2
         gain += product**2 / size**2
