@@ -8,8 +8,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction, second_order
 from camid.effects.base import Effect
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.residual_spectrum import highest_lines
@@ -25,6 +27,10 @@ DAMPING_RATIOS = (0.03, 0.3)
 LINES, LIGHT = 2, 0.01
 # Damping ratio above which a mode does nearly what a delay does: it has no peak to speak of.
 WELL_DAMPED = 0.3
+# Fastest mode that is fitted, in Shannon limits: what of a faster one shows is a delay, a lag or a gain.
+FASTEST = 5.0
+# Largest share of a mode's damping that lies between, by an estimate of that: it is one at most.
+MOST_LEAD = 1.5
 # Static displacement of a first guess as a share of the largest displacement over the largest input.
 GUESS = 0.02
 
@@ -40,7 +46,16 @@ def _of_lines(situation: Situation, limit: float) -> Iterator[float]:
         yield 2.0 * limit + frequency
 
 
-class ExtraMode(Effect):
+class _Mode(Effect):
+    """A mode that no recording shows beyond a few times the Shannon limit."""
+
+    def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
+        """Those of the parameters, and a natural frequency within reach of the frames, if it was."""
+        fastest = max(FASTEST * pi / acquisition.period, self.values["natural_frequency"])
+        return [(p.lower, fastest if p.name == "natural_frequency" else p.upper) for p in self.numeric()]
+
+
+class ExtraMode(_Mode):
     """A flexible mode in series with the plant, the paper's neglected mode."""
 
     identifier = "extra-mode"
@@ -106,6 +121,11 @@ class ModeDampedBetween(ExtraMode):
         root = sqrt(max(factor, LEAST_FACTOR))
         return self.with_vector(self.vector * np.array([1.0 / root, root, factor]))
 
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether no more damping lies between than there is: what comes earlier than that is no mode."""
+        whole = 2.0 * self.values["damping"] / self.values["natural_frequency"]
+        return bool(self.values["lead"] <= MOST_LEAD * whole) and super().is_plausible(extent)
+
     def simplified(self) -> ExtraMode:
         """The same, damped against rest."""
         return ExtraMode(natural_frequency=self.values["natural_frequency"], damping=self.values["damping"])
@@ -121,7 +141,7 @@ class ModeDampedBetween(ExtraMode):
         return iter(())
 
 
-class ParallelMode(Effect):
+class ParallelMode(_Mode):
     """A mode that the input excites beside the plant: a compliant arm, belt or coupling seen where it is driven.
 
     The sum of two modes has a pair of zeros between its resonances, which a mode in series has not.

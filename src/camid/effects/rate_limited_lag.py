@@ -20,7 +20,7 @@ from camid.effects.plant_force import LEAST_FACTOR
 from camid.effects.situation import Situation
 
 # Parts of a step of the input in which speed and command are constant.
-PARTS = 16
+PARTS = 4
 # An actuator that arrives faster arrives at once.
 LEAST_TIME_CONSTANT = 1e-9
 # Distance from the command at which it slows down in first guesses, as a share of the largest change.

@@ -20,8 +20,11 @@ Array = NDArray[np.float64]
 
 # Periods that the motion goes on past the last frame, for exposures that effects shift.
 MARGIN = 2
-# Parts of a frame, and of a sample at least, between which an actuator bends an input that has times of its own.
-LOG_PARTS = 24
+# Parts of a frame in each of which an actuator makes a straight line of its input, and their length in radians of the
+# plant's fastest motion: kinks lie anywhere.
+PARTS = 24
+PART = 0.022
+# Parts of a sample at least for an input that has times of its own, which has as many in a frame.
 FEWEST_LOG_PARTS = 4
 
 
@@ -34,6 +37,7 @@ def grid_input(
     loop: Loop | None = None,
     known_force: tuple[Array, str] | None = None,
     log: tuple[InputLog, float] | None = None,
+    fastest: float = 0.0,
 ) -> tuple[Array, Array]:
     """Input at the start and end of each step of the grid; zero where a controller makes it.
 
@@ -52,6 +56,8 @@ def grid_input(
         A force that is a function of time.
     log : tuple of (InputLog, float), optional
         The input at times of its own in place of ``signal``, and the time at which the grid begins, in seconds.
+    fastest : float
+        Absolute value of the plant's fastest pole, in rad/s, which sees how an actuator bends the input within a step.
 
     Returns
     -------
@@ -61,14 +67,45 @@ def grid_input(
     if log is not None:
         start, end = _logged(effects, log[0], acquisition, log[1], step, (delay + len(signal) + MARGIN) * steps)
     else:
-        start, end = _between(signal if loop is None else np.zeros(len(signal)), acquisition.hold, delay, steps)
+        signal = signal if loop is None else np.zeros(len(signal))
         # What an actuator makes of a controller's output, the integrator has to find out as it goes.
+        parts = ceil(parts_in_a_period(effects, acquisition, fastest) / steps) if loop is None else 1
+        start, end = _between(signal, acquisition.hold, delay, steps * parts)
         for effect in effects if loop is None else ():
-            start, end = effect.transform(start, end, step)
+            start, end = effect.transform(start, end, step / parts)
+        start, end = _joined(start, end, parts)
     if known_force is not None:
         extra_start, extra_end = _between(known_force[0], known_force[1], delay, steps)
         start, end = start + extra_start, end + extra_end
     return np.ascontiguousarray(start), np.ascontiguousarray(end)
+
+
+def parts_in_a_period(effects: Sequence[Effect], acquisition: Acquisition, fastest: float) -> int:
+    """Parts of a period in which the input is a straight line behind the actuator: one where it is held there, too.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+    acquisition : Acquisition
+    fastest : float
+        See :func:`grid_input`.
+    """
+    bending = (e for e in effects if type(e).transform is not Effect.transform)
+    if all(acquisition.hold == "zoh" and effect.keeps_hold for effect in bending):
+        return 1
+    return max(PARTS, ceil(acquisition.period * fastest / PART))
+
+
+def _joined(start: Array, end: Array, parts: int) -> tuple[Array, Array]:
+    """Lines in steps of so many parts each, with the mean and the first moment of the lines in these."""
+    if parts == 1:
+        return start, end
+    first, last = start.reshape(-1, parts), end.reshape(-1, parts)
+    mean = 0.5 * (first.mean(axis=1) + last.mean(axis=1))
+    # Of a step of unit length about its middle: what the middles of the parts contribute, and the slopes within them.
+    middles = (np.arange(parts) + 0.5) / parts - 0.5
+    moment = 0.5 * (first + last) @ middles / parts + np.sum(last - first, axis=1) / (12.0 * parts**2)
+    return mean - 6.0 * moment, mean + 6.0 * moment
 
 
 def _logged(
@@ -83,7 +120,7 @@ def _logged(
     if not actuators:
         return log.on_grid(begin, step, count)
     held = log.hold == "zoh" and all(e.keeps_hold for e in actuators)
-    parts = 1 if held else max(ceil(LOG_PARTS * log.period / acquisition.period), FEWEST_LOG_PARTS)
+    parts = 1 if held else max(ceil(PARTS * log.period / acquisition.period), FEWEST_LOG_PARTS)
     time, start, end = log.divided(parts)
     part = log.period / parts
     # The sample before the log, when nothing was put in.

@@ -18,7 +18,7 @@ from camid.chain.exact import sample
 from camid.chain.motion import Motion
 from camid.effects.base import Effect
 from camid.engine.forces import Mechanics
-from camid.engine.input import feedback_of, grid_input
+from camid.engine.input import feedback_of, grid_input, parts_in_a_period
 from camid.engine.integrator import integrate
 from camid.engine.mechanics import Chain, jump_of, mechanics_of
 
@@ -49,11 +49,10 @@ MOST_NODES = 200_000
 LARGEST_CHANGE = 2e-5
 # How much finer than at first the steps become where a simulation doubts itself.
 MOST_FINER = 16
-# Steps per frame, and their length in radians, where an actuator bends the input within a frame: kinks lie anywhere.
-INPUT_STEPS = 24
+# Parts of a bent input of which the integrator takes the mean and the first moment at once.
+PARTS_IN_A_STEP = 4
 # Length of a step where the velocity follows from the force at once.
 STEP_IMPLICIT = 0.15
-STEP_INPUT = 0.022
 # Difference of two forces that should be the same, as a share of the largest force or input, above which a motion is
 # integrated again with half the step; the error of the output is a tenth of it. Where a force depends on the velocity
 # it is of second order in the step and not of third, and the error a hundredth of it.
@@ -240,7 +239,10 @@ class Setting:
     def input_on_grid(self, chain: Chain, signal: Array, acquisition: Acquisition, steps: int) -> tuple[Array, Array]:
         """Input at the start and end of each of so many steps in a period; see :func:`grid_input`."""
         log = None if chain.input_log is None else (chain.input_log, self.start_time)
-        return grid_input(chain.effects, signal, acquisition, self.delay, steps, chain.loop, chain.known_force, log)
+        fastest = _fastest_pole(chain)
+        return grid_input(
+            chain.effects, signal, acquisition, self.delay, steps, chain.loop, chain.known_force, log, fastest
+        )
 
 
 def prepared(chain: Chain, signal: Array, time: Array, acquisition: Acquisition) -> Setting:
@@ -275,7 +277,7 @@ def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -
     """Steps per period by the plant and the effects, before anything is simulated."""
     steps = _steps(chain, acquisition)
     if mechanics.forces.implicit:
-        fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
+        fastest = _fastest_pole(chain)
         steps = max(steps, min(ceil(acquisition.period * fastest / STEP_IMPLICIT), MOST_STEPS))
     return steps
 
@@ -335,9 +337,14 @@ def read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) ->
     return motion.mean(start, end)
 
 
+def _fastest_pole(chain: Chain) -> float:
+    """Largest absolute value of the poles of the plant, in rad/s."""
+    return float(np.max(np.abs(chain.plant.poles()), initial=0.0))
+
+
 def _steps(chain: Chain, acquisition: Acquisition) -> int:
     """Steps of the integrator per period."""
-    fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0))
+    fastest = _fastest_pole(chain)
     if chain.equations is not None:
         # Their steps are not exact for the linear parts of the chain either.
         fastest = max(fastest, FINER_BESIDE * _fastest_part(chain))
@@ -346,11 +353,12 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
         samples = ceil(acquisition.period / chain.input_log.period - 1e-9)
         least = min(max(samples, FEWEST_STEPS_LOG), MOST_STEPS_LOG)
         fastest = max(fastest, STEP_SMOOTH * least / acquisition.period)
-    events = any(e.friction_level is not None or e.switch is not None for e in chain.effects)
+    events = _has_events(chain)
     steps = ceil(acquisition.period * fastest / (STEP_EVENTS if events else STEP_SMOOTH))
-    bent = any(overrides(e, "transform") and not (acquisition.hold == "zoh" and e.keeps_hold) for e in chain.effects)
-    if bent and chain.input_log is None:
-        steps = max(steps, INPUT_STEPS, ceil(acquisition.period * fastest / STEP_INPUT))
+    if chain.input_log is None:
+        parts = parts_in_a_period(chain.effects, acquisition, fastest)
+        # What an actuator makes of a controller's output, the integrator has to find out as it goes.
+        steps = max(steps, ceil(parts / PARTS_IN_A_STEP) if chain.loop is None else parts)
     steps = max(steps, _stable_steps(chain, acquisition, STEP_STIFF))
     return min(max(steps, FEWEST_STEPS_EVENTS if events else FEWEST_STEPS), MOST_STEPS)
 
@@ -362,5 +370,16 @@ def _fastest_part(chain: Chain) -> float:
 
 
 def _stable_steps(chain: Chain, acquisition: Acquisition, longest: float) -> int:
-    """Steps per period with which no part of the chain is unstable, each at most so many radians long."""
+    """Steps per period with which no part of the chain is unstable, each at most so many radians long.
+
+    A step without events is exact for the linear parts, however fast: only those of Runge and Kutta are unstable.
+    """
+    by_parts = any(e.breaks() or e.impulses() for e in chain.effects)
+    if not (by_parts or chain.equations is not None or _has_events(chain)):
+        return FEWEST_STEPS
     return min(ceil(acquisition.period * _fastest_part(chain) / longest), MOST_STEPS)
+
+
+def _has_events(chain: Chain) -> bool:
+    """Whether forces may change at once on the way."""
+    return any(e.friction_level is not None or e.switch is not None for e in chain.effects)

@@ -57,8 +57,9 @@ def noise_of(experiments: Sequence[Experiment], residual: Array, fitted: int) ->
     filters, left = levinson(sums[: order + 1] / sums[0])
     penalties = np.log(count) * np.arange(len(filters)) + np.where(np.arange(len(filters)) > 0, COLOUR_PENALTY, 0.0)
     best = int(np.argmin(count * np.log(left) + penalties))
-    variance = sums[0] * size**2 / max(count - fitted, 1) * left[best]
-    return Noise(filters[best], float(count * np.log(variance) + penalties[best]))
+    # What a model that runs away leaves has no square.
+    variance = np.log(sums[0] / max(count - fitted, 1) * left[best]) + 2.0 * np.log(size)
+    return Noise(filters[best], float(count * variance + penalties[best]))
 
 
 def colour_of(experiments: Sequence[Experiment], residual: Array, sensitivities: Array) -> float:
