@@ -7,6 +7,7 @@ a beginning alone, since noise in the derivatives bends it (an equation error; L
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 SPOILED = 3.0
 # Factor within which the plant's gain lies to what was estimated without the force, at high or at low frequencies.
 NEAR = 300.0
+# Power of a force beside the others, as a share of the largest, below which it is one of them.
+SAME_FORCE = 1e-12
 # Share of a force beside the others below which nothing is left of it.
 LEAST_SHOWN = 1e-3
 
@@ -110,13 +113,17 @@ class EquationOfMotion:
 
         return np.asarray(sosfiltfilt(self.sections, forces, axis=0)[self.inner])
 
-    def left(self, forces: Array) -> float:
-        """Share of the rest that forces over the position, shape (N, k), leave."""
+    def left_by_sets(self, forces: Array, sets: Sequence[Sequence[int]]) -> list[float]:
+        """Share of the rest that each set of some forces over the position, shape (N, k), leaves."""
         forces = self._filtered(forces)
         forces = forces - self.basis @ (self.basis.T @ forces)
-        explained = np.linalg.lstsq(forces, self.rest, rcond=None)[0]
-        left = self.rest - forces @ explained
-        return float(left @ left) / max(float(self.rest @ self.rest), 1e-300)
+        products, seen = forces.T @ forces, forces.T @ self.rest
+        power = max(float(self.rest @ self.rest), 1e-300)
+        found = []
+        for chosen in map(list, sets):
+            explained = np.linalg.lstsq(products[np.ix_(chosen, chosen)], seen[chosen], rcond=SAME_FORCE)[0]
+            found.append(1.0 - float(seen[chosen] @ explained) / power)
+        return found
 
     def left_by_pairs(self, forces: Array) -> Array:
         """Share of the rest that each two of some forces, shape (N, k), leave together: shape (k, k)."""

@@ -77,11 +77,16 @@ def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ..
         None where the plant has zeros or too many poles, or the equation yields none of about its gain.
     """
     equations = equations_of_motion(situation)
+    # Of sines and cosines of the period and of each harmonic: those of the period alone, and with each other one.
+    multiples = (1, *orders)
+    sets = [sorted({0, 1, 2 * i, 2 * i + 1}) for i in range(len(multiples))]
     tried = [
-        (equation.left(_waves(equation.position, period * share, harmonic)), index, period * share, harmonic)
+        (left, index, period * share, harmonic)
         for index, equation in enumerate(equations)
         for share in PERIODS
-        for harmonic in (1, *orders)
+        for left, harmonic in zip(
+            equation.left_by_sets(_waves(equation.position, period * share, multiples), sets), multiples, strict=True
+        )
     ]
     plain = min((each for each in tried if each[3] == 1), default=None)
     if plain is None:
@@ -89,7 +94,8 @@ def plant_beside_wave(situation: Situation, period: float, orders: tuple[int, ..
     finer = min((each for each in tried if each[3] > 1), default=plain)
     _, index, length, harmonic = finer if finer[0] < MOST_LEFT_BY_HARMONIC * plain[0] else plain
     equation = equations[index]
-    found = equation.solved(_waves(equation.position, length, harmonic), situation.plant.monic)
+    waves_there = _waves(equation.position, length, (1,) if harmonic == 1 else (1, harmonic))
+    found = equation.solved(waves_there, situation.plant.monic)
     if found is None:
         return None
     plant, bias, terms = found
@@ -143,9 +149,9 @@ def _likeliest_stops(equation: EquationOfMotion) -> tuple[float, list[float]]:
     return float(alone[least]), [places[least]]
 
 
-def _waves(position: Array, period: float, harmonic: int) -> Array:
-    """Sines and cosines of a position, shape (N, 2) or (N, 4)."""
-    angles = 2.0 * pi / period * np.outer(position, [1] if harmonic == 1 else [1, harmonic])
+def _waves(position: Array, period: float, multiples: tuple[int, ...]) -> Array:
+    """Sine and cosine of some multiples of the angle that a position is of a period, shape (N, 2k)."""
+    angles = 2.0 * pi / period * np.outer(position, multiples)
     return np.stack([np.sin(angles), np.cos(angles)], axis=-1).reshape(len(angles), -1)
 
 

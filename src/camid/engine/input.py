@@ -13,6 +13,8 @@ from camid.chain.controller import Loop
 from camid.chain.hold import driven
 from camid.chain.input_log import InputLog, StraightPieces
 from camid.chain.observer import Pull
+from camid.chain.plant import TransferFunction
+from camid.compiled import njit
 from camid.effects.base import Effect
 from camid.engine.feedback import Feedback
 
@@ -21,8 +23,8 @@ Array = NDArray[np.float64]
 # Periods that the motion goes on past the last frame, for exposures that effects shift.
 MARGIN = 2
 # Parts of a frame in each of which an actuator makes a straight line of its input, and their length in radians of the
-# plant's fastest motion: kinks lie anywhere.
-PARTS = 24
+# plant's fastest motion: kinks lie anywhere. A fit may come by plants of any speed, which no frames show.
+PARTS, MOST_PARTS = 24, 400
 PART = 0.022
 # Parts of a sample at least for an input that has times of its own, which has as many in a frame.
 FEWEST_LOG_PARTS = 4
@@ -37,7 +39,7 @@ def grid_input(
     loop: Loop | None = None,
     known_force: tuple[Array, str] | None = None,
     log: tuple[InputLog, float] | None = None,
-    fastest: float = 0.0,
+    parts: int = 1,
 ) -> tuple[Array, Array]:
     """Input at the start and end of each step of the grid; zero where a controller makes it.
 
@@ -56,8 +58,8 @@ def grid_input(
         A force that is a function of time.
     log : tuple of (InputLog, float), optional
         The input at times of its own in place of ``signal``, and the time at which the grid begins, in seconds.
-    fastest : float
-        Absolute value of the plant's fastest pole, in rad/s, which sees how an actuator bends the input within a step.
+    parts : int
+        Of a period, at least, in each of which an actuator makes a straight line of its input.
 
     Returns
     -------
@@ -69,43 +71,50 @@ def grid_input(
     else:
         signal = signal if loop is None else np.zeros(len(signal))
         # What an actuator makes of a controller's output, the integrator has to find out as it goes.
-        parts = ceil(parts_in_a_period(effects, acquisition, fastest) / steps) if loop is None else 1
+        parts = ceil(parts / steps) if loop is None else 1
         start, end = _between(signal, acquisition.hold, delay, steps * parts)
         for effect in effects if loop is None else ():
             start, end = effect.transform(start, end, step / parts)
-        start, end = _joined(start, end, parts)
+        if parts > 1:
+            start, end = _joined(start, end, parts)
     if known_force is not None:
         extra_start, extra_end = _between(known_force[0], known_force[1], delay, steps)
         start, end = start + extra_start, end + extra_end
     return np.ascontiguousarray(start), np.ascontiguousarray(end)
 
 
-def parts_in_a_period(effects: Sequence[Effect], acquisition: Acquisition, fastest: float) -> int:
+def parts_in_a_period(effects: Sequence[Effect], acquisition: Acquisition, plant: TransferFunction) -> int:
     """Parts of a period in which the input is a straight line behind the actuator: one where it is held there, too.
 
     Parameters
     ----------
     effects : sequence of Effect
     acquisition : Acquisition
-    fastest : float
-        See :func:`grid_input`.
+    plant : TransferFunction
+        Which sees how an actuator bends the input within a step.
     """
     bending = (e for e in effects if type(e).transform is not Effect.transform)
     if all(acquisition.hold == "zoh" and effect.keeps_hold for effect in bending):
         return 1
-    return max(PARTS, ceil(acquisition.period * fastest / PART))
+    fastest = float(np.max(np.abs(plant.poles()), initial=0.0))
+    return min(max(PARTS, ceil(acquisition.period * fastest / PART)), MOST_PARTS)
 
 
+@njit(nogil=True)
 def _joined(start: Array, end: Array, parts: int) -> tuple[Array, Array]:
     """Lines in steps of so many parts each, with the mean and the first moment of the lines in these."""
-    if parts == 1:
-        return start, end
-    first, last = start.reshape(-1, parts), end.reshape(-1, parts)
-    mean = 0.5 * (first.mean(axis=1) + last.mean(axis=1))
-    # Of a step of unit length about its middle: what the middles of the parts contribute, and the slopes within them.
-    middles = (np.arange(parts) + 0.5) / parts - 0.5
-    moment = 0.5 * (first + last) @ middles / parts + np.sum(last - first, axis=1) / (12.0 * parts**2)
-    return mean - 6.0 * moment, mean + 6.0 * moment
+    count = len(start) // parts
+    first, last = np.empty(count), np.empty(count)
+    for k in range(count):
+        mean, moment = 0.0, 0.0
+        for part in range(parts):
+            here, there = start[k * parts + part], end[k * parts + part]
+            mean += 0.5 * (here + there)
+            # Of a step of unit length about its middle: what the middle of the part contributes, and the slope in it.
+            moment += 0.5 * (here + there) * ((part + 0.5) / parts - 0.5) + (there - here) / (12.0 * parts)
+        mean, moment = mean / parts, moment / parts
+        first[k], last[k] = mean - 6.0 * moment, mean + 6.0 * moment
+    return first, last
 
 
 def _logged(

@@ -6,6 +6,7 @@ integral of the measured motion as its last state; the effects' forces become ad
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -155,7 +156,8 @@ class _Line(NamedTuple):
 
     ``plant`` says where the plant's states lie, ``driving`` and ``driving_input`` what enters it; ``measured`` and
     ``position`` are rows for the motion that the sensor sees and for that of the plant, before the integral of the
-    measured motion is added as the last state.
+    measured motion is added as the last state. ``moved_at_once`` and ``seen_at_once`` say whether input or force move
+    the plant, and what the sensor sees, without delay.
     """
 
     state_matrix: Array
@@ -166,23 +168,62 @@ class _Line(NamedTuple):
     plant: tuple[int, int]
     driving: Array
     driving_input: float
+    moved_at_once: bool
+    seen_at_once: bool
 
 
 def _line(chain: Chain, unit: float) -> _Line:
-    before = [p for e in chain.effects if (p := e.before_plant()) is not None]
-    beside = [p for e in chain.effects if (p := e.beside_plant()) is not None]
-    after = [p for e in chain.effects if (p := e.after_plant()) is not None]
-    blocks = [_block(p, unit) for p in (*before, chain.plant, *beside, *after)]
-    if chain.equations is not None:
+    """The dynamics of a chain.
+
+    Raises
+    ------
+    MotionJumps
+        If what the sensor sees does.
+    """
+    before = tuple(p for e in chain.effects if (p := e.before_plant()) is not None)
+    beside = tuple(p for e in chain.effects if (p := e.beside_plant()) is not None)
+    after = tuple(p for e in chain.effects if (p := e.after_plant()) is not None)
+    if chain.equations is None:
+        line = _line_of(before, chain.plant, beside, after, unit)
+    else:
+        blocks = [_block(p, unit) for p in (*before, chain.plant, *beside, *after)]
         blocks[len(before)] = chain.equations.block()
-    first, last = len(before), len(before) + len(beside)
+        line = _joined(blocks, len(before), len(before) + len(beside))
+        if chain.equations.seen is not None:
+            # Forces depend on the plant's output, and not on what a column of the sensor reads.
+            position = np.zeros_like(line.position)
+            position[line.plant[0] + len(chain.equations.equations.states)] = 1.0
+            line = line._replace(position=position)
+    if line.moved_at_once:
+        _refuse_direct(chain)
+    if line.seen_at_once:
+        raise MotionJumps("the input passes the plant without delay: its motion jumps")
+    return line
+
+
+Parts = tuple[TransferFunction, ...]
+
+
+# A screening simulates the same dynamics some hundred times, each time with another force.
+@lru_cache(maxsize=64)
+def _line_of(before: Parts, plant: TransferFunction, beside: Parts, after: Parts, unit: float) -> _Line:
+    """The dynamics of transfer functions; no array may be written to."""
+    blocks = [_block(p, unit) for p in (*before, plant, *beside, *after)]
+    return _joined(blocks, len(before), len(before) + len(beside))
+
+
+Block = tuple[Array, Array, Array, Array]
+
+
+def _joined(blocks: Sequence[Block], first: int, last: int) -> _Line:
+    """The dynamics of blocks in series, of which the first to the last are the plant and those beside it."""
     size = sum(len(b[0]) for b in blocks)
     matrix = np.zeros((size + 1, size + 1))
     input_vector, force_vector = np.zeros(size + 1), np.zeros(size + 1)
     position = np.zeros(size + 1)
     # Row and direct input of the signal that enters the next block.
     row, direct_input, direct_force = np.zeros(size + 1), 1.0, 0.0
-    offset, where = 0, (0, 0)
+    offset, where, moved_at_once = 0, (0, 0), False
     driving, driving_input = row.copy(), direct_input
     for i, (block, enters, output, direct) in enumerate(blocks):
         order = len(block)
@@ -206,18 +247,24 @@ def _line(chain: Chain, unit: float) -> _Line:
         offset += order
         if i == last:
             position = row.copy()
-            if chain.equations is not None and chain.equations.seen is not None:
-                # Forces depend on the plant's output, and not on what a column of the sensor reads.
-                position = np.zeros(size + 1)
-                position[where[0] + len(chain.equations.equations.states)] = 1.0
-            _refuse_direct(chain, np.array([direct_input, direct_force]))
-    if direct_input or direct_force:
-        raise MotionJumps("the input passes the plant without delay: its motion jumps")
+            moved_at_once = bool(direct_input or direct_force)
+    seen_at_once = bool(direct_input or direct_force)
     matrix[size] = row
-    return _Line(matrix, input_vector, force_vector, row, position, where, driving, driving_input)
+    return _Line(
+        matrix,
+        input_vector,
+        force_vector,
+        row,
+        position,
+        where,
+        driving,
+        driving_input,
+        moved_at_once,
+        seen_at_once,
+    )
 
 
-def _block(plant: TransferFunction, unit: float) -> tuple[Array, Array, Array, Array]:
+def _block(plant: TransferFunction, unit: float) -> Block:
     """Companion matrix, where the input enters, output row, and whether the input passes at once, in scaled time."""
     matrix, row, direct = companion_block(plant, unit)
     return matrix, np.eye(1, len(matrix))[0], row, direct
@@ -300,8 +347,7 @@ def _slip(chain: Chain, signal: Array) -> float:
     return SLIP * float(reached) * (float(np.max(np.abs(signal), initial=0.0)) or 1.0)
 
 
-def _refuse_direct(chain: Chain, direct: Array) -> None:
-    if np.any(direct):
-        for effect in chain.effects:
-            if effect.force is not None or effect.friction_level is not None:
-                raise NotApplicable(f"{effect.identifier} depends on a motion that jumps with the input")
+def _refuse_direct(chain: Chain) -> None:
+    for effect in chain.effects:
+        if effect.force is not None or effect.friction_level is not None:
+            raise NotApplicable(f"{effect.identifier} depends on a motion that jumps with the input")

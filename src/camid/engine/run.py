@@ -239,9 +239,9 @@ class Setting:
     def input_on_grid(self, chain: Chain, signal: Array, acquisition: Acquisition, steps: int) -> tuple[Array, Array]:
         """Input at the start and end of each of so many steps in a period; see :func:`grid_input`."""
         log = None if chain.input_log is None else (chain.input_log, self.start_time)
-        fastest = _fastest_pole(chain)
+        parts = parts_in_a_period(chain.effects, acquisition, chain.plant)
         return grid_input(
-            chain.effects, signal, acquisition, self.delay, steps, chain.loop, chain.known_force, log, fastest
+            chain.effects, signal, acquisition, self.delay, steps, chain.loop, chain.known_force, log, parts
         )
 
 
@@ -356,7 +356,7 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
     events = _has_events(chain)
     steps = ceil(acquisition.period * fastest / (STEP_EVENTS if events else STEP_SMOOTH))
     if chain.input_log is None:
-        parts = parts_in_a_period(chain.effects, acquisition, fastest)
+        parts = parts_in_a_period(chain.effects, acquisition, chain.plant)
         # What an actuator makes of a controller's output, the integrator has to find out as it goes.
         steps = max(steps, ceil(parts / PARTS_IN_A_STEP) if chain.loop is None else parts)
     steps = max(steps, _stable_steps(chain, acquisition, STEP_STIFF))

@@ -17,7 +17,7 @@ from camid.diagnosis.search.other_beginnings import SWAP_MARGIN, with_other_begi
 from camid.diagnosis.search.related_laws import plainer_law, relatives_in_place, special_case_in_place
 from camid.diagnosis.search.screening import ScreenedEffect, screen
 from camid.diagnosis.search.settled_laws import finer_instead, fitted_in_place
-from camid.diagnosis.watch import NAMES, Watch
+from camid.diagnosis.watch import FORMULAS, NAMES, Watch
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate, fit
 from camid.fitting.plant_with_effects import Model
@@ -114,10 +114,10 @@ def _swapped(problem: Problem, begun: Decision, searches: Searches, watch: Watch
             break
     untested = range(first + len(rivals), len(current.model.effects))  # for lack of time, or the last swap itself
     for index in untested:
-        ranked = _known_in_place(problem, begun.rivals, current, index)
+        ranked = _known_in_place(problem, [] if watch.has_done(FORMULAS) else begun.rivals, current, index)
         current = ranked[0].fitted
         rivals.append(ranked)
-    without += [fit(problem, current.model.without(index), steps=ALL_STEPS) for index in untested]
+    without += side_by_side(partial(fit, problem, steps=ALL_STEPS), [current.model.without(i) for i in untested])
     return Decision(base, current, rivals, without)
 
 

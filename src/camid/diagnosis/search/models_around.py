@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 from camid.chain.plant import TransferFunction
 from camid.effects import known_effects
+from camid.effects.base import Effect
+from camid.effects.search_hooks import SearchHooks
 from camid.fitting.fit import Fitted
 from camid.fitting.growing_horizon import fitted_as_far_as_it_follows, rows_followed
 from camid.fitting.initial_motion import recorded_start
@@ -24,6 +27,7 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, OFFSET
 from camid.fitting.problem import Problem
 from camid.fitting.recorded_zero import recorded_zero
+from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 
@@ -89,20 +93,29 @@ def models_with_plants(problem: Problem, base: Fitted, identifiers: Iterable[str
     list of Model
         Coefficients that are not free are those of the base; none of a plant that is not made from coefficients.
     """
-    known = recorded_zero(problem, base.model)
-    views, found = problem.situations(known), []
+    say_so = [name for name in sorted(set(identifiers)) if _says_its_plant(known_effects()[name])]
+    found = side_by_side(partial(_with_its_plant, problem, recorded_zero(problem, base.model)), say_so)
+    return [model for model in found if model is not None]
+
+
+def _says_its_plant(kind: type[Effect]) -> bool:
+    """Whether an effect may say beside which plant it holds."""
+    return any("with_plant" in each.__dict__ for each in kind.__mro__ if each is not SearchHooks)
+
+
+def _with_its_plant(problem: Problem, known: Model, identifier: str) -> Model | None:
+    """A model with an effect beside the plant that it says; None where it says none."""
+    kind = known_effects()[identifier]
     free = {constant.name for constant in problem.kind.free_constants()}
     estimated = {name: value for name, value in known.constants.items() if name in free}
-    for identifier in sorted(set(identifiers)):
-        kind = known_effects()[identifier]
-        try:
-            guess = kind.with_plant(views.of(kind), estimated)
-            if guess is not None:
-                effect, plant, constants = guess
-                found.append(model_beside(problem, known.plus(effect), plant, constants))
-        except (ValueError, ArithmeticError):
-            continue
-    return [model for model in found if model is not None]
+    try:
+        guess = kind.with_plant(problem.situations(known).of(kind), estimated)
+        if guess is None:
+            return None
+        effect, plant, constants = guess
+        return model_beside(problem, known.plus(effect), plant, constants)
+    except (ValueError, ArithmeticError):
+        return None
 
 
 def model_beside(
