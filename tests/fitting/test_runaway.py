@@ -1,8 +1,12 @@
-"""A fit whose simulation runs away has derivatives that are finite, whatever the motion does."""
+"""A simulation that runs away has derivatives and a noise that are finite, whatever the motion does."""
 
 import numpy as np
 
+from camid.fitting.from_simulation import problem_of, structure_of
 from camid.fitting.output_error import LARGEST_DERIVATIVE, OutputError
+from camid.identification.from_recordings import experiments_of
+from camid.simulation.file import load_simulation
+from tests.support.mass_on_spring import record, simulation
 
 
 class _Derivative:
@@ -24,3 +28,12 @@ def test_derivatives_of_a_motion_that_runs_away_are_zero():
     error.simulated = lambda vector: np.zeros(2)
     assert np.array_equal(error.jacobian(np.zeros(3)), [[0.0, 0.0, 2.0], [0.0, -1.0, -3.0]])
     assert np.linalg.norm(np.full((100_000, 1), LARGEST_DERIVATIVE)) < 1e100
+
+
+def test_a_residual_of_any_size_has_a_noise():
+    """A model without an effect may run away so far that the square of what it leaves is no number."""
+    file = load_simulation(simulation())
+    recordings, experiments, _ = experiments_of([record()], file, None)
+    problem = problem_of(file, structure_of(file), recordings, experiments)
+    noise = problem.noise(1e200 * np.random.default_rng(5).standard_normal(len(problem.output)), 3)
+    assert np.isfinite(noise.deviance)

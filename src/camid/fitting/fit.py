@@ -15,7 +15,6 @@ from camid.fitting.output_error import OutputError, sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
-from camid.fitting.racing import Race
 from camid.identification.autoregression import coloured
 
 Array = NDArray[np.float64]
@@ -136,7 +135,6 @@ def fit(
     refreshes: int = 10,
     finest: bool = True,
     tolerance: float = TOLERANCE,
-    rival: Fitted | None = None,
 ) -> Fitted:
     """Least squares from one start.
 
@@ -158,8 +156,6 @@ def fit(
         Whether the integrator's steps are as fine as what the model leaves needs, or only what its plant suggests.
     tolerance : float
         Fall of the sum of squares in a step, as a share, that ends the fit.
-    rival : Fitted, optional
-        A fit of the same rows that this one is held against: it is ended where that is out of its reach.
 
     Raises
     ------
@@ -169,11 +165,10 @@ def fit(
     pinned = problem.pinned(start, finest=False)
     packing = Packing.of(pinned, start, fixed)
     whitening = np.ones(1) if whitening is None else whitening
-    race = None if rival is None else Race(rival)
-    output_error = OutputError(pinned, packing, whitening, base, refreshes, tolerance, race)
+    output_error = OutputError(pinned, packing, whitening, base, refreshes, tolerance)
     begin = np.clip(packing.pack(start), packing.lower, packing.upper)
     vector = output_error.least(begin, steps)
-    if finest and not output_error.has_lost:
+    if finest:
         vector = _with_fine_steps(problem, output_error, begin, vector, steps)
     simulated = output_error.simulated_whole(vector)
     return evaluate(

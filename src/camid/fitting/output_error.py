@@ -16,10 +16,7 @@ from camid.fitting.updated_derivative import UpdatedDerivative
 from camid.side_by_side import in_threads
 
 if TYPE_CHECKING:
-    from scipy.optimize import OptimizeResult
-
     from camid.fitting.fit import Fitted
-    from camid.fitting.racing import Race
 
 Array = NDArray[np.float64]
 
@@ -77,9 +74,8 @@ class OutputError:
         base: Fitted | None,
         refreshes: int,
         tolerance: float,
-        race: Race | None = None,
     ) -> None:
-        self.tolerance, self.race = tolerance, race
+        self.tolerance = tolerance
         self.problem, self.packing, self.whitening, self.base = problem, packing, whitening, base
         # What is simulated, and what for derivatives, for which few steps of the integrator are enough.
         self.first_rows = FirstRows.of(problem, packing.template)
@@ -174,11 +170,6 @@ class OutputError:
         table = -self._in_metric(self.derivative.at(vector, self.simulated(vector)))
         return np.where(np.abs(table) < LARGEST_DERIVATIVE * self.problem.output_spread, table, 0.0)
 
-    @property
-    def has_lost(self) -> bool:
-        """Whether the fit was ended because what it is held against is out of reach."""
-        return self.race is not None and self.race.is_lost
-
     def cost(self, vector: Array) -> float:
         """Sum of squares."""
         residual = self.residual(vector)
@@ -191,7 +182,7 @@ class OutputError:
         for _ in range(MOST_WEIGHINGS):
             self.weight = weight = self._weight(start)
             start = self._least_as_weighed(start, steps)
-            if self.has_lost or self._weight(start) >= HEAVIER * weight:
+            if self._weight(start) >= HEAVIER * weight:
                 break
         return start
 
@@ -219,10 +210,6 @@ class OutputError:
         def jacobian(vector: Array) -> Array:
             return self.jacobian(whole(vector))[:, moving]
 
-        def after_step(intermediate_result: OptimizeResult) -> None:
-            if self._has_lost(whole(intermediate_result.x), moving, intermediate_result.nfev):
-                raise StopIteration
-
         if not np.any(moving):
             return start
         # Where nothing has a derivative the step is nought by nought: the fit stays where it is, and that is right.
@@ -237,13 +224,5 @@ class OutputError:
                 xtol=1e-9,
                 gtol=None,
                 max_nfev=steps,
-                callback=after_step,
             )
         return whole(found.x)
-
-    def _has_lost(self, vector: Array, moving: NDArray[np.bool_], evaluations: int) -> bool:
-        """Whether what the fit is held against is out of reach from here, to first order."""
-        if self.race is None:
-            return False
-        count = int(np.count_nonzero(self.compared))
-        return self.race.judge(self.residual(vector)[:count], self.jacobian(vector)[:count, moving], evaluations)

@@ -134,7 +134,7 @@ def _known_in_place(
     present = {e.identifier for e in current.model.effects}
     others = [h.fitted.model.effects[-1] for h in earlier if h.identifier not in present][:MOST_KNOWN]
     starts = [current.model.replaced(index, law) for law in others]
-    tried = side_by_side(partial(fitted_in_place, problem, index, current), starts)
+    tried = side_by_side(partial(fitted_in_place, problem, index), starts)
     related = [_from_last(h, index) for h in _related_in_place(problem, current, index)]
     found = [*(h for h in tried if h is not None), *related]
     best = in_order([own, *found])[0]
@@ -157,7 +157,7 @@ def _detail_instead(problem: Problem, base: Fitted, own: Hypothesis, others: Fit
     if others.cost - own.fitted.cost > LAW_ERROR * (base.cost - own.fitted.cost):
         return None
     best: Hypothesis | None = None
-    for finer, law in finer_instead(problem, others, len(base.model.effects), own.fitted):
+    for finer, law in finer_instead(problem, others, len(base.model.effects)):
         # What two common effects do together is not said to be one that is rare.
         if {own.identifier, law.identifier} <= set(known_effects()[finer.identifier].sum_of):
             continue

@@ -30,7 +30,6 @@ def fitted_hypothesis(
     steps: int,
     base: Fitted | None = None,
     index: int | None = None,
-    rival: Fitted | None = None,
 ) -> Hypothesis | None:
     """The hypothesis of an effect of a model, the last one if nothing else is said, fitted from there.
 
@@ -45,8 +44,6 @@ def fitted_hypothesis(
         The model without the effect: a first fit, which takes its noise and its scales from there.
     index : int, optional
         Which of the model's effects it is.
-    rival : Fitted, optional
-        What it is held against: where that is out of its reach the fit is ended.
 
     Returns
     -------
@@ -63,14 +60,7 @@ def fitted_hypothesis(
             # Where the output jumps no derivative leads on: what else may change is fitted to a good value before it.
             start = fit(problem, start, steps=steps, fixed=len(start.effects), refreshes=refreshes).model
         result = fit(
-            problem,
-            start,
-            steps=steps,
-            base=base,
-            refreshes=refreshes,
-            finest=base is None,
-            tolerance=TOLERANCE,
-            rival=rival,
+            problem, start, steps=steps, base=base, refreshes=refreshes, finest=base is None, tolerance=TOLERANCE
         )
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None

@@ -174,8 +174,7 @@ def _fitted_thoroughly(
     """A hypothesis fitted on; of those near the best the first one whatever is done, as it is what may be found."""
     if watch.no_time_for("more thorough fits", needed=hypothesis is near[0]):
         return hypothesis
-    rival = None if hypothesis is near[0] else near[0].fitted
-    found = fitted_hypothesis(problem, hypothesis.identifier, hypothesis.fitted.model, ALL_STEPS, rival=rival)
+    found = fitted_hypothesis(problem, hypothesis.identifier, hypothesis.fitted.model, ALL_STEPS)
     best = found if found is not None and found.beyond(hypothesis) < 0.0 else hypothesis
     if not any(hypothesis is each for each in near[:MOST_SHOT]) or not _may_be_caught(problem, best.fitted):
         return best

@@ -32,7 +32,7 @@ def special_case_in_place(
         return None
     if problem.kind.unseen_beside(type(effect), model.without(index)) is not None:
         return None
-    return _in_place(problem, general, index, effect, steps)
+    return _in_place(problem, model, index, effect, steps)
 
 
 def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | None:
@@ -44,12 +44,12 @@ def plainer_law(problem: Problem, fitted: Fitted, index: int) -> Hypothesis | No
     effect = model.effects[index].simplified()
     if effect is None or effect.identifier != model.effects[index].identifier:
         return None
-    return _in_place(problem, fitted, index, effect)
+    return _in_place(problem, model, index, effect)
 
 
 def relatives_in_place(problem: Problem, fitted: Fitted, index: int) -> list[Hypothesis]:
     """What does nearly the same as one of a model's effects in its place, fitted from there."""
-    found = [_in_place(problem, fitted, index, each) for each in possible_relatives(problem, fitted.model, index)]
+    found = [_in_place(problem, fitted.model, index, each) for each in possible_relatives(problem, fitted.model, index)]
     return [h for h in found if h is not None]
 
 
@@ -71,12 +71,9 @@ def possible_relatives(problem: Problem, model: Model, index: int) -> list[Effec
     return [each for each in relatives if each.identifier not in present and is_possible(type(each))]
 
 
-def _in_place(
-    problem: Problem, fitted: Fitted, index: int, effect: Effect, steps: int = ALL_STEPS
-) -> Hypothesis | None:
+def _in_place(problem: Problem, model: Model, index: int, effect: Effect, steps: int = ALL_STEPS) -> Hypothesis | None:
     """A law in the place of one of a model's effects, fitted from there; it stands last."""
-    start = _with_last(fitted.model, index, effect)
-    return fitted_hypothesis(problem, effect.identifier, start, steps, rival=fitted)
+    return fitted_hypothesis(problem, effect.identifier, _with_last(model, index, effect), steps)
 
 
 def _with_last(model: Model, index: int, effect: Effect) -> Model:
@@ -115,7 +112,7 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
             continue
         lowest = hypothesis.fitted.cost
         while starts:
-            fitted = _until_white(problem, hypothesis.fitted, starts)
+            fitted = _until_white(problem, starts)
             found += fitted
             better = [h for h in fitted if h.fitted.cost < lowest]
             lowest = min((h.fitted.cost for h in better), default=lowest)
@@ -137,22 +134,19 @@ def _of_different_laws(hypotheses: Sequence[Hypothesis], most: float) -> list[Hy
     return list(found.values())
 
 
-def _until_white(problem: Problem, rival: Fitted, starts: Sequence[Model]) -> list[Hypothesis]:
-    """Fits of the effect that models hold last, up to the first that leaves white noise, the best first.
-
-    Each is held against a ``rival`` of less detail.
-    """
+def _until_white(problem: Problem, starts: Sequence[Model]) -> list[Hypothesis]:
+    """Fits of the effect that models hold last, up to the first that leaves white noise, the best first."""
     found: list[Hypothesis] = []
     for first in range(0, len(starts), WORKERS):
-        fitted = side_by_side(partial(_fitted_from, problem, rival), starts[first : first + WORKERS])
+        fitted = side_by_side(partial(_fitted_from, problem), starts[first : first + WORKERS])
         found += [h for h in fitted if h is not None]
         if any(len(h.fitted.noise.whitening) == 1 for h in found):
             break
     return in_order(found)
 
 
-def _fitted_from(problem: Problem, rival: Fitted, model: Model) -> Hypothesis | None:
-    return fitted_hypothesis(problem, model.effects[-1].identifier, model, ALL_STEPS, rival=rival)
+def _fitted_from(problem: Problem, model: Model) -> Hypothesis | None:
+    return fitted_hypothesis(problem, model.effects[-1].identifier, model, ALL_STEPS)
 
 
 def _finer_starts(problem: Problem, hypothesis: Hypothesis) -> list[Model]:

@@ -37,22 +37,22 @@ def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bo
         starts = [fitted.model.replaced(index, law) for law in laws]
         own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
         starts = worth_a_fit(problem, fitted, starts)
-        tried = side_by_side(partial(fitted_in_place, problem, index, fitted), starts)
+        tried = side_by_side(partial(fitted_in_place, problem, index), starts)
         fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
     return fitted
 
 
-def finer_instead(problem: Problem, others: Fitted, first: int, rival: Fitted) -> list[tuple[Hypothesis, Effect]]:
+def finer_instead(problem: Problem, others: Fitted, first: int) -> list[tuple[Hypothesis, Effect]]:
     """Laws with more detail in the place of the effects of a model, fitted, each with the law that it takes it of.
 
-    They are those that may do what an effect beside them was found for, as it does in the model of a ``rival``.
+    They are those that may do what an effect beside them was found for.
     """
     found: list[tuple[Hypothesis, Effect]] = []
     present = {effect.identifier for effect in others.model.effects}
     for index, effect in enumerate(others.model.effects[first:], start=first):
         laws = [e for e in finer_of(problem, others.model, effect) if e.identifier not in present - {effect.identifier}]
         starts = [others.model.replaced(index, law) for law in laws]
-        tried = side_by_side(partial(fitted_in_place, problem, index, rival), starts)
+        tried = side_by_side(partial(fitted_in_place, problem, index), starts)
         found += [(hypothesis, effect) for hypothesis in tried if hypothesis is not None]
     return found
 
@@ -78,7 +78,7 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
         simple = effect.simplified()
         if simple is not None and _is_at_bound(problem, effect, simple):
             own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
-            plainer = fitted_in_place(problem, index, fitted, fitted.model.replaced(index, simple))
+            plainer = fitted_in_place(problem, index, fitted.model.replaced(index, simple))
             fitted = in_order([own, *([plainer] if plainer else [])])[0].fitted
     return fitted
 
@@ -92,13 +92,13 @@ def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     special = special_case(effect)
     if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
         return fitted
-    plain = fitted_in_place(problem, index, fitted, fitted.model.replaced(index, special))
+    plain = fitted_in_place(problem, index, fitted.model.replaced(index, special))
     if plain is None:
         return fitted
     law = plain.fitted.model.effects[index]
     laws = [each for each in finer_of(problem, plain.fitted.model, law) if each.identifier == law.identifier]
     starts = [plain.fitted.model.replaced(index, each) for each in laws]
-    tried = side_by_side(partial(fitted_in_place, problem, index, fitted), starts)
+    tried = side_by_side(partial(fitted_in_place, problem, index), starts)
     own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
     return in_order([own, plain, *(h for h in tried if h is not None)])[0].fitted
 
@@ -132,14 +132,11 @@ def plausible_in_place(problem: Problem, fitted: Fitted, index: int) -> Hypothes
     others = model.without(index)
     laws = [e for e in laws if e.identifier not in present and problem.kind.unseen_beside(type(e), others) is None]
     laws += possible_relatives(problem, model, index)
-    tried = side_by_side(partial(fitted_in_place, problem, index, None), [model.replaced(index, law) for law in laws])
+    tried = side_by_side(partial(fitted_in_place, problem, index), [model.replaced(index, law) for law in laws])
     found = in_order([h for h in tried if h is not None])
     return found[0] if found else None
 
 
-def fitted_in_place(problem: Problem, index: int, rival: Fitted | None, model: Model) -> Hypothesis | None:
-    """A fit of a model from where it is, as a hypothesis of one of its effects; None where it fails.
-
-    Where a ``rival`` is out of its reach it is not fitted to the end.
-    """
-    return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index, rival=rival)
+def fitted_in_place(problem: Problem, index: int, model: Model) -> Hypothesis | None:
+    """A fit of a model from where it is, as a hypothesis of one of its effects; None where it fails."""
+    return fitted_hypothesis(problem, model.effects[index].identifier, model, ALL_STEPS, index=index)
