@@ -19,7 +19,7 @@ TIME_LIMIT = 120.0
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, for each recording and for
 # each row in addition: with more recordings each fit takes longer, and the search for names should not end sooner.
-WORK, WORK_OF_ROW = 7.0, 2.5e-3
+WORK, WORK_OF_ROW = 10.0, 2.5e-3
 # Recordings at most that count so: of many each says less, and the time limit stays.
 MOST_RECORDINGS = 4
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # the command line asks for the limits of an effort, and is n
 
 # Microseconds for a simulation, for each of its rows, and for each step of the integrator; in addition where a force
 # depends on a velocity that it changes at once, and where one has kinks or remembers.
-RUN, ROW, STEP, IMPLICIT, KINKED = 500.0, 0.17, 0.07, 0.6, 0.2
+RUN, ROW, STEP, IMPLICIT, KINKED = 270.0, 0.17, 0.07, 0.6, 0.2
 # The same for each step with tangents, and each of its columns.
 TANGENT, COLUMN = 0.75, 0.1
 
