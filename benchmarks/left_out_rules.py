@@ -94,6 +94,7 @@ RULES: dict[str, dict[str, Part]] = {
     "the likeliest when all work is done": _rule(search__forward_selection__MOST_IN_OVERTIME=Part(0)),
     "the likelier name without a swap": _rule(search__effect_selection__with_likelier_name=SAME_NAMES),
     "names known from before": _rule(search__effect_selection__MOST_KNOWN=Part(0)),
+    "names beside what falls with an effect": _rule(search__effect_selection___sweeps_along=NEVER),
     "effects that became weak go": _rule(run__without_weak=KEPT),
     "effects that faded in the last fit go": _rule(run__without_faded=KEPT),
     "effects of impossible values go": _rule(run___wandered=NOT_ONE),

@@ -13,8 +13,9 @@ from camid.diagnosis.search.hypothesis import Hypothesis
 from camid.diagnosis.search.screening import screen
 from camid.diagnosis.watch import Watch
 from camid.effects import modes
+from camid.effects.base import Effect
 from camid.effects.gradual_friction import GradualAsymmetricFriction, GradualCoulombFriction
-from camid.fitting.fit import fit
+from camid.fitting.fit import evaluate, fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.identification.from_recordings import experiments_of
 from camid.simulation.file import load_simulation
@@ -92,7 +93,8 @@ def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(monk
         return first.identifier, getattr(first.parameters.get("natural_frequency"), "value", None)
 
     assert found() == ("extra-mode", pytest.approx(frequency, rel=0.01))
-    # Of one shape on a coarse grid, and without the lines of the residual, it is not.
+    # Of one shape on a coarse grid, without the lines of the residual, and not from a mode in parallel, it is not.
+    monkeypatch.setattr(modes.ParallelMode, "relatives", Effect.relatives)
     monkeypatch.setattr(hypothesis_search, "MOST_FURTHER_SHAPES", 0)
     monkeypatch.setattr(modes, "highest_lines", lambda situation, count: iter(()))
     assert found() != ("extra-mode", pytest.approx(frequency, rel=0.1))
@@ -206,3 +208,30 @@ def test_the_special_case_of_a_law_with_more_detail_is_fitted_from_there(monkeyp
     )
     assert [h.identifier for h in found] == ["coulomb-friction", "asymmetric-friction"]
     assert found[0].fitted.model.effects[0].values == pytest.approx(law.values, rel=0.05)
+
+
+@pytest.mark.parametrize(("left", "swept"), [(4.0, False), (1.5, False), (1.0, True), (14.0, True), (0.0, True)])
+def test_an_effect_that_another_one_takes_along_is_noticed(left, swept):
+    """Beside coefficients that are bent without the other one it comes to nothing, or to what it is not."""
+    file = load_simulation(simulation())
+    model = model_of(problem_of(file, structure_of(file), *experiments_of([record()], file, None)[:2]), [])
+    whole = model.plus(effect("cubic-stiffness", coefficient=4.0)).plus(effect("delay", delay=0.004))
+    others = model.plus(effect("cubic-stiffness", coefficient=left))
+    assert effect_selection._sweeps_along(whole, others, 1) is swept
+    assert not effect_selection._sweeps_along(whole, model.plus(effect("delay", delay=0.004)), 0)
+
+
+def test_names_that_were_found_without_what_falls_with_an_effect_are_fitted_beside_it():
+    """A mode stands for a delay beside a spring; beside the plant alone the spring came to nothing."""
+    file = load_simulation(simulation())
+    spring, late = effect("cubic-stiffness", coefficient=4.0), effect("delay", delay=0.008)
+    recordings, experiments, _ = experiments_of([record(spring, late, noise=0.001)], file, None)
+    problem = problem_of(file, structure_of(file), recordings, experiments)
+    model = problem.with_initial_states(model_of(problem, []))
+    mode = effect("extra-mode", natural_frequency=150.0, damping=0.6)
+    current = fit(problem, model.plus(spring).plus(mode), steps=30)
+    alone = Hypothesis("delay", evaluate(problem, model.plus(effect("delay", delay=0.004))))
+    (found,) = effect_selection._leading_in_place(problem, [alone], current, 1)
+    assert [e.identifier for e in found.fitted.model.effects] == ["cubic-stiffness", "delay"]
+    assert found.fitted.model.effects[1].values["delay"] == pytest.approx(0.008, abs=5e-4)
+    assert found.fitted.cost < 1.05 * current.cost

@@ -27,6 +27,8 @@ from camid.side_by_side import side_by_side
 MOST_SWAPS = 4
 # Names known from a search beside fewer effects that are held against one beside all, where there is no time to search.
 MOST_KNOWN = 3
+# Factor by which the first number of an effect changes where it comes to nothing, or to much, without another one.
+SWEPT = 3.0
 
 
 def select_effects(
@@ -101,6 +103,8 @@ def _swapped(problem: Problem, begun: Decision, searches: Searches, watch: Watch
                 found = hypotheses(problem, others, laws, effort=RIVALS, watch=watch, incumbent=own)
                 searches.keep(others, [*found, _last(own, index)])
             found = [*found, *_related_in_place(problem, current, index)]
+            if _sweeps_along(current.model, others.model, index):
+                found += _leading_in_place(problem, found, current, index)
             best = in_order([own, *found])[0]
             if own.beyond(best) > SWAP_MARGIN:
                 current, changed = best.fitted, True
@@ -131,16 +135,30 @@ def _known_in_place(
     effect = current.model.effects[index]
     own = Hypothesis(effect.identifier, current, prior_penalty(problem, effect))
     earlier = next((ranked for ranked in known if any(h.identifier == effect.identifier for h in ranked)), [])
-    present = {e.identifier for e in current.model.effects}
-    others = [h.fitted.model.effects[-1] for h in earlier if h.identifier not in present][:MOST_KNOWN]
-    starts = [current.model.replaced(index, law) for law in others]
-    tried = side_by_side(partial(fitted_in_place, problem, index), starts)
     related = [_from_last(h, index) for h in _related_in_place(problem, current, index)]
-    found = [*(h for h in tried if h is not None), *related]
+    found = [*_leading_in_place(problem, earlier, current, index), *related]
     best = in_order([own, *found])[0]
     if own.beyond(best) <= SWAP_MARGIN:
         return best_of_each([own, *found]) if best is own else [own, *found]
     return in_order([own, *found])
+
+
+def _leading_in_place(problem: Problem, ranked: Sequence[Hypothesis], current: Fitted, index: int) -> list[Hypothesis]:
+    """The effects that hypotheses hold last, in their order, in the place of one of a model's, fitted beside all."""
+    present = {e.identifier for e in current.model.effects}
+    leading = [h.fitted.model.effects[-1] for h in ranked if h.identifier not in present][:MOST_KNOWN]
+    starts = [current.model.replaced(index, law) for law in leading]
+    return [h for h in side_by_side(partial(fitted_in_place, problem, index), starts) if h is not None]
+
+
+def _sweeps_along(whole: Model, others: Model, index: int) -> bool:
+    """Whether one of a model's effects takes another with it: without it the other one has come to nothing, or to much.
+
+    What is fitted beside the others then is fitted beside what they are not. Of each effect its first number counts.
+    """
+    kept = [effect for i, effect in enumerate(whole.effects) if i != index]
+    pairs = [(e.vector[0], o.vector[0]) for e, o in zip(kept, others.effects, strict=True) if len(e.vector)]
+    return any(not 1.0 / SWEPT <= abs(o) / max(abs(e), 1e-300) <= SWEPT for e, o in pairs)
 
 
 def _related_in_place(problem: Problem, current: Fitted, index: int) -> list[Hypothesis]:
