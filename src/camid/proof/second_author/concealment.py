@@ -181,10 +181,10 @@ def conceal(rng: Generator, identifiers: tuple[str, ...], way: str) -> tuple[Sce
     Raises
     ------
     NotShownError
-        If none of 4,000 scenes shows all of them.
+        If none of 400 scenes shows all of them.
     """
     several = len(identifiers) > 1
-    for _ in range(4000):
+    for _ in range(400):
         scene = stage(rng, identifiers)
         if scene is None:
             continue
