@@ -5,6 +5,7 @@ import pytest
 
 from camid.chain.acquisition import Acquisition
 from camid.effects import known_effects
+from camid.effects.modes import FASTEST
 from camid.fitting.covariance import effect_deviations
 from camid.fitting.fit import fit
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
@@ -44,3 +45,13 @@ def test_a_fit_that_wants_a_longer_exposure_ends_at_the_period_with_a_deviation(
     deviation = effect_deviations(found)[-1]["exposure"]
     assert deviation is not None
     assert 0.0 < deviation < PERIOD
+
+
+@pytest.mark.parametrize("identifier", ["extra-mode", "parallel-mode"])
+def test_no_mode_far_beyond_the_frames_is_fitted(identifier):
+    """What of it shows is a delay, a lag or a gain; one that is declared so fast stays what it is."""
+    gain = {"gain": 1.0} if identifier == "parallel-mode" else {}
+    place = [parameter.name for parameter in known_effects()[identifier].numeric()].index("natural_frequency")
+    for rate, fastest in ((30.0, FASTEST * np.pi / PERIOD), (1e6, 1e6)):
+        law = effect(identifier, natural_frequency=rate, damping=0.1, **gain)
+        assert law.bounds(CAMERA)[place][1] == pytest.approx(fastest)

@@ -9,6 +9,7 @@ from camid.effects.extent import Extent
 from camid.effects.friction import CoulombFriction, StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_friction import GradualAsymmetricFriction, GradualCoulombFriction, GradualStribeckFriction
+from camid.effects.modes import ModeDampedBetween
 from camid.effects.two_term_springs import CubicStiffnessWithFifthPower
 from camid.fitting.recorded_extent import extent_of
 from tests.fitting.test_fitted_rows import COUNT, PERIOD, problem_and_model
@@ -62,3 +63,10 @@ def test_the_extent_is_that_of_the_recordings():
     assert extent.signal == pytest.approx(max(np.max(np.abs(e.signal)) for e in problem.experiments))
     assert found.span == pytest.approx(4.0, rel=0.01)
     assert found.speed == pytest.approx(6.0 / np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize(("share", "plausible"), [(0.0, True), (1.0, True), (1.4, True), (1.6, False), (100.0, False)])
+def test_no_more_of_a_mode_s_damping_lies_in_its_spring_than_there_is(share, plausible):
+    """Half as much again at most, by an estimate: what the output does earlier than that is no mode."""
+    law = ModeDampedBetween(natural_frequency=30.0, damping=0.1, lead=share * 2.0 * 0.1 / 30.0)
+    assert law.is_plausible(REACHED) is plausible

@@ -27,7 +27,7 @@ from camid.effects.harmonics import (
 )
 from camid.effects.hertz_contact import HertzEndStop
 from camid.effects.lens_distortion import LensDistortion, LensDistortionOfFourthOrder
-from camid.effects.modes import FASTEST, ExtraMode, ModeDampedBetween, ParallelMode
+from camid.effects.modes import ExtraMode, ModeDampedBetween
 from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_drift import SettlingSensorDrift
@@ -385,24 +385,3 @@ def test_a_stop_that_takes_energy_pushes_harder_against_what_comes(gain, side):
     without = law.with_vector(np.array([0.5 * side, 4.0, 0.0]))
     np.testing.assert_allclose(output(without), output(law.simplified()), atol=1e-9)
     assert np.std(output(law) - output(without)) > 1e-3
-
-
-def test_a_mode_that_its_spring_damps_has_no_more_damping_there_than_there_is():
-    """Three half of it at most, by an estimate: what the output does earlier than that is no mode."""
-    extent = Extent(span=1.0, duration=10.0)
-    for share, plausible in ((0.0, True), (1.0, True), (1.4, True), (1.6, False), (100.0, False)):
-        lead = share * 2.0 * 0.1 / 30.0
-        law = ModeDampedBetween(natural_frequency=30.0, damping=0.1, lead=lead)
-        assert law.is_plausible(extent) is plausible
-
-
-@pytest.mark.parametrize(
-    "law", [ExtraMode(natural_frequency=30.0, damping=0.1), ParallelMode(gain=1.0, natural_frequency=30.0, damping=0.1)]
-)
-def test_no_mode_far_beyond_the_frames_is_fitted(law):
-    """What of it shows is a delay, a lag or a gain; one that is declared so fast stays what it is."""
-    place = [parameter.name for parameter in law.numeric()].index("natural_frequency")
-    assert law.bounds(CAMERA)[place][1] == pytest.approx(FASTEST * np.pi / CAMERA.period)
-    values = law.vector.copy()
-    values[place] = 1e6
-    assert law.with_vector(values).bounds(CAMERA)[place][1] == 1e6

@@ -207,7 +207,10 @@ Parts = tuple[TransferFunction, ...]
 # A screening simulates the same dynamics some hundred times, each time with another force.
 @lru_cache(maxsize=64)
 def _line_of(before: Parts, plant: TransferFunction, beside: Parts, after: Parts, unit: float) -> _Line:
-    """The dynamics of transfer functions; no array may be written to."""
+    """The dynamics of transfer functions; no array may be written to.
+
+    They are not flagged so: compiled code takes arrays that cannot be written to for another type.
+    """
     blocks = [_block(p, unit) for p in (*before, plant, *beside, *after)]
     return _joined(blocks, len(before), len(before) + len(beside))
 

@@ -25,7 +25,8 @@ from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
 
 MOST_SWAPS = 4
-# Names known from a search beside fewer effects that are held against one beside all, where there is no time to search.
+# Names known from a search beside fewer effects, or beside others that fell with the one they replace, that are held
+# against it beside all.
 MOST_KNOWN = 3
 # Factor by which the first number of an effect changes where it comes to nothing, or to much, without another one.
 SWEPT = 3.0
@@ -117,8 +118,10 @@ def _swapped(problem: Problem, begun: Decision, searches: Searches, watch: Watch
                 current, rivals, without = with_likelier_name(current, rivals, without)
             break
     untested = range(first + len(rivals), len(current.model.effects))  # for lack of time, or the last swap itself
+    # What was known before is held against each, unless all work is done.
+    known = [] if watch.has_done(FORMULAS) else begun.rivals
     for index in untested:
-        ranked = _known_in_place(problem, [] if watch.has_done(FORMULAS) else begun.rivals, current, index)
+        ranked = _known_in_place(problem, known, current, index)
         current = ranked[0].fitted
         rivals.append(ranked)
     without += side_by_side(partial(fit, problem, steps=ALL_STEPS), [current.model.without(i) for i in untested])
