@@ -111,6 +111,29 @@ def test_small_steps_are_found_where_what_they_do_adds_up(seed, share):
     assert abs(estimate.value - step) < 4.0 * estimate.standard_deviation < 0.01 * step
 
 
+def slow_lag(seed, share):
+    """A lag of many frames under few levels, as a staircase has them, each of them in steps that many others mimic."""
+    random = np.random.default_rng([58, seed])
+    step, ladder = 4.0 / share, random.uniform(0.1, 0.2) + 0.37 * np.arange(-11, 11)
+    signal = np.repeat(random.choice(ladder, ROWS // 10), 10)
+    numerator, denominator, _ = cont2discrete(([0.3], [1.0, 1.6]), PERIOD, method="zoh")
+    output = lfilter(numerator.ravel(), denominator, step * np.round(signal / step))
+    noise = 0.3 * NOISE * np.std(output) * random.standard_normal(ROWS)
+    return step, pd.DataFrame({"t": PERIOD * np.arange(ROWS), "u": signal, "y": output + noise})
+
+
+@pytest.mark.parametrize(("seed", "share"), [(1, 47), (2, 83)])
+def test_small_steps_are_found_by_what_they_do_in_their_own_size(seed, share):
+    """Steps of other sizes do the same in another size, which is not theirs."""
+    step, recorded = slow_lag(seed, share)
+    plant = {"transfer_function": {"numerator": [0.28], "denominator": [1.0, 1.7]}}
+    diagnosis = camid.diagnose(recorded, {**BELIEVED, "plant": plant})
+    (found,) = diagnosis.findings
+    assert (found.identifier, diagnosis.verdict) == ("input-quantisation", "explained")
+    estimate = found.parameters["step"]
+    assert abs(estimate.value - step) < 4.0 * estimate.standard_deviation < 0.05 * step
+
+
 def test_a_product_with_a_response_is_one_with_the_signal():
     """What answers the residual in reversed time is the adjoint of the plant, its sampling included."""
     recorded = axis(3, 0.05)

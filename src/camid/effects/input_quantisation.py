@@ -22,8 +22,9 @@ from camid.effects.situation import Situation
 
 # Steps that the largest command may hold, one after the other: a fit finds one from half a step of the largest away.
 COUNTS = np.arange(0.6, 20.0, 0.2)
-# The same of small steps, whose errors add up where the plant integrates, and how many of them are looked at closely.
-MANY_COUNTS, MOST_PROMISING = np.arange(20.0, 450.0, 0.2), 120
+# The same of small steps, of which a fit finds none from a tenth of a step of the largest away, and how many of them
+# are looked at closely.
+MANY_COUNTS, MOST_PROMISING = np.arange(20.0, 450.0, 0.1), 120
 # Steps that are held against a residual at once, which bounds the memory that takes.
 AT_ONCE = 100
 COUNTS_IN_A_LOOP = (1.2, 2.5, 5.0, 10.0)
@@ -64,26 +65,23 @@ class InputQuantisation(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """The steps whose response explains the residual best, to first order; of a loop, some sizes."""
+        """The large and the small steps that leave least of the residual, to first order; of a loop, some sizes."""
         if situation.controlled:
             yield from (cls(step=situation.largest("signal") / count) for count in COUNTS_IN_A_LOOP)
             return
         regression = _regression(situation)
         if regression.fails:
             return
-        steps = situation.largest("signal") / COUNTS
-        if situation.plant.denominator[-1] == 0.0:
-            steps = np.concatenate([steps, _promising(regression, situation.largest("signal") / MANY_COUNTS)])
-        signal = regression.situation.signal[:, None]
-        left, shown = regression.left(_rounded(signal, steps) - signal)
-        products = np.where(shown, regression.residual @ left, 0.0)
-        gains = np.maximum(products, 0.0) ** 2 / np.maximum(np.sum(left**2, axis=0), 1e-300)
-        for _ in range(BEST):
-            best = int(np.argmax(gains))
-            if gains[best] <= 0.0:
-                return
-            yield cls(step=float(steps[best]))
-            gains[max(best - 2, 0) : best + 3] = 0.0
+        largest, signal = situation.largest("signal"), regression.situation.signal[:, None]
+        for steps in (largest / COUNTS, _promising(regression, largest / MANY_COUNTS)):
+            left, shown = regression.left(_rounded(signal, steps) - signal)
+            falls = np.where(shown, 2.0 * regression.residual @ left - np.sum(left**2, axis=0), 0.0)
+            for _ in range(BEST):
+                best = int(np.argmax(falls))
+                if falls[best] <= 0.0:
+                    break
+                yield cls(step=float(steps[best]))
+                falls[max(best - 2, 0) : best + 3] = 0.0
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """Steps of nearly the same size that round some commands the other way, to which no derivative leads."""

@@ -2,7 +2,8 @@
 
 A candidate changes the simulated output by s. What the plant's coefficients (and the effects already found) can imitate
 of it is projected out, and the remainder r is compared with the residual e: adding the effect at the size that fits
-best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948) with a finite step for the derivative.
+best lowers the sum of squares by (r·e)²/(r·r). It is a score test (Rao 1948) with a finite step for the derivative. An
+effect whose size is its shape is there as it is, and lowers it by 2 r·e − r·r.
 """
 
 from __future__ import annotations
@@ -378,8 +379,8 @@ def _judged(
         if size <= imitated * whole or view.variance <= 0.0:
             continue
         product = float(rest @ residual)
-        factor = product / size**2
-        gain += product**2 / size**2
+        factor = 1.0 if effect.size_is_shape else product / size**2
+        gain += max(factor * (2.0 * product - factor * size**2), 0.0)
         remaining = max(float(view.residual @ view.residual) - gain, 1e-300) / max(len(rest) - 1, 1)
         if effect.one_sided and factor <= 0.0:
             gain = 0.0

@@ -31,7 +31,7 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import BIAS, LATENCY, OFFSET, SKEW, with_constants
 from camid.fitting.plants.latencies import with_latencies
 from camid.fitting.problem import Problem
-from camid.fitting.views import Views
+from camid.fitting.views import Views, added_by_sensor
 from camid.identification.experiment import Experiment
 from camid.identification.structure import Structure
 from camid.recording.recording import Recording
@@ -284,12 +284,13 @@ class PlantKind:
                 others=problem.signals_beside(index),
             )
 
-        reading = seen(recorded, simulated)
-        if not self.constants():
+        reading, offset = seen(recorded, simulated), model.constants.get(OFFSET.name, 0.0)
+        added = added_by_sensor(problem, model, index, simulated - offset)
+        if not self.constants() and added is None:
             return Views(reading, reading, reading)
-        offset = model.constants.get(OFFSET.name, 0.0)
         from_zero = reading if offset == 0.0 else seen(recorded - offset, simulated - offset)
-        return Views(reading, from_zero, seen(self.at_plant(recorded, model), self.at_plant(simulated, model)))
+        at_plant = [self.at_plant(y if added is None else y - added, model) for y in (recorded, simulated)]
+        return Views(reading, from_zero, seen(at_plant[0], at_plant[1]))
 
     def force_responses(
         self, problem: Problem, model: Model, index: int, forces: list[Array], hold: str
