@@ -205,6 +205,18 @@ def test_two_wrong_declarations_are_found_together():
     assert best.acquisition.hold == "foh"
 
 
+def test_a_residual_that_passes_and_is_larger_does_not_fall():
+    """A delay that a coefficient bends for leaves less, and depends on the input."""
+    experiments = recorded(np.random.default_rng(1), decibel=20.0, hold="foh", exposure=0.0)
+    experiments = [replace(e, acquisition=Acquisition(PERIOD)) for e in experiments]
+    structure = Structure.of_order(2, 0)
+    plant = estimate(structure, experiments).plant
+    analysis = analyse_residual(structure, plant, experiments)
+    found = alternative_declarations(structure, plant, experiments)
+    for before, word in ((10.0, "the residual falls from"), (1e-6, "the residual goes from")):
+        assert word in contradiction_sentence(analysis, before, Acquisition(PERIOD), found)
+
+
 def test_what_no_declaration_explains():
     """A second mode."""
     generator = np.random.default_rng(1)

@@ -101,16 +101,16 @@ def contradiction_sentence(
         return (
             f"{sentence}: the declared {described(declared, one.changed, article=False)} "
             f"contradict{'' if len(one.changed) > 1 else 's'} the data; with "
-            f"{described(one.acquisition, one.changed)} the residual falls from {before} to {percentage(one.nrmse)} "
-            f"and passes the test{_probability(one)}"
+            f"{described(one.acquisition, one.changed)} the residual {_goes(named, nrmse)} from {before} "
+            f"to {percentage(one.nrmse)} and passes the test{_probability(one)}"
         )
     parts = ("hold", "sensor", "latency")
     to = ", ".join(
         f"to {percentage(a.nrmse)} with {described(a.acquisition, a.changed)}{_probability(a)}" for a in named
     )
     return (
-        f"{sentence}: the declaration ({described(declared, parts)}) contradicts the data; the residual falls from "
-        f"{before} {to}; this recording does not tell these apart"
+        f"{sentence}: the declaration ({described(declared, parts)}) contradicts the data; "
+        f"the residual {_goes(named, nrmse)} from {before} {to}; this recording does not tell these apart"
     )
 
 
@@ -122,6 +122,11 @@ def explanations(alternatives: list[Alternative]) -> list[Alternative]:
     ]
     # A declaration without a fitted number is the stronger claim.
     return sorted(named, key=lambda a: "exposure" in a.changed or "latency" in a.changed)
+
+
+def _goes(named: list[Alternative], nrmse: float) -> str:
+    """What the residual does: one that no longer depends on the input may still be larger."""
+    return "falls" if all(one.nrmse < nrmse for one in named) else "goes"
 
 
 def _probability(alternative: Alternative) -> str:
