@@ -35,6 +35,8 @@ from tests.support.command_lines import IDENTIFY, SIMULATE, refusal, replaced
         (replaced(SIMULATE, "simulated.csv", "none/simulated.csv"), "none: no such folder"),
         (replaced(IDENTIFY, "model.yaml", "."), ".: this is a folder"),
         (replaced(SIMULATE, "simulated.csv", ""), "this is a folder"),
+        (["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "o", "--effort", "nan"], "nan is no"),
+        (["design", "S.yaml", "--output", "o", "--time-limit", "nan"], "nan is no"),
         (["identify", "recording.csv"], "neither --simulation nor --order is given"),
         ([*IDENTIFY, "--order", "2", "0"], "--order and --simulation contradict each other"),
         ([*IDENTIFY, "--hold", "foh"], "--hold and --simulation contradict each other"),

@@ -175,3 +175,14 @@ def test_noise_in_the_fitted_rows_is_said_of_them_alone_where_the_others_err_mor
     assert ("in the others the error is 4 times the noise" in text) == said
     meaning = verdict_words(written_diagnoses.diagnosis("explained", fit=fit))[2]
     assert meaning.endswith("in the rows that were fitted") == said
+
+
+def test_where_nothing_carries_over_but_the_fitted_rows_are_explained_that_is_said():
+    fit = replace(FIT, improved=0.998, noise_floor=0.0855, improved_everywhere=0.44)
+    text = explanation("partly-explained", [weighed(0.79)], fit, Location("plant"))
+    assert "hardly anything" not in text
+    assert "in the others the error is 12 times the noise" in text
+    fit = replace(fit, improved_everywhere=0.95)
+    nothing = explanation("partly-explained", [weighed(0.79)], fit, Location("plant"))
+    assert nothing.startswith("The simulation explains hardly anything of the output")
+    assert "times the noise" not in nothing

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from camid.cli.shared import check_output, own_effects_option, progress_display, warn
+from camid.cli.shared import FromZero, check_output, own_effects_option, progress_display, warn
 from camid.errors import InputError, need
 
 
@@ -39,7 +39,7 @@ from camid.errors import InputError, need
 @click.option("--picture/--no-picture", default=True, show_default=True, help="Also draw design.png.")
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0.0),
+    type=FromZero(),
     default=50.0,
     show_default=True,
     help="Seconds after which nothing new is tried; 0 for no limit.",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from camid.cli.shared import own_effects_option, progress_display, warn
+from camid.cli.shared import FromZero, own_effects_option, progress_display, warn
 from camid.diagnosis.watch import EFFORT, TIME_LIMIT
 from camid.errors import need
 
@@ -35,14 +35,14 @@ HELD = ("camid.commands.results", "camid.diagnosis.remaining_hypotheses", "camid
 @click.option("--report/--no-report", default=True, show_default=True, help="Also write report.html.")
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0.0),
+    type=FromZero(),
     default=TIME_LIMIT,
     show_default=True,
     help="Seconds after which nothing new is tried; 0 for no limit.",
 )
 @click.option(
     "--effort",
-    type=click.FloatRange(min=0.0),
+    type=FromZero(),
     default=EFFORT,
     show_default=True,
     help="How much is simulated before nothing new is tried, in multiples of the usual; 0 for no bound.",

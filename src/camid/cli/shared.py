@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +42,26 @@ def progress_display(quiet: bool) -> Iterator[Callable[[str], None] | None]:
 def warn(sentence: str) -> None:
     """One line on the error stream; the command goes on."""
     click.echo(f"camid: warning: {sentence}", err=True)
+
+
+class FromZero(click.FloatRange):
+    """A number from zero on: a range of click takes what is no number for one within it."""
+
+    def __init__(self) -> None:
+        super().__init__(min=0.0)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number.
+
+        Raises
+        ------
+        click.BadParameter
+            If it is below zero, or none.
+        """
+        number = float(super().convert(value, param, ctx))
+        if isnan(number):
+            self.fail(f"{value} is no number; give one from 0 on.", param, ctx)
+        return number
 
 
 own_effects_option = click.option(

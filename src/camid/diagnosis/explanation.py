@@ -8,7 +8,7 @@ from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Location
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
-from camid.diagnosis.normalised_errors import EXPLAINS_NOTHING, NormalisedErrors
+from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
 from camid.number_text import SPACE, percentage, plain, with_deviation
@@ -45,7 +45,7 @@ def wrong_coefficients(coefficients: Sequence[Coefficient], fit: NormalisedError
 
 def carries_over(fit: NormalisedErrors) -> bool:
     """Whether rows that were not fitted are left about as small as the noise in those that were."""
-    return not (EXPLAINS_NOTHING > fit.improved > CARRIED_OVER * fit.noise_floor > 0.0)
+    return fit.explains_nothing or not fit.improved > CARRIED_OVER * fit.noise_floor > 0.0
 
 
 def headline(finding: Finding) -> str:

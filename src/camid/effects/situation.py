@@ -59,6 +59,11 @@ class Situation:
         names = ("time", "signal", "recorded", "position", "velocity", "residual", "used")
         return replace(self, **{name: getattr(self, name)[:rows] for name in names})
 
+    def while_finite(self) -> Situation:
+        """The begin of the recording, until the motion runs away, as it may behind the rows that are fitted."""
+        ends = np.flatnonzero(~np.isfinite(self.position + self.velocity))
+        return self.until(int(ends[0])) if len(ends) else self
+
     def largest(self, name: str, share: float = 1.0) -> float:
         """The value that a share of the absolute values of a signal does not exceed; 1 for a signal that is zero.
 

@@ -45,6 +45,8 @@ MOST_KEPT = 20_000_000
 OTHER_SIZE = 3.0
 MOST_SIZES = 3
 LEAST_GAIN = 10.0
+# Rows of a motion, until it runs away, from which an effect is guessed.
+FEWEST_ROWS = 10
 # The factor of a guess that is far too large.
 MUCH_SMALLER = 0.1
 # What an effect remembers at the start where one asks what that does, of at most one.
@@ -118,8 +120,9 @@ def candidates(problem: Problem, base: Fitted) -> Iterator[Effect]:
     for identifier, effect in sorted(known_effects().items()):
         if effect.noise_like or identifier in present:
             continue
-        view = views.of(effect)
-        if problem.kind.unseen_beside(effect, base.model) is None and effect.invisible(view) is None:
+        view = views.of(effect).while_finite()
+        shown = len(view.time) >= FEWEST_ROWS and effect.invisible(view) is None
+        if shown and problem.kind.unseen_beside(effect, base.model) is None:
             guesses = list(_possible(effect, view))
             yield from guesses
             # A dead zone before the limit of a rate and one behind it are two laws.
