@@ -15,6 +15,7 @@ from camid.diagnosis.held_by_observer import Pulled, is_astray, takes_input_away
 from camid.diagnosis.improved_simulation import Deviations
 from camid.diagnosis.laws.laws_alone import log_evidence
 from camid.diagnosis.laws.learned_laws import with_learned_laws
+from camid.diagnosis.noiseless import NoNoise, said_of_noise, with_least_noise
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
 from camid.diagnosis.pruning.settled_effects import with_settled_laws, without_wandered
@@ -78,6 +79,26 @@ def investigate(
     ValueError
         If the simulation diverges whatever its coefficients.
     """
+    untouched = watch.state()
+    try:
+        return _of_readings(believed, problem, nominal, validation, chosen, watch)
+    except NoNoise:
+        noisy = with_least_noise(problem)
+    watch.set(untouched)
+    watch.count(noisy.work, len(noisy.output), len(noisy.fitted_runs))
+    found = _of_readings(believed, noisy, nominal, validation, chosen, watch)
+    return replace(found, warnings=[*found.warnings, said_of_noise()])
+
+
+def _of_readings(
+    believed: Simulation,
+    problem: Problem,
+    nominal: Model,
+    validation: Sequence[NDArray[np.bool_]],
+    chosen: bool,
+    watch: Watch,
+) -> Diagnosis:
+    """Diagnosis of readings as they are; :class:`NoNoise` is raised where they have none."""
     with with_a_copy(problem, nominal, watch):
         setting = prepared(believed, problem, nominal, validation, chosen, watch)
         beginning = first_beginning(setting.problem, setting.base)

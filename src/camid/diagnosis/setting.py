@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.noiseless import ask_for_noise
 from camid.diagnosis.residual.noise_recognition import spoiled_rows
 from camid.diagnosis.search.decision import Searches
 from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
@@ -103,6 +104,8 @@ def prepared(
 
     Raises
     ------
+    NoNoise
+        If the simulation leaves less than it is accurate to.
     ValueError
         If the simulation diverges whatever its coefficients.
     """
@@ -112,6 +115,7 @@ def prepared(
     base = whole.kind.refit(whole, start)
     if not np.all(np.isfinite(base.residual)):
         raise ValueError("the simulation diverges, whatever its coefficients")
+    ask_for_noise(whole, base)
     # Rows that say nothing of the motion (repeated frames, outliers) are neither fitted nor do they judge.
     suspect = spoiled_rows(
         whole.with_used([e.used | v for e, v in zip(whole.experiments, validation, strict=True)]), base

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from camid.diagnosis.noiseless import ask_for_noise
 from camid.diagnosis.search.beginnings_in_a_loop import Beginning
 from camid.diagnosis.search.decision import Decision, Searches
 from camid.diagnosis.search.false_alarms import FALSE_ALARM, FALSE_ALARM_BESIDE_OTHERS, STRONG_EVIDENCE, p_value
@@ -80,6 +81,11 @@ def with_added_effects(
     -------
     Decision
         Of which no effect was put to the test beside the others.
+
+    Raises
+    ------
+    NoNoise
+        If a model leaves less than a simulation is accurate to.
     """
     beginning = beginning or Beginning()
     begun = beginning.decision
@@ -89,6 +95,7 @@ def with_added_effects(
     known = len(base.model.effects)
     doubtful: Fitted | None = None
     while len(current.model.effects) - known < MOST_EFFECTS:
+        ask_for_noise(problem, current)
         names = ", ".join(e.identifier for e in current.model.effects)
         watch.take_stock(NAMES)
         part = f"effects in addition to {names}" if names else "effects of the catalogue"
