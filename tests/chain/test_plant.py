@@ -45,6 +45,14 @@ def test_integrators_and_undamped_modes_are_stable(denominator, unstable):
     assert len(TransferFunction((1.0,), denominator).unstable_poles()) == unstable
 
 
+@pytest.mark.parametrize(
+    ("denominator", "fastest"),
+    [((1.0, 2.0, 100.0), 10.0), ((1.0, 5.0, 4.0), 4.0), ((2.0, 6.0, 0.0), 3.0), ((1.0, 0.0), 0.0), ((3.0,), 0.0)],
+)
+def test_the_fastest_pole_lies_farthest_from_zero(denominator, fastest):
+    assert TransferFunction((1.0,), denominator).fastest_pole == pytest.approx(fastest)
+
+
 def test_exchange_with_python_control():
     plant = second_order(1.0, 10.0, 0.1) * TransferFunction((1.0, 3.0), (1.0, 5.0))
     returned = TransferFunction.from_control(plant.to_control())

@@ -93,6 +93,11 @@ class TransferFunction:
         """Poles in rad/s, shape (order,)."""
         return polynomial_roots(self.denominator)
 
+    @cached_property
+    def fastest_pole(self) -> float:
+        """Magnitude of the pole that lies farthest from zero, in rad/s; zero without poles."""
+        return float(np.max(np.abs(self.poles()), initial=0.0))
+
     def zeros(self) -> NDArray[np.complex128]:
         """Finite zeros in rad/s."""
         return polynomial_roots(self.numerator)

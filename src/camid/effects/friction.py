@@ -131,7 +131,7 @@ class StribeckFriction(Effect):
     def frequency(self, plant: TransferFunction) -> float:
         """Of the fall of friction with speed, which pushes the body."""
         slope = abs(self.values["breakaway"] - self.values["coulomb"]) / self.values["velocity"]
-        return min(3.0 * mobility(plant) * slope, 1e3 * float(np.max(np.abs(plant.poles()), initial=1.0)))
+        return min(3.0 * mobility(plant) * slope, 1e3 * max(plant.fastest_pole, 1.0))
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

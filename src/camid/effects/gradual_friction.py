@@ -291,4 +291,4 @@ def _first_transitions(situation: Situation) -> list[float]:
 def _rate_at_rest(plant: TransferFunction, level: float, transition: float) -> float:
     """Rate at which a friction brings a slow body to rest."""
     rate = mobility(plant) * level / transition
-    return min(rate, FASTEST * float(np.max(np.abs(plant.poles()), initial=1.0)))
+    return min(rate, FASTEST * max(plant.fastest_pole, 1.0))

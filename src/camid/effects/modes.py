@@ -89,7 +89,7 @@ class ExtraMode(_Mode):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Frequencies from a third of the plant's to three times the Shannon limit."""
         limit = np.pi / situation.acquisition.period
-        slowest = 0.3 * min(float(np.max(np.abs(situation.plant.poles()), initial=0.0)) or limit, limit)
+        slowest = 0.3 * min(situation.plant.fastest_pole or limit, limit)
         for frequency in np.geomspace(slowest, 3.0 * limit, 14):
             yield cls(natural_frequency=float(frequency), damping=0.05)
             yield cls(natural_frequency=float(frequency), damping=0.4)
@@ -175,7 +175,7 @@ class ParallelMode(_Mode):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Frequencies from a third of the plant's to beyond the Shannon limit, lightly and well damped."""
         limit = pi / situation.acquisition.period
-        slowest = LOWEST * min(float(np.max(np.abs(situation.plant.poles()), initial=0.0)) or limit, limit)
+        slowest = LOWEST * min(situation.plant.fastest_pole or limit, limit)
         gain = GUESS * situation.largest("position") / situation.largest("signal")
         for frequency in np.geomspace(slowest, HIGHEST * limit, FREQUENCIES):
             for damping in DAMPING_RATIOS:

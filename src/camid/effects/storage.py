@@ -150,7 +150,7 @@ class SquareRootOutflow(_Storage, AgainstMotion):
 
     def _trickle(self, plant: TransferFunction) -> float:
         """Level of a trickle of a single storage."""
-        own = FASTEST_TRICKLE * float(np.max(np.abs(plant.poles()), initial=0.0))
+        own = FASTEST_TRICKLE * plant.fastest_pole
         fastest = own if self._period is None else own + TRICKLE_IN_A_PERIOD / self._period
         if fastest == 0.0:
             return NO_LEVEL
@@ -324,7 +324,7 @@ class Overflow(_Storage):
 
     def _return(self, plant: TransferFunction) -> float:
         """Rate in 1/s with which what a step has led beyond the edge flows off."""
-        return RETURN * float(np.max(np.abs(plant.poles()), initial=0.0))
+        return RETURN * plant.fastest_pole
 
     def frequency(self, plant: TransferFunction) -> float:
         """Of a full storage above another one."""

@@ -96,7 +96,7 @@ def parts_in_a_period(effects: Sequence[Effect], acquisition: Acquisition, plant
     bending = (e for e in effects if type(e).transform is not Effect.transform)
     if all(acquisition.hold == "zoh" and effect.keeps_hold for effect in bending):
         return 1
-    fastest = float(np.max(np.abs(plant.poles()), initial=0.0))
+    fastest = plant.fastest_pole
     return min(max(PARTS, ceil(acquisition.period * fastest / PART)), MOST_PARTS)
 
 

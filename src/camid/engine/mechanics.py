@@ -315,7 +315,7 @@ def _equations(chain: Chain, line: _Line, *, dry: bool) -> PlantEquations:
             if effect.limited_state() is not None:
                 raise NotApplicable(f"{effect.identifier} limits a state, and the plant has no equations")
         return no_equations()
-    fastest = float(np.max(np.abs(chain.plant.poles()), initial=0.0)) or 1.0
+    fastest = chain.plant.fastest_pole or 1.0
     limited = [limit for effect in chain.effects if (limit := effect.limited_state()) is not None]
     entering = (line.plant[0], line.driving, line.driving_input)
     forced = any(e.force is not None or e.friction_level is not None for e in chain.effects)

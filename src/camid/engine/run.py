@@ -339,7 +339,7 @@ def read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) ->
 
 def _fastest_pole(chain: Chain) -> float:
     """Largest absolute value of the poles of the plant, in rad/s."""
-    return float(np.max(np.abs(chain.plant.poles()), initial=0.0))
+    return chain.plant.fastest_pole
 
 
 def _steps(chain: Chain, acquisition: Acquisition) -> int:
@@ -366,7 +366,7 @@ def _steps(chain: Chain, acquisition: Acquisition) -> int:
 def _fastest_part(chain: Chain) -> float:
     """Largest absolute value of the poles of the dynamics before, beside and after the plant, in rad/s."""
     parts = [p for e in chain.effects for p in (e.before_plant(), e.beside_plant(), e.after_plant()) if p is not None]
-    return max((float(np.max(np.abs(p.poles()), initial=0.0)) for p in parts), default=0.0)
+    return max((p.fastest_pole for p in parts), default=0.0)
 
 
 def _stable_steps(chain: Chain, acquisition: Acquisition, longest: float) -> int:
