@@ -20,6 +20,8 @@ from camid.side_by_side import WORKERS, side_by_side
 
 # Effects whose laws with more detail are fitted, and the sum of squares of the second one of them over the least one.
 MOST_REFINED, NEARLY_AS_GOOD = 2, 1.3
+# Sum of squares, in noise variances, that a law has to gain for more detail to be looked for beyond it.
+LEAST_GAINED = 2.0
 
 
 def special_case_in_place(
@@ -114,7 +116,8 @@ def finer_laws(problem: Problem, ranked: Sequence[Hypothesis]) -> list[Hypothesi
         while starts:
             fitted = _until_white(problem, starts)
             found += fitted
-            better = [h for h in fitted if h.fitted.cost < lowest]
+            # A law that begins with itself again, as a step at another time does, gains ever less.
+            better = [h for h in fitted if h.fitted.cost < lowest * (1.0 - LEAST_GAINED / len(h.fitted.residual))]
             lowest = min((h.fitted.cost for h in better), default=lowest)
             # Where two laws do nearly the same, either may be the one that has more detail.
             near = _of_different_laws(better, NEARLY_AS_GOOD * lowest)
