@@ -48,6 +48,7 @@ def test_the_band_is_the_spread_of_models_drawn_from_the_covariance(identified):
         np.testing.assert_allclose(stated, np.std(values, axis=1), rtol=0.08)
 
 
+@pytest.mark.slow
 def test_the_band_holds_the_truth_as_often_as_it_says():
     """Of 40 recordings with noise of their own, at the resonance and away from it."""
     inside = np.zeros(2)

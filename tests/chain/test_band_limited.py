@@ -2,6 +2,7 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 import camid
 from camid.chain.acquisition import Acquisition
@@ -43,6 +44,7 @@ def test_corners_of_a_slow_signal_are_its_samples():
     assert np.max(np.abs(straight_line_corners(signal) - signal)) < 2e-4
 
 
+@pytest.mark.slow
 def test_identified_and_named():
     """Coefficients without bias under the right hold; the wrong one is named by diagnose."""
     time, signal, exact = multisine(0.4 * np.pi / PERIOD)

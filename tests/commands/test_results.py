@@ -77,6 +77,7 @@ def test_a_repr_has_at_most_ten_lines(result, diagnosis):
     assert diagnosis.verdict in repr(diagnosis)
 
 
+@pytest.mark.slow
 def test_a_notebook_shows_a_table_and_a_picture_whose_text_is_escaped(result, diagnosis):
     for shown in [*views(result), diagnosis]:
         html = shown._repr_html_()

@@ -53,6 +53,7 @@ def test_an_input_and_rest():
     assert abs(physical.parameters["stiffness"] - 5.7) < 4.0 * physical.standard_deviations["stiffness"]
 
 
+@pytest.mark.slow
 def test_diagnose_names_friction_of_both_columns():
     found = camid.diagnose(swinging_marker(friction=0.12), SIMULATION)
     assert found.findings[0].identifier == "coulomb-friction"
@@ -64,6 +65,7 @@ def test_diagnose_names_friction_of_both_columns():
     np.testing.assert_allclose(found.further_signals[0].recorded, table["y"])
 
 
+@pytest.mark.slow
 def test_diagnose_finds_nothing_where_nothing_is():
     assert camid.diagnose(swinging_marker(seed=3), SIMULATION).verdict == "adequate"
 

@@ -71,6 +71,7 @@ def test_its_coefficients_are_identified():
 
 
 @pytest.mark.parametrize("dead_zone", [0.0, 0.06])
+@pytest.mark.slow
 def test_what_its_simulation_leaves_out_is_named(dead_zone, recwarn):
     diagnosis = camid.diagnose(levitated(dead_zone), believed())
     assert [f.identifier for f in diagnosis.findings] == (["dead-zone"] if dead_zone else [])
@@ -82,6 +83,7 @@ def test_what_its_simulation_leaves_out_is_named(dead_zone, recwarn):
     assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]
 
 
+@pytest.mark.slow
 def test_what_is_written_is_read_again(tmp_path):
     recording = levitated(0.06)
     write_simulation(camid.diagnose(recording, believed()).improved, tmp_path / "improved.yaml")

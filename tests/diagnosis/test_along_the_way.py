@@ -25,6 +25,7 @@ def slider(seed, count=2500):
     )
 
 
+@pytest.mark.slow
 def test_a_guide_that_is_worn_amid():
     believed = {
         "schema": 1,
@@ -63,6 +64,7 @@ def linear_motor(seed, count=2500):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.slow
 def test_poles_of_a_motor_in_a_loop_that_is_not_declared(seed):
     believed = {
         "schema": 1,

@@ -35,6 +35,7 @@ def diagnosed(command, recorded, period, numerator, damping):
     return camid.diagnose(table, nominal)
 
 
+@pytest.mark.slow
 def test_a_buffer_in_a_loop_that_is_not_declared_is_found_beside_coefficients_of_either_sign():
     """Without the buffer the plant that is estimated from what the loop commanded may even have the other sign."""
     generator = np.random.default_rng(8)
@@ -67,6 +68,7 @@ def test_friction_and_a_load_that_sets_in_are_found_together_in_a_loop_that_is_n
     assert found.fit.refitted > 0.5
 
 
+@pytest.mark.slow
 def test_friction_that_sticks_and_a_load_that_sets_in_meanwhile_are_found_in_a_loop_that_is_not_declared():
     """The axis rests at other places for the least error: the sum of squares over the whole recording is rugged."""
     generator = np.random.default_rng(31)
@@ -88,6 +90,7 @@ def test_friction_that_sticks_and_a_load_that_sets_in_meanwhile_are_found_in_a_l
     assert found.fit.improved < 0.02
 
 
+@pytest.mark.slow
 def test_a_drive_that_saturates_is_found_beside_friction_and_a_load_that_sets_in():
     """With two of three the axis runs away from the recording: the curve of the command stands before the forces."""
     generator = np.random.default_rng(4)
@@ -107,6 +110,7 @@ def test_a_drive_that_saturates_is_found_beside_friction_and_a_load_that_sets_in
     assert found.fit.improved < 0.02 < found.fit.refitted
 
 
+@pytest.mark.slow
 def test_buffers_at_both_ends_of_the_way_are_found_in_a_loop_that_is_not_declared():
     generator = np.random.default_rng(6)
     wanted = np.repeat(generator.uniform(-0.9, 0.9, 20), 125)
@@ -124,6 +128,7 @@ def test_buffers_at_both_ends_of_the_way_are_found_in_a_loop_that_is_not_declare
     assert found.fit.improved < 0.05 < found.fit.refitted
 
 
+@pytest.mark.slow
 def test_a_valve_that_overlaps_is_found_beside_a_late_camera_and_a_load_that_is_constant():
     """It was Coulomb friction; the load, which acts behind the valve, an arm that hardly turns."""
     generator = np.random.default_rng(6)
@@ -143,6 +148,7 @@ def test_a_valve_that_overlaps_is_found_beside_a_late_camera_and_a_load_that_is_
     assert named["input-bias"]["bias"].value == pytest.approx(-load, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_limit_of_a_rate_is_found_in_the_loop_of_a_controller_that_is_often_at_its_own():
     """An edge at the limit of the command would leave nothing of it, and so explain all."""
     generator = np.random.default_rng(5)

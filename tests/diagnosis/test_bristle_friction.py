@@ -38,6 +38,7 @@ def recording(parameters, count=900, seed=1):
     ("identifier", "truth"),
     [pytest.param("coulomb-friction", DAHL, marks=pytest.mark.slow), ("stribeck-friction", LUGRE)],
 )
+@pytest.mark.slow
 def test_friction_with_bristles_is_friction(identifier, truth, monkeypatch):
     monkeypatch.setattr(learned_laws, "_likeliest", lambda *_, **__: pytest.fail("a law was learned"))
     believed = simulation(sensor={"column": "y", "kind": "instant", "offset": 0.0})

@@ -97,6 +97,7 @@ def test_a_general_law_has_prior_odds_against_it():
     assert 1.0 < prior_penalty(problem, general) < 4.0
 
 
+@pytest.mark.slow
 def test_a_general_law_takes_the_place_of_its_special_case():
     """Friction that falls with the speed, of which Coulomb's is found first, by the generator of the sealed proof."""
     case = plan(778, 72)[23]

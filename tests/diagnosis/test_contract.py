@@ -331,6 +331,7 @@ def folder(tmp_path, monkeypatch):
 COMMAND = ["diagnose", "recording.csv", "--simulation", "S.yaml", "--output", "found"]
 
 
+@pytest.mark.slow
 def test_the_command_writes_and_prints(folder, capsys):
     assert main(COMMAND) == 0
     out, err = capsys.readouterr()

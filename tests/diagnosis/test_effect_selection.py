@@ -36,6 +36,7 @@ def friction_and_bias():
     return record(law, plant=plant, noise=0.001), believed(plant)
 
 
+@pytest.mark.slow
 def test_what_one_of_two_effects_leaves_is_no_noise_that_hides_both(monkeypatch):
     diagnosis = camid.diagnose(*friction_and_bias())
     assert {f.identifier for f in diagnosis.findings} == {"input-bias", "coulomb-friction"}
@@ -45,6 +46,7 @@ def test_what_one_of_two_effects_leaves_is_no_noise_that_hides_both(monkeypatch)
     assert camid.diagnose(*friction_and_bias()).findings == []
 
 
+@pytest.mark.slow
 def test_an_effect_that_was_looked_beside_in_vain_is_dropped(monkeypatch):
     """It is kept for the time being alone, as the search beside it shows."""
     beside = []
@@ -60,6 +62,7 @@ def test_an_effect_that_was_looked_beside_in_vain_is_dropped(monkeypatch):
     assert beside == [[], ["input-bias"]]
 
 
+@pytest.mark.slow
 def test_a_special_case_that_was_not_screened_may_lead(monkeypatch):
     """Friction that only its general laws suggest, in a first search and beside another effect."""
     every = setting.screen
@@ -74,6 +77,7 @@ def test_a_special_case_that_was_not_screened_may_lead(monkeypatch):
     assert {f.identifier for f in diagnosis.findings} == {"coulomb-friction", "step-disturbance"}
 
 
+@pytest.mark.slow
 def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(monkeypatch):
     plant, frequency = TransferFunction((3604.2,), (1.0, 6.5, 3622.7)), 252.0
     count, camera = 436, {"exposure": 0.4 * PERIOD}
@@ -100,6 +104,7 @@ def test_a_resonance_beyond_half_the_frame_rate_is_found_in_its_own_minimum(monk
     assert found() != ("extra-mode", pytest.approx(frequency, rel=0.1))
 
 
+@pytest.mark.slow
 def test_an_exposure_is_found_along_a_valley_of_coefficients():
     """A fit that stops in the valley leaves a mode in parallel the better name."""
     plant = TransferFunction((28_000.0,), (1.0, 67.2, 905.0, 28_480.0))

@@ -53,6 +53,7 @@ def test_errors_in_rows_at_rest_are_measured_by_the_whole_recording():
     assert fit.to_mapping()["reference"] == "whole-recording"
 
 
+@pytest.mark.slow
 def test_errors_in_rows_that_move_are_measured_by_them():
     table = record(effect("coulomb-friction", force=0.15))
     diagnosis = camid.diagnose(table, simulation())

@@ -60,6 +60,7 @@ def parameter(found, identifier, name):
 
 
 @pytest.mark.parametrize(("start", "seed"), [(0.9, 1), pytest.param(0.6, 0, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_gravity_and_drag(start, seed):
     drag = 0.05
     found = camid.diagnose(filmed(PIXELS * angles(start, 4.4, 0.03, drag=drag), seed), BELIEVED)
@@ -80,6 +81,7 @@ def test_gravity_and_friction_of_the_pivot(start, seed):
     assert force.standard_deviation < 0.03 * force.value
 
 
+@pytest.mark.slow
 def test_a_bob_that_is_seen_from_the_side():
     """Its position is the sine of its angle: to the third order what a lens does."""
     found = camid.diagnose(filmed(PIXELS * np.sin(angles(0.55, 4.1, 0.02, friction=0.05)), 4), BELIEVED)

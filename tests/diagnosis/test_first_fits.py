@@ -71,6 +71,7 @@ def test_a_number_that_does_nothing_stays_where_it_is():
     assert quick.cost == pytest.approx(fit(problem, start).cost, rel=0.01)
 
 
+@pytest.mark.slow
 def test_what_a_law_lacks_shows_when_what_hid_it_is_found():
     laws = known_effects()["encoder-eccentricity"].finer_laws
     (law,) = laws

@@ -71,6 +71,7 @@ TURNS = BELIEVED | {
 
 
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.slow
 def test_a_dead_zone_acts_before_the_limit_of_the_rate_that_was_found_first(seed):
     recording = turning(seed)
     diagnosis = camid.diagnose(recording, TURNS)

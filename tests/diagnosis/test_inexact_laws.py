@@ -37,6 +37,7 @@ def searches(monkeypatch):
     return found
 
 
+@pytest.mark.slow
 def test_what_an_inexact_law_leaves_is_learned_and_given_no_further_name(answers, searches):
     """A cubic spring with a magnet beside its way."""
     recording = rig(lambda y, v: 0.3 * y**3 + bump(y, v), 1).drop(columns="clean")
@@ -61,6 +62,7 @@ def test_names_are_looked_for_where_no_law_can_be_learned(answers, searches):
     assert ["coulomb-friction"] in searches
 
 
+@pytest.mark.slow
 def test_a_second_effect_of_the_catalogue_is_looked_for(answers):
     recording = record(effect("coulomb-friction", force=0.15), effect("cubic-stiffness", coefficient=0.2))
     diagnosis = camid.diagnose(recording, simulation())

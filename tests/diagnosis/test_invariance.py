@@ -91,6 +91,7 @@ def test_times_of_disturbances_are_those_of_the_clock():
     assert abs(value(again, "step-disturbance", "time")[0] - 1004.5) < PERIOD
 
 
+@pytest.mark.slow
 def test_columns_may_have_any_name(recording, diagnosis):
     called = {"t": "time [s]", "u": "motor, V", "y": "Ort: \u00b5m <b>"}
     content = simulation(
@@ -109,6 +110,7 @@ def test_columns_may_have_any_name(recording, diagnosis):
     assert said == json.loads(json.dumps(before))
 
 
+@pytest.mark.slow
 def test_irregularly_rounded_times(recording, diagnosis):
     """30 frames a second, written with three decimals: 0.033, 0.067, 0.1."""
     rounded = recording.assign(t=np.round(np.arange(COUNT) / 30.0, 3))
@@ -136,6 +138,7 @@ def test_validation_rows_have_no_influence(recording):
     )
 
 
+@pytest.mark.slow
 def test_several_recordings_are_fitted_together_and_a_fifth_of_each_validates():
     recordings = [record(DEAD_ZONE, seed=seed, count=300) for seed in (1, 2, 3)]
     found = camid.diagnose(recordings, simulation())
@@ -170,6 +173,7 @@ def moving(*effects, cut=100, **options):
     return table.assign(t=PERIOD * np.arange(COUNT))
 
 
+@pytest.mark.slow
 def test_a_rig_that_moves_when_the_recording_begins():
     found = camid.diagnose(moving(DEAD_ZONE), simulation(initial_state="estimate"))
     assert (found.verdict, names(found)) == ("explained", ["dead-zone"])
@@ -191,6 +195,7 @@ def decay(force):
     return table.drop(columns="u"), simulation(input=None, initial_state="estimate", plant=plant)
 
 
+@pytest.mark.slow
 def test_friction_in_a_free_decay():
     table, content = decay(0.01)
     found = camid.diagnose(table, content)
@@ -217,6 +222,7 @@ def test_a_linear_free_decay_is_adequate():
     ],
     ids=["instant-sensor", "first-order-hold-short-late-exposure"],
 )
+@pytest.mark.slow
 def test_what_is_declared_rightly_is_no_mismatch(acquisition, content):
     nothing = camid.diagnose(record(**acquisition), simulation(**content))
     assert (nothing.verdict, names(nothing)) == ("adequate", [])
@@ -234,6 +240,7 @@ def test_what_is_declared_rightly_is_no_mismatch(acquisition, content):
     ],
     ids=["one-pole", "integrator", "with-a-zero"],
 )
+@pytest.mark.slow
 def test_other_plants(plant):
     """Plants that the catalogue's forces act on in different ways."""
     balanced = command(COUNT) - np.mean(command(COUNT))

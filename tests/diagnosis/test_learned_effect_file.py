@@ -238,6 +238,7 @@ def arguments(folder, recording, output):
     return [str(folder / recording), "--simulation", str(folder / "S.yaml"), "--output", str(folder / output)]
 
 
+@pytest.mark.slow
 def test_what_one_recording_taught_is_named_in_another(bench, capsys):
     learned = bench / "one" / NAME
     capsys.readouterr()

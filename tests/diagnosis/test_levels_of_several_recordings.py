@@ -57,6 +57,7 @@ def diagnosis(*recordings):
     ("law", "parameter", "value"),
     [("saturation", "limit", 2.0), ("dead-zone", "half_width", 0.4), ("load-dependent-friction", "coefficient", 0.12)],
 )
+@pytest.mark.slow
 def test_what_two_sizes_of_the_input_show_is_named(law, parameter, value):
     found = diagnosis(*(recording(law, size, seed) for seed, size in enumerate(SIZES)))
     assert found.verdict == "explained"
@@ -68,6 +69,7 @@ def test_what_two_sizes_of_the_input_show_is_named(law, parameter, value):
     assert estimate.value == pytest.approx(value, abs=max(4.0 * estimate.standard_deviation, 0.02 * value))
 
 
+@pytest.mark.slow
 def test_steps_of_the_command_are_found_where_the_longest_recording_has_none():
     """A free decay says nothing of the input, however long it is."""
     random = np.random.default_rng(5)
@@ -82,6 +84,7 @@ def test_steps_of_the_command_are_found_where_the_longest_recording_has_none():
     assert effect.parameters["step"].value == pytest.approx(0.5, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_friction_under_one_load_may_grow_with_it():
     found = diagnosis(recording("load-dependent-friction", 3.0, 1))
     (effect,) = found.findings

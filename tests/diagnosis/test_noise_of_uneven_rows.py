@@ -38,6 +38,7 @@ def fitted_to(table, *effects):
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_friction_that_shows_where_the_motion_is_slow_is_found_beside_jitter(seed):
     table = jittered(effect("coulomb-friction", force=0.004), jitter=0.2 * PERIOD, seed=seed)
     diagnosis = camid.diagnose(table, simulation())

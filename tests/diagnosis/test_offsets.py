@@ -14,6 +14,7 @@ def said(diagnosis):
     return diagnosis.verdict, sorted(f.identifier for f in diagnosis.findings)
 
 
+@pytest.mark.slow
 def test_an_offset_of_thousands_of_standard_deviations_hides_no_effect():
     recording = record(effect("cubic-stiffness", coefficient=0.3))
     shifted = recording.assign(y=recording["y"] - 6000.0 * np.std(recording["y"]))

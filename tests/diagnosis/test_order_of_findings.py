@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 import camid
 from camid.diagnosis.finding import ParameterEstimate
@@ -13,6 +14,7 @@ from tests.support import written_diagnoses
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 
 
+@pytest.mark.slow
 def test_what_costs_most_to_leave_out_comes_first_and_the_largest_share_is_the_place():
     """An impulse takes most of the error in the rows that were fitted, and less in those that were not."""
     table = record(effect("impulse-disturbance", size=0.08, time=3.01), effect("coulomb-friction", force=0.1))

@@ -73,6 +73,7 @@ def test_it_is_named_with_value_and_deviation(diagnosis):
     assert "fading" not in known_effects()
 
 
+@pytest.mark.slow
 def test_a_class_may_be_given_in_place_of_a_file(bench, diagnosis):
     with own_effects(bench / "mine.py") as (fading,):
         pass
@@ -288,6 +289,7 @@ def test_an_output_folder_does_not_overwrite_the_file_that_it_is_made_with(tmp_p
     assert mine.read_text() == RIGHT
 
 
+@pytest.mark.slow
 def test_named_effects_of_the_catalogue_keep_their_names_beside_it(tmp_path):
     (tmp_path / "mine.py").write_text(RIGHT)
     recording = record(effect("coulomb-friction", force=0.15), noise=0.003)

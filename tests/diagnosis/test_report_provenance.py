@@ -109,6 +109,7 @@ def test_without_an_input_there_is_no_response():
     assert "response" not in Page(page.render(written_diagnoses.diagnosis("explained"))).sections
 
 
+@pytest.mark.slow
 def test_the_report_does_not_wait_for_python_control(tmp_path):
     """It is an extra of its own, and takes longer to load than a diagnosis."""
     rig.recording(300).to_csv(tmp_path / "run.csv", index=False)

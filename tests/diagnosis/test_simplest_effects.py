@@ -75,6 +75,7 @@ def test_what_stands_for_the_law_is_modelled_and_not_claimed(loaded_bearing):
     assert diagnosis.fit.improved < 0.2 * diagnosis.fit.refitted
 
 
+@pytest.mark.slow
 def test_what_a_law_at_another_place_cannot_do_is_no_correction_of_it(tmp_path):
     """A gap with soft flanks, which the catalogue's has not, beside gravity, which shows less than what those leave.
 
@@ -112,6 +113,7 @@ def buffered(seed):
     return pd.DataFrame({"t": time, "u": signal, "y": found + drift + noise})
 
 
+@pytest.mark.slow
 def test_a_drift_corrects_no_law_of_the_plant():
     """It explains a thousandth of the mismatch, and most of what a stop that is not exact leaves."""
     nominal = {

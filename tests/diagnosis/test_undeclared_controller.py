@@ -77,6 +77,7 @@ def test_an_inverted_pendulum_is_identified_in_a_loop_that_is_not_declared():
         assert abs(coefficient.improved - truth) < 4.0 * coefficient.improved_deviation < 0.05 * abs(truth)
 
 
+@pytest.mark.slow
 def test_friction_of_an_inverted_pendulum_is_found_and_the_improved_simulation_follows():
     table = recorded(swings(4, 3000, 0.01), 0.01, falling(0.1), balanced, 2e-4, 0.004, 2)
     found = camid.diagnose(table, nominal(6.0, [1.0, 0.8, -18.0], 0.004, observer={"rate": 8.0}))
@@ -99,6 +100,7 @@ def cogging(u, y, v):
     return 8.0 * (u - 0.6 * np.sin(2.0 * np.pi * y / 0.035 + 1.0)) - 5.0 * v
 
 
+@pytest.mark.slow
 def test_strong_cogging_in_a_loop_that_is_not_declared_is_found_with_an_observer():
     """An axis near the edge of a well leaves any simulation that is not pulled."""
     goals = np.cumsum(np.random.default_rng(5).uniform(-0.06, 0.06, 20)).repeat(150)

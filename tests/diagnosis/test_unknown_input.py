@@ -40,6 +40,7 @@ def believed(**more):
 
 
 @pytest.mark.parametrize("seed", range(3))
+@pytest.mark.slow
 def test_the_dead_time_of_a_heater_that_is_warming_up(seed):
     found = camid.diagnose(heater(seed), believed())
     assert [f.identifier for f in found.findings] == ["delay"]

@@ -42,6 +42,7 @@ def said(found):
     return [(int(w[1]), float(w[3]), float(w[5])) for w in words]
 
 
+@pytest.mark.slow
 def test_zeros_that_differ_are_no_effect():
     tables = [recording(1.0, 1), recording(1.0, 2, zero=-0.3), recording(1.0, 3, zero=0.05)]
     found = diagnosis(*tables)
@@ -75,6 +76,7 @@ def test_friction_is_found_beside_zeros_that_differ():
     assert abs(value + 0.3) < 4.0 * deviation
 
 
+@pytest.mark.slow
 def test_a_gain_that_differs_between_the_signs_is_no_zero():
     """It moves the mean of each recording, too, by as much as the input is large."""
     sizes = np.repeat([0.5, 1.0, 1.5, 2.0], ROWS // 4)
@@ -88,6 +90,7 @@ def test_a_gain_that_differs_between_the_signs_is_no_zero():
     assert not said(found)
 
 
+@pytest.mark.slow
 def test_a_zero_that_is_declared_holds_for_all():
     declared = {**SIMULATION, "sensor": {**SIMULATION["sensor"], "offset": 0.0}}
     found = camid.diagnose([recording(1.0, 1), recording(1.0, 2, zero=-0.3)], declared, time_limit=None)
@@ -95,6 +98,7 @@ def test_a_zero_that_is_declared_holds_for_all():
     assert not said(found)
 
 
+@pytest.mark.slow
 def test_a_motor_may_begin_elsewhere():
     """The position of a plant that integrates is counted from where each recording begins."""
 

@@ -95,6 +95,7 @@ def test_the_recorded_motion_shows_the_torque_before_anything_is_fitted(sign):
 
 
 @pytest.mark.parametrize("phase", [0.0, np.pi / 2])
+@pytest.mark.slow
 def test_an_arm_is_found_wherever_its_zero_is(phase):
     """A sensor counts from where the arm hangs; another one from where it is level, and a controller holds it there."""
     generator = np.random.default_rng(3)

@@ -85,6 +85,7 @@ def held_by_bristles(seed):
     return signal, seen + 0.001 * np.std(seen) * random.standard_normal(rows)
 
 
+@pytest.mark.slow
 def test_it_is_found():
     signal, seen = held_by_bristles(1)
     table = record(signal=signal, count=len(signal)).assign(u=signal, y=seen)

@@ -50,6 +50,7 @@ def test_it_is_started_at_the_usual_speed():
 
 
 @pytest.mark.parametrize("power", [1.5, 2.8])
+@pytest.mark.slow
 def test_it_is_found(power):
     """Of a mass on a spring, by another program."""
     random = np.random.default_rng([29, round(10 * power)])

@@ -34,6 +34,7 @@ def test_it_resembles_a_friction_that_falls_and_turns_round_gradually():
     np.testing.assert_allclose(friction, drag, atol=0.02 * 0.5)
 
 
+@pytest.mark.slow
 def test_an_eddy_current_brake_is_found():
     """It was a Stribeck friction that turns round gradually, and a learned force beside it."""
     law = EddyCurrentBrake(peak=0.4, velocity=0.9)
@@ -45,6 +46,7 @@ def test_an_eddy_current_brake_is_found():
 
 
 @pytest.mark.parametrize("noise", [0.001, 0.01])
+@pytest.mark.slow
 def test_friction_that_falls_is_none(noise):
     law = StribeckFriction(coulomb=0.2, breakaway=0.4, velocity=0.8)
     found = camid.diagnose(record(law, noise=noise, count=2500), simulation()).findings

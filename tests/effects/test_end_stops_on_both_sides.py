@@ -50,6 +50,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.slow
 def test_stops_on_both_sides_and_play_around_a_spring_are_found(name):
     wanted, force = CASES[name]
     nominal = {

@@ -313,6 +313,7 @@ LONG = {"cubic-stiffness", "end-stop", "lens-distortion"}
         for case in LAWS
     ],
 )
+@pytest.mark.slow
 def test_the_law_is_found_and_the_improved_simulation_declares_it(identifier, law, key):
     recording = record(law, noise=0.001, count=1200)
     found = camid.diagnose(recording, simulation())

@@ -81,6 +81,7 @@ def test_free_motion_shows_no_stop(actuator):
     assert plant_beside_stops(situation(time, command, position)) is None
 
 
+@pytest.mark.slow
 def test_a_buffer_of_a_spindle_is_found_though_the_plant_without_it_runs_away(actuator):
     time, command, stroke = actuator
     nominal = {

@@ -45,6 +45,7 @@ def test_a_knee_of_any_sharpness(sharpness, known, within):
     assert law.simplified().values == {"force": 0.4, "transition": 0.5}
 
 
+@pytest.mark.slow
 def test_friction_over_a_square_root_is_found_with_its_knee():
     """With a hyperbolic tangent in its place two frictions were named for one."""
     law = CoulombFrictionOfAnyKnee(force=0.3, transition=0.5, sharpness=2.0)
@@ -70,6 +71,7 @@ def test_a_damper_with_valves_has_a_knee_and_another_force_in_each_direction():
     assert not law.with_vector(np.array([0.5, 0.01, 0.4, 2.0])).is_plausible(extent)
 
 
+@pytest.mark.slow
 def test_a_shock_absorber_is_found_whose_rebound_is_damped_more():
     """It was a Coulomb friction beside a bias, and a learned curve of the sensor."""
     law = AsymmetricFrictionOfAnyKnee(forward=0.5, backward=0.12, transition=0.4, sharpness=2.0)
@@ -88,6 +90,7 @@ def test_friction_that_turns_round_gradually_is_viscous_at_rest_and_dry_beyond()
     assert law.simplified().values == {"force": 0.4}
 
 
+@pytest.mark.slow
 def test_friction_that_turns_round_gradually_is_no_stribeck_friction():
     """Whose level would have to rise with the speed."""
     table = record(GradualCoulombFriction(force=0.3, transition=0.6), count=2500)

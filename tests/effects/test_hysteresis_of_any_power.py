@@ -52,6 +52,7 @@ def test_against_the_present_force_it_is_straight():
     assert after(law, -0.2, 0.9) == pytest.approx(0.5)
 
 
+@pytest.mark.slow
 def test_a_loop_that_saturates_suddenly_is_found():
     law = HysteresisOfAnyPower(strength=0.5, shape=3.0, exponent=3.0)
     found = camid.diagnose(record(law, noise=0.002, count=1500), simulation())

@@ -34,6 +34,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(("share", "count"), [pytest.param(0.02, 3000, marks=pytest.mark.slow), (0.12, 1500)])
+@pytest.mark.slow
 def test_intervals_hold_the_true_share(shape, share, count):
     shares = [share_of(SHAPES[shape], seed, share, count) for seed in range(SAMPLES)]
     found = np.array([(each.fraction, each.deviation) for each in shares])
@@ -71,6 +72,7 @@ def evidences(draw):
 
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("count", [500, pytest.param(3000, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_noise_with_heavy_tails_has_no_outliers(noise, count):
     found = evidences(lambda generator: NOISES[noise](generator, count))
     assert len(found) > SAMPLES / 3
@@ -88,12 +90,14 @@ def test_outliers_are_told_from_heavy_tails(shape):
     assert np.all(evidences(struck) > LEAST_EVIDENCE)
 
 
+@pytest.mark.slow
 def test_tails_that_no_noise_of_a_sensor_has_are_outliers():
     """A Student distribution of two degrees of freedom has no variance."""
     assert np.all(evidences(lambda generator: generator.standard_t(2.0, 3000)) > LEAST_EVIDENCE)
 
 
 @pytest.mark.parametrize("size", [0.5, 1.0])
+@pytest.mark.slow
 def test_tails_on_top_of_the_noise_are_outliers(size):
     """What lies near is the noise's, so that a Student distribution alone has lighter tails than these."""
     found = evidences(lambda generator: generator.normal(size=8000) + size * generator.standard_t(2.0, 8000))

@@ -72,6 +72,7 @@ def test_no_gap_is_no_play():
     np.testing.assert_allclose(with_none, run(chain, signal, times), atol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_stage_with_play_is_told_from_friction():
     """A motor on a screw: the plant integrates, the nut has a gap, and the scale is on the table."""
     plant = TransferFunction((12.0,), (1.0, 25.0, 0.0))

@@ -41,6 +41,7 @@ def test_the_recorded_motion_says_what_a_turn_is(seed):
 
 
 @pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.slow
 def test_a_pendulum_that_has_turned_over_is_found(seed):
     diagnosis = camid.diagnose(disc(seed), rigs.disc_simulation())
     (found,) = diagnosis.findings

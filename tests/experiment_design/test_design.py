@@ -120,6 +120,7 @@ def test_a_design_is_the_same_again(diagnosis, design):
     assert again.to_mapping() == design.to_mapping()
 
 
+@pytest.mark.slow
 def test_limits_are_kept_under_every_hypothesis(diagnosis):
     limits = {"amplitude": (-0.8, 0.9), "rate": 4.0, "duration": 5.0, "travel": (-0.9, 0.7)}
     found = camid.design(diagnosis, **limits, time_limit=None)
@@ -134,6 +135,7 @@ def test_limits_are_kept_under_every_hypothesis(diagnosis):
     assert -0.9 <= found.travel[0] < found.travel[1] <= 0.7
 
 
+@pytest.mark.slow
 def test_what_no_input_tells_apart_is_said():
     """At a thousandth of the amplitude the noise hides everything."""
     pair = [believed(effect("cubic-stiffness", coefficient=0.1)), believed(effect("quadratic-drag", coefficient=0.01))]
@@ -156,6 +158,7 @@ def test_a_faster_camera_is_taken_where_it_says_more():
     assert two.evidence > 1.5 * one.evidence
 
 
+@pytest.mark.slow
 def test_a_rig_that_can_be_released_says_what_no_input_does():
     """An input of a hundredth of the friction moves nothing; a release from a position decides at once."""
     pair = [believed(effect("coulomb-friction", force=0.1)), believed(effect("quadratic-drag", coefficient=0.05))]

@@ -41,6 +41,7 @@ def bench(tmp_path, monkeypatch, diagnosis, first):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_folder_of_a_design(bench, capsys):
     assert main(["design", "diagnosis", "--output", "next", "--duration", "4", "--time-limit", "0"]) == 0
     printed = capsys.readouterr().out
@@ -62,6 +63,7 @@ def test_the_folder_of_a_design(bench, capsys):
     assert all(d["std_after"] < d["std_before"] for d in content["parameters"] if d["name"] == "gain-asymmetry ratio")
 
 
+@pytest.mark.slow
 def test_the_input_alone(bench, capsys):
     options = ["--duration", "2", "--time-limit", "0"]
     # An input is written over, a recording is not.

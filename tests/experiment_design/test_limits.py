@@ -58,6 +58,7 @@ def test_a_travel_without_the_rest_names_the_folder_and_the_option(diagnosis):
         design_for(Task(known.hypotheses, limits, noise_of(known, Wishes()), known.rows), Watch(None, None))
 
 
+@pytest.mark.slow
 def test_a_smaller_input_stays_in_its_range(diagnosis):
     """A pump that always runs: what is too much for the travel comes nearer to its least input, and not to none."""
     known = known_from_diagnosis(diagnosis)

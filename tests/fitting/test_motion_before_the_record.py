@@ -108,6 +108,7 @@ def test_a_screening_knows_what_an_effect_may_remember():
     assert beginnings(problem, base, coulomb, signature(problem, base, coulomb)) is None
 
 
+@pytest.mark.slow
 def test_hysteresis_of_a_stage_in_motion_is_found_and_simulated():
     table = rig()
     found = camid.diagnose(table[["t", "u", "y"]], believed(numerator=[300.0]))

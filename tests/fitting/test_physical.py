@@ -143,6 +143,7 @@ def test_the_result_is_a_simulation_again(tmp_path):
     assert np.std(simulated["simulated"] - simulated["y"]) < 0.02 * np.std(simulated["y"])
 
 
+@pytest.mark.slow
 def test_friction_beside_constants():
     friction = declarable_effects()["coulomb-friction"](force=0.15)
     found = camid.diagnose(recording((friction,)), simulation(SPRING))

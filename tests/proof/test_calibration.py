@@ -62,6 +62,7 @@ def test_comparisons_go_through_json():
     assert read_comparisons(json.loads(json.dumps(rows))) == comparisons
 
 
+@pytest.mark.slow
 def test_a_rig_with_a_strong_effect_is_compared():
     case = next(c for c in plan(13, 60) if c.effects == ("cubic-stiffness",))
     (row,) = calibration.comparisons_of([case])

@@ -192,6 +192,7 @@ def test_a_soft_rate_limit_limits_what_is_recorded():
 @pytest.mark.parametrize(
     "identity", [n for n, family in CATALOGUE.items() if family.place == "plant" and n != "end-stop"]
 )
+@pytest.mark.slow
 def test_what_a_law_leaves_falls_with_its_strength(identity):
     """Else a small size is something other than what the truth names.
 

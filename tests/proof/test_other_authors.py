@@ -29,6 +29,7 @@ def test_recordings_are_diagnosed_and_scored(tables):
     assert (scores["seconds"] > 0.0).all()
 
 
+@pytest.mark.slow
 def test_laws_that_no_rig_shows_together_end_no_table(tmp_path, monkeypatch):
     """The numbers of the others stay, and the table has their count."""
     nothing = kinds(SEED, COUNT).index("none")

@@ -54,6 +54,7 @@ def test_half_the_step_changes_far_less_than_the_noise(name):
 @pytest.mark.parametrize("name", ["coulomb-friction", "stribeck-friction", "load-dependent-friction", "cogging",
                                   "end-stop", "parameter-drift", "backlash", "rate-limit", "perspective",
                                   "impulse-disturbance"])  # fmt: skip
+@pytest.mark.slow
 def test_laws_are_those_of_the_catalogue(name, tmp_path):
     """The tool, given the true coefficients and laws, makes the same output.
 

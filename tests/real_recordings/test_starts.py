@@ -43,6 +43,7 @@ def test_a_third_order_plant_stays_stable_and_a_pendulum_a_pendulum():
     assert again == drawn
 
 
+@pytest.mark.slow
 def test_every_draw_is_diagnosed(tmp_path):
     import json
 
@@ -54,6 +55,7 @@ def test_every_draw_is_diagnosed(tmp_path):
     assert table["error"].max() == pytest.approx(table["error"].min(), rel=0.05)
 
 
+@pytest.mark.slow
 def test_later_rows_are_diagnosed(tmp_path):
     import json
 

@@ -34,6 +34,7 @@ def error(table, simulation):
     return float(np.sqrt(np.mean((simulated - table["y"]) ** 2)))
 
 
+@pytest.mark.slow
 def test_the_optimum_is_that_of_an_independent_search(tables, believed):
     found = camid.identify(tables[0], believed)
     assert found.converged

@@ -65,6 +65,7 @@ def test_a_command_that_dies_is_said_to_have_died(project):
     assert job.error == "testing ended without an answer (exit code 1)"
 
 
+@pytest.mark.slow
 def test_a_cancelled_command_ends_and_leaves_nothing(project):
     before = {p.name for p in project.folder.iterdir()}
     well, job, _ = run(
@@ -76,6 +77,7 @@ def test_a_cancelled_command_ends_and_leaves_nothing(project):
         find_repeatedly(job._process.pid)
 
 
+@pytest.mark.slow
 def test_a_recording_gets_a_first_simulation_and_an_identified_one(project):
     project.take_recording("slide.csv")
     work, changes = Work(project), []

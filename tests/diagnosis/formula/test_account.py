@@ -90,6 +90,7 @@ def test_a_formula_that_takes_more_than_is_left_is_left_out_with_a_word(monkeypa
     assert LONG_FITS in warning
 
 
+@pytest.mark.slow
 def test_a_law_outside_of_the_dictionary_has_no_formula():
     diagnosis = diagnosed(lambda y, v: 0.25 * np.sin(2.4 * y * abs(y)), 12)
     assert diagnosis.learned
