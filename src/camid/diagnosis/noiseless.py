@@ -16,8 +16,9 @@ from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
 from camid.number_text import percentage
 
-# Accuracy of a simulation, as a share of the output's standard deviation: that of a command that an actuator bends
-# within a frame or of dry friction, where an integrator that shares nothing with this one differs by a tenth of it.
+# Accuracy of a simulation, as a share of the output's standard deviation. With dry friction, stops and actuators that
+# bend the command within a frame another integrator differs by at most a fifth of it; where several of these act at
+# once it may differ by more, and that is left.
 ACCURACY = 1e-5
 # A model that fits leaves about all of such noise; one that leaves less than this share of it was given none.
 WELL_BELOW = 0.5

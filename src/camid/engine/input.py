@@ -96,8 +96,7 @@ def parts_in_a_period(effects: Sequence[Effect], acquisition: Acquisition, plant
     bending = (e for e in effects if type(e).transform is not Effect.transform)
     if all(acquisition.hold == "zoh" and effect.keeps_hold for effect in bending):
         return 1
-    fastest = plant.fastest_pole
-    return min(max(PARTS, ceil(acquisition.period * fastest / PART)), MOST_PARTS)
+    return min(max(PARTS, ceil(acquisition.period * plant.fastest_pole / PART)), MOST_PARTS)
 
 
 @njit(nogil=True)

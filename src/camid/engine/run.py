@@ -277,7 +277,7 @@ def _first_steps(chain: Chain, acquisition: Acquisition, mechanics: Mechanics) -
     """Steps per period by the plant and the effects, before anything is simulated."""
     steps = _steps(chain, acquisition)
     if mechanics.forces.implicit:
-        fastest = _fastest_pole(chain)
+        fastest = chain.plant.fastest_pole
         steps = max(steps, min(ceil(acquisition.period * fastest / STEP_IMPLICIT), MOST_STEPS))
     return steps
 
@@ -337,14 +337,9 @@ def read(chain: Chain, motion: Motion, time: Array, acquisition: Acquisition) ->
     return motion.mean(start, end)
 
 
-def _fastest_pole(chain: Chain) -> float:
-    """Largest absolute value of the poles of the plant, in rad/s."""
-    return chain.plant.fastest_pole
-
-
 def _steps(chain: Chain, acquisition: Acquisition) -> int:
     """Steps of the integrator per period."""
-    fastest = _fastest_pole(chain)
+    fastest = chain.plant.fastest_pole
     if chain.equations is not None:
         # Their steps are not exact for the linear parts of the chain either.
         fastest = max(fastest, FINER_BESIDE * _fastest_part(chain))
