@@ -91,6 +91,16 @@ def test_a_verdict_speaks_of_all_effects_together(weights, said):
     assert verdict_of(found, False, True) == "partly-explained"
 
 
+def test_what_holds_in_the_fitted_rows_alone_explains_a_part():
+    """Rows that were not fitted judge: a name that leaves them larger than the noise does not explain them."""
+    assert verdict_of([weighed(0.99)], False, False, carries_over=False) == "partly-explained"
+    assert verdict_of([], False, False, carries_over=False) == "unexplained"
+    fit = replace(FIT, refitted=0.5, improved=0.5, noise_floor=0.05)
+    text = explanation("unexplained", [], fit, Location())
+    assert "in the fitted rows what is left is noise" in text
+    assert "in the others the error is 10 times the noise" in text
+
+
 def test_a_remark_on_the_noise_takes_nothing_from_what_explains_the_motion():
     remark = replace(weighed(0.46, ("unlisted", 0.54)), identifier="coloured-noise", title="Coloured noise")
     assert verdict_of([weighed(0.9, ("unlisted", 0.1)), remark], False, False) == "explained"

@@ -45,16 +45,18 @@ CASES = [
 ]
 
 
+NOMINAL = {
+    "schema": 1,
+    "time": {"column": "t"},
+    "input": {"column": "u", "hold": "zoh"},
+    "plant": {"transfer_function": BELIEVED},
+    "sensor": {"column": "y", "kind": "instant"},
+}
+
+
 @pytest.mark.parametrize(("coefficient", "factors", "change", "when"), CASES, ids=[case[0] for case in CASES])
 def test_it_is_found_when_and_by_how_much(coefficient, factors, change, when):
-    nominal = {
-        "schema": 1,
-        "time": {"column": "t"},
-        "input": {"column": "u", "hold": "zoh"},
-        "plant": {"transfer_function": BELIEVED},
-        "sensor": {"column": "y", "kind": "instant"},
-    }
-    found = camid.diagnose(recorded(factors, when, seed=3), nominal)
+    found = camid.diagnose(recorded(factors, when, seed=3), NOMINAL)
     assert [f.identifier for f in found.findings] == ["parameter-drift"]
     parameters = found.findings[0].parameters
     assert found.improved.effects[0].parameters["coefficient"] == coefficient
@@ -62,6 +64,19 @@ def test_it_is_found_when_and_by_how_much(coefficient, factors, change, when):
     assert abs(estimate.value - change) < 4.0 * estimate.standard_deviation < 0.3 * abs(change)
     assert parameters["time"].value == pytest.approx(when, abs=0.3)
     assert found.verdict == "explained"
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_about_where_the_force_turns_round_it_is_found_on_the_right_side(side):
+    """A spring that changes a little before it is slack, or a little behind, pushes as much on the whole."""
+    motion = recorded({}, 1e9, seed=3)
+    slack = next(k for k in range(1000, COUNT) if motion.y[k] > 0.05 and motion.y[k + 1] < -0.05) + 0.5
+    when = PERIOD * (slack + 2.0 * side)
+    found = camid.diagnose(recorded({"stiffness": 1.5}, when, seed=3), NOMINAL)
+    assert [f.identifier for f in found.findings] == ["parameter-drift"]
+    assert found.improved.effects[0].parameters["coefficient"] == "stiffness"
+    estimate = found.findings[0].parameters["time"]
+    assert abs(estimate.value - when) < 4.0 * estimate.standard_deviation < 0.02
 
 
 def test_before_it_nothing_acts_and_of_a_heavier_mass_all_forces_do_less():

@@ -63,7 +63,8 @@ def concluded(
     if held is not decision:
         found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
-    verdict = verdict_of(found, bool(learned), bool(named.reasons or residue.reasons))
+    structured = bool(named.reasons or residue.reasons)
+    verdict = verdict_of(found, bool(learned), structured, carries_over=fits.carries_over)
     location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}

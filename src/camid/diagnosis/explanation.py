@@ -25,8 +25,6 @@ LISTED_WEIGHT = 0.005
 # criterion, very strong evidence; Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773-795) where only its name is left.
 RIVAL_WEIGHT = 0.02
 FITS_WORSE = 10.0
-# Error on rows that were not fitted, in that of the noise, from which the laws are said not to carry over to them.
-CARRIED_OVER = 2.0
 # Coefficients that a sentence lists.
 MOST_COEFFICIENTS = 3
 
@@ -41,11 +39,6 @@ def wrong_coefficients(coefficients: Sequence[Coefficient], fit: NormalisedError
         return difference / deviation if deviation > 0.0 else 0.0
 
     return sorted((c for c in coefficients if off(c) > WRONG_DEVIATIONS), key=lambda c: -off(c))
-
-
-def carries_over(fit: NormalisedErrors) -> bool:
-    """Whether rows that were not fitted are left about as small as the noise in those that were."""
-    return fit.explains_nothing or not fit.improved > CARRIED_OVER * fit.noise_floor > 0.0
 
 
 def headline(finding: Finding) -> str:
@@ -135,10 +128,11 @@ def explanation(
     if verdict == "adequate":
         sentences += _of_no_structure(fit) if fit.explains_nothing else _adequate(fit, coefficients)
     elif verdict == "unexplained":
+        left = "what is left is structured" if structured else "in the fitted rows what is left is noise"
         sentences.append(
             f"Something is left out, and no effect of the catalogue explains it: re-estimating the coefficients leaves "
             f"{_share(fit.refitted)} of the output's standard deviation on rows that were not fitted (the noise in the "
-            f"fitted ones is estimated as {_share(fit.noise_floor)}), and what is left is structured."
+            f"fitted ones is estimated as {_share(fit.noise_floor)}), and {left}."
         )
     elif found and names_noise and not learned:
         sentences += _of_noise_alone(found, fit, coefficients)
@@ -156,9 +150,9 @@ def explanation(
         sentences += _beside_laws(found if names_noise else [], structured=structured)
     elif structured and verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
-    elif verdict == "partly-explained":
+    elif verdict == "partly-explained" and fit.carries_over:
         sentences.append("What is left is noise, but it is likelier than not that something here has another name.")
-    if (found or learned) and not structured and not carries_over(fit):
+    if verdict != "adequate" and not structured and not fit.carries_over:
         times = plain(fit.improved / fit.noise_floor, 2)
         sentences.append(
             f"That is said of the rows that were fitted: in the others the error is {times} times the noise, so that "

@@ -9,6 +9,8 @@ from camid.number_text import span
 
 # Error, as a share of the output's standard deviation, from which a simulation explains hardly anything.
 EXPLAINS_NOTHING = 0.9
+# Error in these rows, in that of the noise, from which what holds in the fitted ones is said not to carry over to them.
+CARRIED_OVER = 2.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,11 @@ class NormalisedErrors:
         """Whether the simulation explains hardly anything, neither of these rows nor of the whole recording."""
         everywhere = self.improved if self.improved_everywhere is None else self.improved_everywhere
         return min(self.improved, everywhere) >= EXPLAINS_NOTHING
+
+    @property
+    def carries_over(self) -> bool:
+        """Whether these rows are left about as small as the noise in those that were fitted."""
+        return self.explains_nothing or not self.improved > CARRIED_OVER * self.noise_floor > 0.0
 
     @property
     def rows(self) -> str:

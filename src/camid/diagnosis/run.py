@@ -29,6 +29,7 @@ from camid.diagnosis.search.beginnings_in_a_loop import Beginning, first_beginni
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
+from camid.diagnosis.search.settled_laws import in_least_minima
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
 from camid.diagnosis.zeros_of_recordings import CountedFromOwn, with_own_zeros
@@ -287,7 +288,7 @@ def _simplified(
         # Of white noise nothing is a correction: other rows may show a value that is not exact, and no law.
         if set(residue.reasons) - {"validation"}:
             decision = simplest(problem, decision, setting.known, residue.places, watch)
-        decision = _converged(problem, decision, watch)
+        decision = _converged(problem, decision, setting.known, watch)
         fewer, known = _with_fewer(setting, decision, watch, replaced)
         if fewer is not decision:
             if known is not None:
@@ -315,11 +316,15 @@ def _with_fewer(
     return fewer, None if replaced.count(gone) == MOST_REPLACED else (*replaced, gone)
 
 
-def _converged(problem: Problem, decision: Decision, watch: Watch) -> Decision:
+def _converged(problem: Problem, decision: Decision, known: int, watch: Watch) -> Decision:
     """The decision with its model fitted until more fitting changes nothing: a search stops as soon as it can rank."""
     if not decision.rivals or decision.fitted.weighted:
         return decision
-    return replace(decision, fitted=_fitted_to_the_end(problem, decision.fitted, watch))
+    fitted = decision.fitted
+    watch.take_stock(LAWS)
+    if not watch.no_time_for("other minima"):
+        fitted = in_least_minima(problem, fitted, known)
+    return replace(decision, fitted=_fitted_to_the_end(problem, fitted, watch))
 
 
 def _fitted_to_the_end(problem: Problem, fitted: Fitted, watch: Watch) -> Fitted:

@@ -263,12 +263,13 @@ def beside_others(noise: Sequence[Finding], motion: Sequence[Finding]) -> list[F
     return result
 
 
-def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str:
+def verdict_of(found: Sequence[Finding], learned: bool, structured: bool, *, carries_over: bool = True) -> str:
     """One of the four verdicts.
 
     A mismatch is explained where what has a name leaves nothing but noise, and that all of it has its name is likelier
     than that something of it is physics outside the catalogue, which only acts like it. Beside effects on the motion
-    one on the noise says how that looks, and takes nothing from them.
+    one on the noise says how that looks, and takes nothing from them. Rows that were not fitted choose no name, but
+    where they are left larger than the noise something is left out there.
 
     Parameters
     ----------
@@ -277,7 +278,10 @@ def verdict_of(found: Sequence[Finding], learned: bool, structured: bool) -> str
         Whether a law without a name is modelled.
     structured : bool
         Whether what has a name leaves more than noise.
+    carries_over : bool
+        Whether rows that were not fitted are left about as small as the noise in those that were.
     """
+    structured |= not carries_over
     if not found and not learned:
         return "unexplained" if structured else "adequate"
     motion = [finding for finding in found if not known_effects()[finding.identifier].noise_like]

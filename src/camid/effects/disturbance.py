@@ -25,6 +25,7 @@ from camid.effects.situation import Situation
 # Spectral lines of the residual, and times, that are looked into.
 LINES = 4
 TIMES = 3
+OTHER_TIMES = 3
 # Periods of a force that a recording holds at least: what has not returned may be a drift as well.
 FEWEST_PERIODS = 1.5
 
@@ -78,19 +79,41 @@ class PeriodicDisturbance(Effect):
             yield cls(frequency=angular, **force_at(situation, angular))
 
 
+def explained_from_each_row(residual: Array, response: Array) -> tuple[Array, Array]:
+    """What a response that starts at each row explains of a residual, and its factor there, both of shape (N,)."""
+    count, size = len(residual), 2 * len(residual)
+    correlation = np.fft.irfft(np.fft.rfft(residual, size) * np.conj(np.fft.rfft(response, size)), size)[:count]
+    energy = np.cumsum(response**2)[::-1]  # what is left of the response before the record ends
+    energy = np.maximum(energy, 1e-3 * energy[0])
+    return correlation**2 / energy, correlation / energy
+
+
 def _best_times(situation: Situation, response: Array) -> list[float]:
     """Times at which a response that starts there fits the residual best, in seconds."""
     count = len(situation.residual)
-    size = 2 * count
-    correlation = np.fft.irfft(np.fft.rfft(situation.residual, size) * np.conj(np.fft.rfft(response, size)), size)
-    energy = np.cumsum(response**2)[::-1]  # what is left of the response before the record ends
-    score = correlation[:count] ** 2 / np.maximum(energy, 1e-3 * energy[0])
+    score, _ = explained_from_each_row(situation.residual, response)
     times = []
     for _ in range(TIMES):
         i = int(np.argmax(score))
         times.append(float(situation.time[i]))
         score[max(i - count // 50 - 3, 0) : i + count // 50 + 4] = -1.0
     return times
+
+
+def _other_times(situation: Situation, response: Array, factor: float, time: float) -> list[tuple[float, float]]:
+    """Factors and times, in seconds, at which a response that was fitted at one time may do as well at another.
+
+    What oscillates does nearly the same half a period later with the other sign, so that a sum of squares has as many
+    minima; those that explain most of the residual without the response come first.
+    """
+    from scipy.signal import find_peaks
+
+    row = int(np.argmin(np.abs(situation.time - time)))
+    done = np.concatenate([np.zeros(row), response])[: len(response)]
+    explained, factors = explained_from_each_row(situation.residual + situation.used * factor * done, response)
+    peaks, _ = find_peaks(explained)
+    others = sorted((int(i) for i in peaks if abs(i - row) > 1), key=lambda i: -explained[i])
+    return [(float(factors[i]), float(situation.time[i])) for i in others[:OTHER_TIMES]]
 
 
 class StepDisturbance(Effect):
@@ -101,7 +124,7 @@ class StepDisturbance(Effect):
     title = "Step disturbance"
     equation = r"d = s\ \ (t \geq t_0),\quad d = 0\ \ (t < t_0)"
     reference = "Basseville & Nikiforov (1993), Detection of Abrupt Changes, chapter 7"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("size", "u", "size s"),
         Parameter("time", "s", "onset t_0", scale="period"),
     )
@@ -123,10 +146,15 @@ class StepDisturbance(Effect):
         return (self.values["time"],)
 
     def restarts(self, situation: Situation) -> tuple[StepDisturbance, ...]:
-        """Half a time constant earlier and later: while friction holds a body it does not show when a force sets in."""
+        """Where the residual shows it as well, and half a time constant earlier and later.
+
+        While friction holds a body it does not show when a force sets in.
+        """
         shift = 0.5 * time_scale(situation.plant.monic.denominator)
         size, time = self.values["size"], self.values["time"]
-        return tuple(type(self)(size=size, time=time + side * shift) for side in (-1.0, 1.0))
+        begins = [(size, time + side * shift) for side in (-1.0, 1.0)]
+        begins += _other_times(situation, self._response(situation), size, time)
+        return tuple(type(self)(size=size, time=time) for size, time in begins)
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """A camera that is knocked at that time."""
@@ -135,12 +163,18 @@ class StepDisturbance(Effect):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Where the response to a step fits the residual best."""
-        response = sample(situation.response_to_force, np.ones(len(situation.time)), situation.acquisition)
+        """Where the response to a step fits the residual best, or that to a force which passes."""
         size = 0.05 * situation.largest("signal")
-        for time in _best_times(situation, response):
+        for time in _best_times(situation, cls._response(situation)):
             for shift in (0.0, -0.5):
                 yield cls(size=size, time=time + shift * situation.acquisition.period)
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
+
+    @staticmethod
+    def _response(situation: Situation) -> Array:
+        """Of the output to a force of one from the first row on."""
+        return sample(situation.response_to_force, np.ones(len(situation.time)), situation.acquisition)
 
 
 class ImpulseDisturbance(Effect):
@@ -164,14 +198,25 @@ class ImpulseDisturbance(Effect):
         """The blow."""
         return ((self.values["time"], self.values["size"]),)
 
+    def restarts(self, situation: Situation) -> tuple[ImpulseDisturbance, ...]:
+        """Where the residual shows it as well."""
+        period = situation.acquisition.period
+        size, middle = self.values["size"] / period, self.values["time"] - 0.5 * period
+        begins = _other_times(situation, self._response(situation), size, middle)
+        return tuple(type(self)(size=size * period, time=time + 0.5 * period) for size, time in begins)
+
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Where the response to a blow fits the residual best."""
-        signal = np.zeros(len(situation.time))
-        signal[0] = 1.0
-        response = sample(situation.response_to_force, signal, situation.acquisition)
         period = situation.acquisition.period
         size = 0.05 * situation.largest("signal") * period
-        for time in _best_times(situation, response):
+        for time in _best_times(situation, cls._response(situation)):
             for shift in (0.5, 0.0):
                 yield cls(size=size, time=time + shift * period)
+
+    @staticmethod
+    def _response(situation: Situation) -> Array:
+        """Of the output to a force of one during the first period."""
+        signal = np.zeros(len(situation.time))
+        signal[0] = 1.0
+        return sample(situation.response_to_force, signal, situation.acquisition)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Array, Effect
+from camid.effects.residual_regression import sampled
+from camid.effects.situation import Situation
 
 # Force of a first guess as a share of the largest input: small, but above the rounding of the integrator.
 GUESS = 0.02
@@ -95,6 +98,14 @@ def force_along(effect: Effect, plant: TransferFunction, motion: Sequence[Array]
         level = effect.friction_level.along(time, position, speed, signal, [0.0] * len(time), values=values)
         force -= motion_sign(plant) * np.sign(motion[2]) * np.maximum(level, 0.0)
     return force
+
+
+def without_force(situation: Situation, effect: Effect) -> Situation:
+    """A situation with what the force of an effect of its model does put back into the residual, to first order."""
+    motion = situation.time, situation.position, situation.velocity, situation.signal
+    force = force_along(effect, situation.plant, motion)
+    done = sampled(situation.response_to_force, force, situation.acquisition)
+    return replace(situation, residual=situation.residual + situation.used * done)
 
 
 class AgainstMotion(Effect):

@@ -43,7 +43,7 @@ class SearchHooks:
         return ()
 
     def restarts(self, situation: Situation) -> tuple[Effect, ...]:
-        """The same law at values from where a fit may end in a better minimum, tried where structure is left.
+        """The same law at values from where a fit may end in a better minimum.
 
         ``situation`` is that of the fitted model which holds this one.
         """

@@ -6,17 +6,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from camid.chain.companion_form import time_scale
 from camid.chain.plant import TransferFunction
-from camid.effects.base import Effect
+from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.drift import ParameterDrift
 from camid.effects.parameter import Parameter
-from camid.effects.plant_force import force_along, mobility, static_damping, static_stiffness
+from camid.effects.plant_force import force_along, mobility, static_damping, static_stiffness, without_force
 from camid.effects.residual_regression import ResidualRegression, sampled
 from camid.effects.situation import Situation
 
@@ -29,6 +29,8 @@ REFINED = 2
 FIRST, LARGEST, LEAST = 0.01, 0.5, -0.99
 # Coefficients whose changes are begun with.
 LIKELIEST = 2
+# Times nearby that are looked at, and rows on either side that they reach over at least.
+NEARBY, NEARBY_ROWS = 33, 8
 
 
 class SuddenChange(ParameterDrift):
@@ -69,25 +71,38 @@ class SuddenChange(ParameterDrift):
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Where the drift that was found may have been a change at once."""
-        drift = ParameterDrift.with_keys(values)(**values)
-        motion = situation.time, situation.position, situation.velocity, situation.signal
-        force = force_along(drift, situation.plant, motion)
-        drifted = sampled(situation.response_to_force, force, situation.acquisition)
-        yield from cls.candidates(replace(situation, residual=situation.residual + situation.used * drifted))
+        yield from cls.candidates(without_force(situation, ParameterDrift.with_keys(values)(**values)))
 
     def restarts(self, situation: Situation) -> tuple[Effect, ...]:
-        """When the residual shows a change of this coefficient beside what it does: a sum of squares has many minima.
+        """When the residual shows a change beside what this one does, and of what: a sum of squares has many minima.
 
-        While the input rests, or the body, a change does not show.
+        While the input rests, or the body, a change does not show, and about where the force turns round one before
+        does what one behind does. Of another coefficient it looks much like this one, to first order, and no fit leads
+        from one to the other.
         """
-        others = self.starts(situation, **self.values)
+        before = without_force(situation, self)
         period = situation.acquisition.period
-        return tuple(
+        others = [
             each
-            for each in others
-            if each.values["coefficient"] == self.values["coefficient"]
-            and abs(each.values["time"] - self.values["time"]) > period
-        )
+            for each in self.candidates(before)
+            if each.values["coefficient"] != self.values["coefficient"]
+            or abs(each.values["time"] - self.values["time"]) > period
+        ]
+        return (*others, *self._nearby(before))
+
+    def _nearby(self, situation: Situation) -> list[SuddenChange]:
+        """The same change at times nearby that explain more than those around them, the likeliest first."""
+        from scipy.signal import find_peaks
+
+        search = _Search(situation)
+        if search.regression.fails:
+            return []
+        reach = max(time_scale(situation.plant.monic.denominator), NEARBY_ROWS * situation.acquisition.period)
+        times = self.values["time"] + reach * np.linspace(-1.0, 1.0, NEARBY)
+        gains, _ = search.at(self.values["coefficient"], times)
+        peaks, _ = find_peaks(gains)
+        others = sorted((int(i) for i in peaks if abs(i - NEARBY // 2) > 1), key=lambda i: -gains[i])
+        return [type(self)(**(self.values | {"time": float(times[i])})) for i in others[:LIKELIEST]]
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -97,24 +112,17 @@ class SuddenChange(ParameterDrift):
         """
         if not np.any(situation.signal):
             return
-        answer = situation.response_to_force
-        regression = ResidualRegression(situation, lambda forces: sampled(answer, forces, situation.acquisition))
-        if regression.fails:
+        search = _Search(situation)
+        if search.regression.fails:
             return
-        seen = regression.situation
         kinds = COEFFICIENTS if mobility(situation.plant) > 0.0 else COEFFICIENTS[:-1]
         found: list[tuple[float, SuddenChange]] = []
         for kind in kinds:
-            law = cls(coefficient=kind, change=FIRST, time=float(seen.time[0]))
-            force = force_along(law, situation.plant, (seen.time, seen.position, seen.velocity, seen.signal))
-            times = np.quantile(seen.time, SHARES)
+            times = np.quantile(search.regression.situation.time, SHARES)
             for _ in range(REFINED):
-                left, shown = regression.left(force[:, None] * (seen.time[:, None] >= times))
-                products = np.where(shown, regression.residual @ left, 0.0)
-                powers = np.maximum(np.sum(left**2, axis=0), 1e-300)
-                best = int(np.argmax(products**2 / powers))
-                gain, change = products[best] ** 2 / powers[best], FIRST * products[best] / powers[best]
-                time = float(times[best])
+                gains, changes = search.at(kind, times)
+                best = int(np.argmax(gains))
+                gain, change, time = gains[best], changes[best], float(times[best])
                 times = time + (times[1] - times[0]) * FINER
             if gain > 0.0:
                 bounded = float(np.clip(change, -LARGEST, LARGEST))
@@ -125,3 +133,22 @@ class SuddenChange(ParameterDrift):
     def invisible(cls, situation: Situation) -> str | None:
         """None: it is sudden however long the clock has run."""
         return None
+
+
+class _Search:
+    """What changes of a coefficient at some times explain of a situation's residual, to first order."""
+
+    def __init__(self, situation: Situation) -> None:
+        answer, acquisition = situation.response_to_force, situation.acquisition
+        self.plant = situation.plant
+        self.regression = ResidualRegression(situation, lambda forces: sampled(answer, forces, acquisition))
+
+    def at(self, coefficient: str, times: Array) -> tuple[Array, Array]:
+        """Gains and relative changes at times, shape (c,)."""
+        seen = self.regression.situation
+        law = SuddenChange(coefficient=coefficient, change=FIRST, time=float(seen.time[0]))
+        force = force_along(law, self.plant, (seen.time, seen.position, seen.velocity, seen.signal))
+        left, shown = self.regression.left(force[:, None] * (seen.time[:, None] >= times))
+        products = np.where(shown, self.regression.residual @ left, 0.0)
+        powers = np.maximum(np.sum(left**2, axis=0), 1e-300)
+        return products**2 / powers, FIRST * products / powers

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camid.diagnosis.diagnosis import Diagnosis, Undetectable
-from camid.diagnosis.explanation import LISTED_WEIGHT, carries_over, rivals, wrong_coefficients
+from camid.diagnosis.explanation import LISTED_WEIGHT, rivals, wrong_coefficients
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
 from camid.diagnosis.laws.learned_effect_file import NAME as LEARNED_EFFECT
@@ -48,6 +48,7 @@ LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 # What is said of a name that only resembles the law that stands in its place.
 NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
 DOUBTFUL = "what is left out is modelled and what remains is noise, but something of it has no name that is likely"
+NOT_CARRIED_OVER = "what the simulation leaves out is modelled in the rows that were fitted, and not in the others"
 # Where a law without a name carries what the named ones leave, or all.
 LEARNED_REST = "something is named, a law without a name was learned for what that leaves"
 LEARNED_ALL = "what is left out has no name; a law was learned for it"
@@ -59,11 +60,11 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     if diagnosis.findings and diagnosis.findings[0].weight < HEADLINE_WEIGHT:
         meaning = WITHOUT_A_NAME[diagnosis.verdict]
     if diagnosis.verdict == "partly-explained" and not diagnosis.structured:
-        meaning = DOUBTFUL
+        meaning = DOUBTFUL if diagnosis.fit.carries_over else NOT_CARRIED_OVER
     if diagnosis.learned:
         meaning = LEARNED_REST if diagnosis.findings else LEARNED_ALL
         meaning += ", and something remains" if diagnosis.structured else ", and what is left is noise"
-    if meaning.endswith("is noise") and not carries_over(diagnosis.fit):
+    if meaning.endswith("is noise") and not diagnosis.fit.carries_over:
         meaning += " in the rows that were fitted"
     if needs_new_coefficients(diagnosis):
         symbol, word, meaning = CORRECTED

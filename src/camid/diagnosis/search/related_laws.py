@@ -174,8 +174,8 @@ def finer_of(problem: Problem, model: Model, effect: Effect) -> tuple[Effect, ..
 
 
 def restarts_of(problem: Problem, fitted: Fitted, effect: Effect) -> tuple[Effect, ...]:
-    """Values of an effect of a model from which a fit may end in a better minimum, where it leaves structure."""
-    if len(fitted.noise.whitening) == 1 or type(effect).restarts is Effect.restarts:
+    """Values of an effect of a model from which a fit may end in a better minimum."""
+    if type(effect).restarts is Effect.restarts:  # none, without a simulation
         return ()
     try:
         return effect.restarts(problem.situations(fitted.model).of(type(effect)))

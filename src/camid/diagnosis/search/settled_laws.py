@@ -83,6 +83,20 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
     return fitted
 
 
+def in_least_minima(problem: Problem, fitted: Fitted, first: int) -> Fitted:
+    """The model with its effects at the least of the minima that their laws know to have, where that is a lower one.
+
+    That of a force which sets in half a period later, with the other sign, leaves hardly more than noise either.
+    """
+    for index in range(first, len(fitted.model.effects)):
+        laws = restarts_of(problem, fitted, fitted.model.effects[index])
+        starts = [fitted.model.replaced(index, law) for law in laws]
+        own = Hypothesis("", fitted, prior_penalty(problem, fitted.model.effects[index]))
+        tried = side_by_side(partial(fitted_in_place, problem, index), starts)
+        fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
+    return fitted
+
+
 def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     """The model with a law that a general one is a detour to in its place, where that is likelier: of fewer numbers.
 
