@@ -2,7 +2,8 @@
 
 What a force leaves behind when it sets in a turn of a resonance earlier or later is nearly the same, so that the
 likelihood of an onset has several maxima, and where the start is hidden by other coefficients it is flat. Its curvature
-at the highest of them says nothing of the others. The profile over the onset does.
+at the highest of them says nothing of the others. The profile over the onset does as far as it reaches; beyond what is
+impossible there may be another maximum, where the law knows of one.
 """
 
 from __future__ import annotations
@@ -10,14 +11,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from camid.fitting.likelihood_profile import LikelihoodProfile, root_mean_square
+from camid.fitting.likelihood_profile import IMPOSSIBLE, LikelihoodProfile, root_mean_square
+from camid.side_by_side import in_threads
 
 if TYPE_CHECKING:
+    from camid.effects.base import Effect
     from camid.fitting.fit import Fitted
+
+Array = NDArray[np.float64]
 
 # Steps of the profile to a standard deviation of the curvature, and at most to either side.
 STEPS_TO_A_DEVIATION, MOST_STEPS = 2, 400
+# Deviations of the curvature within which two fits have ended in the same maximum.
+SAME = 3.0
 
 
 def onset_deviations(fitted: Fitted) -> dict[int, float]:
@@ -54,4 +62,44 @@ def _deviation(fitted: Fitted, index: int, place: int, curvature: float) -> floa
     later = profile.falls(steps[profile.estimate + steps <= last].tolist())
     earlier = profile.falls((-steps[profile.estimate - steps >= first]).tolist())
     distances, falls = (np.concatenate([[0.0], a, b]) for a, b in zip(earlier, later, strict=True))
-    return root_mean_square(distances, falls, np.ones(len(falls)))
+    widths = np.ones(len(falls))
+    reached = float(np.min(distances)) - curvature, float(np.max(distances)) + curvature
+    beyond = [(d, fall) for d, fall in _other_maxima(fitted, index, curvature) if not reached[0] <= d <= reached[1]]
+    if beyond:
+        # Each is about as wide as the highest one, whose widths its own stands for.
+        same = np.abs(distances) <= SAME * curvature
+        wide = float(np.sum(np.exp(-0.5 * falls[same])))
+        far, low = np.array(beyond).T
+        distances, falls = np.concatenate([distances, far]), np.concatenate([falls, low])
+        widths = np.concatenate([widths, np.full(len(far), wide)])
+    return root_mean_square(distances, falls, widths)
+
+
+def _other_maxima(fitted: Fitted, index: int, curvature: float) -> list[tuple[float, float]]:
+    """Distances of other maxima of the likelihood that are possible, and twice the falls of its logarithm there."""
+    from camid.fitting.fit import fit
+
+    effect, problem, estimate = fitted.model.effects[index], fitted.problem, fitted.model.effects[index].values["time"]
+    if fitted.weighted:
+        return []
+
+    def ended(law: Effect) -> tuple[float, float] | None:
+        try:
+            other = fit(problem, fitted.model.replaced(index, law))
+        except (ValueError, ArithmeticError):
+            return None
+        ratio = max(other.cost, 1e-300) / max(fitted.cost, 1e-300)
+        fall = len(fitted.residual) * float(np.log(ratio)) / fitted.inflation(fitted.residual - other.residual)
+        return float(other.model.effects[index].values["time"] - estimate), fall
+
+    try:
+        laws = effect.restarts(problem.situations(fitted.model).of(type(effect)))
+    except (ValueError, ArithmeticError):  # an effect that has run away leads nowhere
+        return []
+    found: list[tuple[float, float]] = []
+    for each in in_threads(ended, laws):
+        if each is not None and each[1] < IMPOSSIBLE:
+            known = [0.0, *(distance for distance, _ in found)]
+            if all(abs(each[0] - distance) > SAME * curvature for distance in known):
+                found.append(each)
+    return found
