@@ -1,5 +1,7 @@
 """The deviation of an onset where the likelihood has several maxima, and where it has one."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,9 @@ class Onset:
 
     def __init__(self, time):
         self.values = {"time": time}
+
+    def restarts(self, situation):
+        return ()
 
 
 @pytest.mark.parametrize(("maxima", "expected"), [((0.0,), 0.1), ((0.0, 0.8), 0.8 / np.sqrt(2.0))])
@@ -38,6 +43,9 @@ def one_onset(fall):
 
         def whitened(self, values, whitening):
             return values
+
+        def situations(self, model):
+            return SimpleNamespace(of=lambda kind: None)
 
     class Fitted:
         problem = Problem()
