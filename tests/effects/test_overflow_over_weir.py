@@ -1,5 +1,7 @@
 """A storage whose excess flows off over a weir, against the differential equation of its level."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -52,18 +54,35 @@ def test_without_a_weir_the_level_ends_at_the_same_edge():
     assert plain.values["height"] == 1.0
 
 
+SIMULATION = {
+    "schema": 1,
+    "time": {"column": "t"},
+    "input": {"column": "u", "hold": "zoh"},
+    "plant": {"transfer_function": {"numerator": [0.95], "denominator": [1.0, 0.53]}},
+    "sensor": {"column": "y", "kind": "instant"},
+}
+
+
+def recorded(signal):
+    """A recording of the storage with a little noise."""
+    noise = 0.005 * np.random.default_rng(5).standard_normal(COUNT)
+    return pd.DataFrame({"t": PERIOD * np.arange(COUNT), "u": signal, "y": levels(signal) + noise})
+
+
+def test_an_edge_is_looked_for_where_the_recording_ends_and_not_where_a_model_without_one_goes():
+    """A flood that the storage sees once in a while: the rest of the recording says what it is without an edge."""
+    position, recording = np.array([-0.3, 0.0, 5.0]), np.array([-0.3, 0.0, 1.0])
+    plant = TransferFunction((GAIN * RATE,), (1.0, RATE))
+    seen = SimpleNamespace(rest=None, plant=plant, position=position, recorded=recording, used=np.ones(3, bool))
+    heights = [law.values["height"] for law in Overflow.candidates(seen)]
+    assert [h for h in heights if 0.9 < h < 1.0]
+    assert any(h > 1.0 for h in heights)
+
+
 @pytest.mark.slow
 def test_it_is_named_beside_what_is_the_same_and_declared(signal):
-    noise = 0.005 * np.random.default_rng(5).standard_normal(COUNT)
-    recording = pd.DataFrame({"t": PERIOD * np.arange(COUNT), "u": signal, "y": levels(signal) + noise})
-    simulation = {
-        "schema": 1,
-        "time": {"column": "t"},
-        "input": {"column": "u", "hold": "zoh"},
-        "plant": {"transfer_function": {"numerator": [0.95], "denominator": [1.0, 0.53]}},
-        "sensor": {"column": "y", "kind": "instant"},
-    }
-    found = camid.diagnose(recording, simulation)
+    recording = recorded(signal)
+    found = camid.diagnose(recording, SIMULATION)
     (finding,) = found.findings
     # A stop with a Hertz contact is the same force: nothing tells them apart.
     weights = {finding.identifier: finding.weight, **dict(finding.alternatives)}

@@ -59,6 +59,8 @@ RATE_OF_SINGLE = 16.0
 FASTEST_TRICKLE, TRICKLE_IN_A_PERIOD = 30.0, 2.0
 # An edge this much beyond the motion, in the largest displacement, does nothing.
 BEYOND = 1.001
+# Share of the largest displacement of a model without an edge below which what was recorded ends at one.
+FAR_BELOW = 0.7
 # Constant of a plant that is the reading at its zero, and the least share of the root, and of what is in proportion, in
 # the slope of an outflow.
 ZERO, LEAST_ROOT = "offset", 0.05
@@ -339,16 +341,26 @@ class Overflow(_Storage):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Several heights on both sides, of the storage itself or of the upper one of two."""
+        """Several heights on both sides, of the storage itself or of the upper one of two.
+
+        A model without an edge may go far beyond all that was recorded.
+        """
         if situation.rest is not None:
             yield from cls._of_states(situation)
             return
         count = len(time_constants(situation.plant))
         belows = ("fast", "slow") if count == 2 else ("none",) * count
-        for edge in (float(np.max(situation.position)), float(np.min(situation.position))):
-            for share in (0.9, 0.7, 0.4) if edge != 0.0 else ():
-                for below in belows:
-                    yield cls(height=share * edge, share=0.0, below=below).measured_from(BEYOND * edge, 0.0)
+        recorded = situation.recorded[situation.used]
+        for extreme in (np.max, np.min):
+            edge, seen = float(extreme(situation.position)), float(extreme(recorded, initial=0.0))
+            ends = [(edge, (0.9, 0.7, 0.4))]
+            if abs(seen) < FAR_BELOW * abs(edge):
+                ends.append((seen, (0.95, 0.8)))
+            for end, share, below in (
+                (end, share, below) for end, shares in ends for share in shares for below in belows
+            ):
+                if end != 0.0:
+                    yield cls(height=share * end, share=0.0, below=below).measured_from(BEYOND * end, 0.0)
 
     @classmethod
     def _of_states(cls, situation: Situation) -> Iterator[Effect]:
