@@ -1,5 +1,7 @@
 """Stops at both ends of a way, and play around a spring."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,6 +9,7 @@ import pytest
 import camid
 from camid.chain.plant import TransferFunction
 from camid.effects.end_stops_on_both_sides import EndStopsOnBothSides
+from camid.effects.extent import Extent
 from camid.effects.stiffness import EndStop
 from tests.support.mass_on_spring import PLANT
 from tests.support.runge_kutta import positions
@@ -27,6 +30,23 @@ def test_each_stop_pushes_back_beyond_it(gain):
     assert np.sign(at_stops).tolist() == [1.0, -1.0, 1.0]
     assert type(law.simplified()) is EndStop
     assert law.scaled(2.0).values == {"position": 0.9, "stiffness": 6.0, "opposite": -0.5, "opposite_stiffness": 4.0}
+
+
+def test_without_a_way_between_them_they_are_a_spring_and_a_constant_force():
+    """What they do beyond the plant's own spring is a bias, which asymmetric friction is, too."""
+    gap = {"position": 0.05, "opposite": 0.049}
+    spring = EndStopsOnBothSides(**gap, stiffness=3.0, opposite_stiffness=3.0)
+    apart = EndStopsOnBothSides(position=0.5, stiffness=3.0, opposite=-0.5, opposite_stiffness=3.0)
+    extent = Extent(span=2.0, duration=30.0)
+    assert not spring.is_plausible(extent)
+    assert apart.is_plausible(extent)
+    seen = SimpleNamespace(position=np.array([-1.0, 1.0]), plant=PLANT)
+    (bias,) = spring.relatives(seen)
+    assert bias.identifier == "input-bias"
+    # At the sensor's zero it pushes by the spring's force there.
+    force = spring.force.at(0.0, 0.0, 0.0, 0.0, 0.0, values=spring.force_values(PLANT))
+    assert bias.values["bias"] == pytest.approx(-force, rel=0.02)
+    assert apart.relatives(seen) == ()
 
 
 def recorded(force, seed):

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from camid.chain.plant import TransferFunction
+from camid.effects.actuator import InputBias
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility, motion_sign, static_stiffness
 from camid.effects.situation import Situation
@@ -22,6 +24,8 @@ from camid.effects.stiffness import EndStop
 # Where stops are at first, in the largest and the least position, and how stiff they are, in the plant's own stiffness.
 SHARES = (0.15, 0.4, 0.6, 0.8)
 FACTORS = (0.5, 10.0)
+# Way between the stops, as a share of that of a recording, below which they are a spring.
+LEAST_GAP = 0.02
 
 
 class EndStopsOnBothSides(EndStop):
@@ -57,6 +61,21 @@ class EndStopsOnBothSides(EndStop):
     def frequency(self, plant: TransferFunction) -> float:
         """Of the body on the stiffer stop."""
         return sqrt(mobility(plant) * max(self.values["stiffness"], self.values["opposite_stiffness"]))
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether the body can go any way between them: without one they are a spring, as the plant has it already."""
+        return bool(self._gap > LEAST_GAP * extent.span) and super().is_plausible(extent)
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Of a spring about another zero than the sensor's a constant force: the rest of it the plant has already."""
+        if self._gap > LEAST_GAP * float(np.ptp(situation.position)):
+            return ()
+        position, stiffness, opposite, other = self.vector.tolist()
+        return (InputBias(bias=0.5 * motion_sign(situation.plant) * (stiffness * position + other * opposite)),)
+
+    @property
+    def _gap(self) -> float:
+        return abs(float(self.values["position"] - self.values["opposite"]))
 
     def scaled(self, factor: float) -> EndStopsOnBothSides:
         """Both as much stiffer."""

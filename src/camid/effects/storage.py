@@ -353,7 +353,7 @@ class Overflow(_Storage):
         recorded = situation.recorded[situation.used]
         for extreme in (np.max, np.min):
             edge, seen = float(extreme(situation.position)), float(extreme(recorded, initial=0.0))
-            ends = [(edge, (0.9, 0.7, 0.4))]
+            ends: list[tuple[float, tuple[float, ...]]] = [(edge, (0.9, 0.7, 0.4))]
             if abs(seen) < FAR_BELOW * abs(edge):
                 ends.append((seen, (0.95, 0.8)))
             for end, share, below in (
