@@ -8,7 +8,7 @@ from camid.effects.eddy_current_brake import EddyCurrentBrake
 from camid.effects.extent import Extent
 from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_friction import GradualStribeckFriction
-from tests.support.mass_on_spring import PLANT, record, simulation
+from tests.support.mass_on_spring import PERIOD, PLANT, record, simulation
 
 
 def test_the_drag_is_viscous_at_low_speeds_and_falls_beyond_its_peak():
@@ -17,8 +17,8 @@ def test_the_drag_is_viscous_at_low_speeds_and_falls_beyond_its_peak():
     force = [law.force.at(0.0, 0.0, speed, 0.0, 0.0, values=values) for speed in (-0.8, 0.0, 1e-3, 0.4, 0.8, 80.0)]
     np.testing.assert_allclose(force, [-0.5, 0.0, 2.0 * 0.5 * 1e-3 / 0.8, 0.4, 0.5, 0.01], rtol=2e-4)
     assert law.scaled(0.5).values == {"peak": 0.25, "velocity": 0.8}
-    assert law.is_plausible(Extent(1.0, 1.0, speed=0.5))
-    assert not law.is_plausible(Extent(1.0, 1.0, speed=0.3))  # below the peak it is viscous
+    assert law.is_plausible(Extent(1.0, 1.0, speed=0.3))
+    assert not law.is_plausible(Extent(1.0, 1.0, speed=0.1))  # below the peak it is viscous
     plain = law.simplified()
     assert type(plain) is GradualStribeckFriction
     assert StribeckFriction.with_keys({"peak", "velocity"}) is EddyCurrentBrake
@@ -43,6 +43,19 @@ def test_an_eddy_current_brake_is_found():
     for name, truth in law.values.items():
         estimate = found.parameters[name]
         assert abs(estimate.value - truth) < 4.0 * estimate.standard_deviation < 0.4 * truth, name
+
+
+@pytest.mark.parametrize("velocity", [6.0, pytest.param(9.0, marks=pytest.mark.slow)])
+def test_one_whose_peak_lies_beyond_most_speeds_is_found(velocity):
+    """A resonance is swept through: it was Coulomb friction beside bristles of any exponent, or a curve of the way."""
+    law, time = EddyCurrentBrake(peak=0.05 * velocity, velocity=velocity), PERIOD * np.arange(2500)
+    sweep = np.sin(2.0 * np.pi * (0.5 + 0.02 * time) * time) * np.where(time % 9.0 < 6.5, 0.5, 0.15)
+    (found,) = camid.diagnose(record(law, signal=sweep, noise=0.005, count=2500), simulation()).findings
+    assert found.title == EddyCurrentBrake.title
+    for name, truth in law.values.items():
+        estimate = found.parameters[name]
+        assert abs(estimate.value - truth) < 4.0 * estimate.standard_deviation, name
+        assert estimate.standard_deviation < 0.4 * truth, name
 
 
 @pytest.mark.parametrize("noise", [0.001, 0.01])

@@ -177,6 +177,11 @@ class StribeckBristleFriction(_Bristles, StribeckFriction):  # type: ignore[misc
         bristles = sqrt(mobility(plant) * self.values["breakaway"] / self.values["presliding"])
         return FINER * (bristles + super().frequency(plant))
 
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a friction that was found."""
+        yield from ()
+
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """None."""
         return ()

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
@@ -15,12 +17,14 @@ from camid.effects.extent import Extent
 from camid.effects.friction import StribeckFriction
 from camid.effects.gradual_friction import GradualStribeckFriction
 from camid.effects.parameter import Parameter
-from camid.effects.plant_force import mobility, motion_sign
+from camid.effects.plant_force import GUESS, mobility, motion_sign
 from camid.effects.situation import Situation
 
 # The friction that falls and turns round gradually which is nearest up to four times the speed of the peak, to 1.3 % of
 # that: levels over the peak, and the speeds at which it turns round and falls over that of the peak.
 LOW, HIGH, TURN, FALL = 0.436, 1.174, 0.575, 2.414
+# Speeds of the peak of first guesses, and the largest that a recording shows, in standard deviations of the velocity.
+PEAKS, FASTEST_PEAK = (0.7, 2.0), 4.0
 
 
 class EddyCurrentBrake(StribeckFriction):
@@ -50,7 +54,12 @@ class EddyCurrentBrake(StribeckFriction):
 
     def is_plausible(self, extent: Extent) -> bool:
         """Whether its peak lies within the speeds recorded: below it is viscous."""
-        return bool(self.values["velocity"] <= 2.0 * extent.speed)
+        return bool(self.values["velocity"] <= FASTEST_PEAK * extent.speed)
+
+    @property
+    def branch(self) -> tuple[Any, ...]:
+        """What falls from a level at rest is no start for what rises from nothing there."""
+        return (*super().branch, "peak")
 
     def simplified(self) -> StribeckFriction:  # type: ignore[override] # with less detail, and not another name
         """Friction that falls and turns round gradually, which is nearly such."""
@@ -80,5 +89,7 @@ class EddyCurrentBrake(StribeckFriction):
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """It is started from a friction that was found."""
-        yield from ()
+        """Small, with a peak at usual speeds and at large ones: as far as it is viscous the plant has it already."""
+        spread = float(np.std(situation.velocity)) or 1.0
+        for share in PEAKS:
+            yield cls(peak=GUESS * situation.largest("signal"), velocity=share * spread)

@@ -141,6 +141,8 @@ class StribeckFriction(Effect):
             velocity = speed * float(np.std(situation.velocity)) or 1.0
             for level in (1.0, 5.0):
                 yield cls(coulomb=level * force, breakaway=level * FALL * force, velocity=velocity)
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
 
 def bent_input(situation: Situation, level: float) -> tuple[Effect, ...]:

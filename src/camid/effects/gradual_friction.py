@@ -36,8 +36,8 @@ UNEVEN = 0.1
 LEAST_IN_ONE_DIRECTION = 0.15
 # Least speed over which it turns round, in that of the way that a recording spans over its duration: faster is at once.
 LEAST_TRANSITION = 0.02
-# Sharpness of a knee: the roundest, and first guesses.
-LEAST_SHARPNESS, FIRST_SHARPNESS = 0.5, (1.2, 4.0)
+# Sharpness of a knee: the roundest, first guesses, and from where on it is a corner.
+LEAST_SHARPNESS, FIRST_SHARPNESS, CORNER = 0.5, (1.2, 4.0), 5.0
 TRANSITION = Parameter("transition", "y/s", "speed v_t over which the friction turns round", 1e-300)
 
 
@@ -126,6 +126,15 @@ class CoulombFrictionOfAnyKnee(GradualCoulombFriction):
         level, knee = self.values["force"], {name: self.values[name] for name in ("transition", "sharpness")}
         more, less = ((1.0 + uneven) * level for uneven in (UNEVEN, -UNEVEN))
         return (AsymmetricFrictionOfAnyKnee(forward=more, backward=less, **knee),)
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Where it ends at a corner, drag with a peak, about which it is flat and beyond which it falls."""
+        if self.values["sharpness"] < CORNER:
+            return super().relatives(situation)
+        laws = (law for law in StribeckFriction.finer_laws if "peak" in {p.name for p in law.parameters})
+        # As steep at rest.
+        peak = {"peak": self.values["force"], "velocity": 2.0 * self.values["transition"]}
+        return (*super().relatives(situation), *(law(**peak) for law in laws))
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
