@@ -280,11 +280,10 @@ def _simplified(
     if decision.rivals:
         if residue.reasons:
             decision = in_least_squares(problem, decision)
-            # Laws that are not settled leave structure that no learned law carries.
-            watch.take_stock(OVERTIME)
-            if not watch.no_time_for("finer laws"):
-                decision = with_settled_laws(problem, decision, setting.known)
-                residue = residue_of(setting, decision, decision.fitted, before)
+        # Laws that are not settled leave structure that no learned law carries.
+        settled = _settled(setting, decision, watch, structured=bool(residue.reasons))
+        if settled is not decision:
+            decision, residue = settled, residue_of(setting, settled, settled.fitted, before)
         # Of white noise nothing is a correction: other rows may show a value that is not exact, and no law.
         if set(residue.reasons) - {"validation"}:
             decision = simplest(problem, decision, setting.known, residue.places, watch)
@@ -298,6 +297,18 @@ def _simplified(
         return decision, residue_of(setting, decision, decision.fitted, before)
     decision = with_learned_laws(problem, decision, setting.judging, setting.known, watch)
     return decision, residue_of(setting, decision, decision.fitted, before)
+
+
+def _settled(setting: Setting, decision: Decision, watch: Watch, *, structured: bool) -> Decision:
+    """The decision with its laws under the names that the others call for, and in the detail where it leaves structure.
+
+    A few fits say whether a name with fewer numbers says as much, whatever was done until then.
+    """
+    if decision.fitted.weighted:
+        return decision
+    watch.take_stock(OVERTIME)
+    detailed = structured and not watch.no_time_for("finer laws")
+    return with_settled_laws(setting.problem, decision, setting.known, detailed=detailed)
 
 
 def _with_fewer(

@@ -6,8 +6,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from math import exp
 from typing import Any, ClassVar
+
+import numpy as np
 
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
@@ -71,7 +74,7 @@ class ParameterDrift(Effect):
         for kind in ("stiffness", "damping", "gain"):
             drift = cls(coefficient=kind, rate=CHANGE / situation.duration)
             yield drift
-            yield next(SettlingDrift.starts(situation, **drift.values))
+            yield from islice(SettlingDrift.starts(situation, **drift.values), 1)
         for law in cls.finer_laws:
             yield from law.candidates(situation)
 
@@ -104,6 +107,12 @@ class SettlingDrift(Settling, ParameterDrift):
     equation = r"c(t) = c\,(1 + r\,\tau\,(1 - e^{-t/\tau}))"
     reference = "Incropera et al. (2007), Fundamentals of Heat and Mass Transfer, 6th ed., section 5.1"
     parameters = (*ParameterDrift.parameters, Parameter("time_constant", "s", "time constant τ", LEAST_TIME_CONSTANT))
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """None of a free decay: there a time is an amplitude, and drag or dry friction settles with it."""
+        if np.any(situation.signal):
+            yield from super().starts(situation, **values)
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]

@@ -12,12 +12,12 @@ from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.false_alarms import STRONG_EVIDENCE
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import implausible
-from camid.diagnosis.search.settled_laws import plausible_in_place, settled_laws
+from camid.diagnosis.search.settled_laws import plausible_in_place, settled_laws, under_their_names
 from camid.diagnosis.watch import Watch
 from camid.fitting.problem import Problem
 
 
-def with_settled_laws(problem: Problem, decision: Decision, known: int) -> Decision:
+def with_settled_laws(problem: Problem, decision: Decision, known: int, *, detailed: bool) -> Decision:
     """The decision with each law in the detail, and under the name, that the other effects call for.
 
     Parameters
@@ -27,8 +27,13 @@ def with_settled_laws(problem: Problem, decision: Decision, known: int) -> Decis
         In the metric of least squares.
     known : int
         How many of the model's effects the nominal simulation holds already.
+    detailed : bool
+        Whether they leave structure, which more detail may explain. Otherwise a name of which the law is a special case
+        of the one that was found for it is all that is looked for.
     """
-    fitted = settled_laws(problem, decision.fitted, known)
+    fitted = (settled_laws if detailed else under_their_names)(problem, decision.fitted, known)
+    if fitted is decision.fitted:
+        return decision
     rivals = []
     for before, effect, ranked in zip(
         decision.fitted.model.effects[known:], fitted.model.effects[known:], decision.rivals, strict=True

@@ -69,9 +69,7 @@ def settled_laws(problem: Problem, fitted: Fitted, first: int) -> Fitted:
     first : int
         The first of the effects that a search has found.
     """
-    for index in range(first, len(fitted.model.effects)):
-        fitted = _under_its_name(problem, fitted, index)
-    fitted = finer_in_place(problem, fitted, first, last=True)
+    fitted = finer_in_place(problem, under_their_names(problem, fitted, first), first, last=True)
     for identifier in [effect.identifier for effect in fitted.model.effects[first:]]:
         index = [effect.identifier for effect in fitted.model.effects].index(identifier)
         effect = fitted.model.effects[index]
@@ -97,18 +95,29 @@ def in_least_minima(problem: Problem, fitted: Fitted, first: int) -> Fitted:
     return fitted
 
 
+def under_their_names(problem: Problem, fitted: Fitted, first: int) -> Fitted:
+    """The model with laws that general ones were a detour to, where they say as much with fewer numbers."""
+    for index in range(first, len(fitted.model.effects)):
+        fitted = _under_its_name(problem, fitted, index)
+    return fitted
+
+
 def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     """The model with a law that a general one is a detour to in its place, where that is likelier: of fewer numbers.
 
-    A loop that saturates at once is dry friction, which may turn round over a range of speeds.
+    A loop that saturates at once is dry friction, which may turn round over a range of speeds; friction that falls at
+    speeds that a free decay hardly has is as large as at usual ones.
     """
     effect = fitted.model.effects[index]
     special = special_case(effect)
     if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
         return fitted
-    plain = fitted_in_place(problem, index, fitted.model.replaced(index, special))
-    if plain is None:
+    nearly = [e for e in possible_relatives(problem, fitted.model, index) if e.identifier == special.identifier]
+    starts = [fitted.model.replaced(index, law) for law in (special, *nearly)]
+    plains = [h for h in side_by_side(partial(fitted_in_place, problem, index), starts) if h is not None]
+    if not plains:
         return fitted
+    plain = in_order(plains)[0]
     law = plain.fitted.model.effects[index]
     laws = [each for each in finer_of(problem, plain.fitted.model, law) if each.identifier == law.identifier]
     starts = [plain.fitted.model.replaced(index, each) for each in laws]
