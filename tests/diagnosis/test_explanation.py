@@ -43,6 +43,14 @@ def test_a_number_smaller_than_its_deviation_is_called_not_determined(value, dev
             {"rate": ParameterEstimate(150.0, 1e13, "u/s"), "time_constant": ParameterEstimate(0.04, 1e-4, "s")},
             "(time constant 0.04000 ± 0.00010 s; 88 %)",
         ),
+        (  # a limit that was never reached
+            {"low": ParameterEstimate(-6.3, None, "y"), "high": ParameterEstimate(4.1, 0.01, "y")},
+            "(high 4.100 ± 0.010 y; 88 %)",
+        ),
+        (
+            {"force": ParameterEstimate(0.03, 0.23, "u"), "transition": ParameterEstimate(2.0, 0.1, "y/s")},
+            "(force not determined, 0.030 ± 0.23 u; transition 2.00 ± 0.10 y/s; 88 %)",
+        ),
     ],
 )
 def test_the_first_number_that_is_determined_leads(parameters, said):

@@ -310,13 +310,19 @@ def _estimate(coefficient: Coefficient) -> str:
 
 
 def _details(finding: Finding, of_weight: str = "") -> str:
-    """What it is of, the leading parameter, one that is determined where there is such, and the weight of what."""
+    """What it is of, the leading parameter, and the weight of what.
+
+    The first number leads that is determined, and not one of which nothing is shown; before it the size, if it is not.
+    """
     parts = [] if finding.weight >= 0.995 else [f"{_share(finding.weight, 2)}{of_weight}"]
     # What ended at its bound is no number that leads.
     numbers = {n: p for n, p in finding.parameters.items() if isinstance(p.value, float) and not p.at_bound}
-    leading = next((name for name, p in numbers.items() if _is_determined(p)), next(iter(numbers), None))
-    if leading is not None:
-        parts.insert(0, f"{leading.replace('_', ' ')} {_shown(numbers[leading])}")
+    shown = [name for name, p in numbers.items() if p.standard_deviation is not None]
+    leading = next((name for name in (*shown, *numbers) if _is_determined(numbers[name])), next(iter(numbers), None))
+    size = known_effects()[finding.identifier].strength
+    doubtful = [size] if size in shown and not _is_determined(numbers[size]) else []
+    named = dict.fromkeys([*doubtful, *([leading] if leading is not None else [])])
+    parts[:0] = [f"{name.replace('_', ' ')} {_shown(numbers[name])}" for name in named]
     first = next(iter(finding.parameters.values()), None)
     if first is not None and isinstance(first.value, str):
         parts.insert(0, first.value)

@@ -65,6 +65,11 @@ class _Bristles(Effect):
         return self
 
     @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is started from a friction that was found."""
+        yield from ()
+
+    @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
         """Displacements that are small and middling parts of the motion, unless one is given."""
         spread = float(np.std(situation.position)) or 1.0
@@ -176,11 +181,6 @@ class StribeckBristleFriction(_Bristles, StribeckFriction):  # type: ignore[misc
         """Of the body on the bristles, and of the fall of friction with speed."""
         bristles = sqrt(mobility(plant) * self.values["breakaway"] / self.values["presliding"])
         return FINER * (bristles + super().frequency(plant))
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """It is started from a friction that was found."""
-        yield from ()
 
     def finer(self, situation: Situation) -> tuple[Effect, ...]:
         """None."""

@@ -57,6 +57,8 @@ class CoulombFriction(Effect):
         """Small, and large enough that the body sticks at times."""
         for share in (GUESS, 0.1, 0.3):
             yield cls(force=share * situation.largest("signal"))
+        for law in cls.finer_laws:
+            yield from law.candidates(situation)
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """What bends the input nearly as it bends the motion, in some plants.
