@@ -10,7 +10,7 @@ from dataclasses import replace
 from camid.diagnosis.pruning.simplest_effects import leaving_out, without_effect
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.false_alarms import STRONG_EVIDENCE
-from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
+from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import implausible
 from camid.diagnosis.search.settled_laws import plausible_in_place, settled_laws, under_their_names
 from camid.diagnosis.watch import Watch
@@ -34,14 +34,18 @@ def with_settled_laws(problem: Problem, decision: Decision, known: int, *, detai
     fitted = (settled_laws if detailed else under_their_names)(problem, decision.fitted, known)
     if fitted is decision.fitted:
         return decision
+    pairs = list(zip(decision.fitted.model.effects[known:], fitted.model.effects[known:], strict=True))
+    alone = sum(before.identifier != effect.identifier for before, effect in pairs) == 1
     rivals = []
-    for before, effect, ranked in zip(
-        decision.fitted.model.effects[known:], fitted.model.effects[known:], decision.rivals, strict=True
-    ):
-        gone = {before.identifier, effect.identifier}
+    for (before, effect), ranked in zip(pairs, decision.rivals, strict=True):
+        if effect.identifier == before.identifier:
+            rivals.append(ranked)
+            continue
         own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
-        same = effect.identifier == before.identifier
-        rivals.append(ranked if same else [own, *(h for h in ranked if h.identifier not in gone)])
+        # What it was found as is a rival, where all else is the same.
+        general = Hypothesis(before.identifier, decision.fitted, prior_penalty(problem, before))
+        others = [h for h in ranked if h.identifier not in {before.identifier, effect.identifier}]
+        rivals.append(in_order([own, *([general] if alone else []), *others]))
     return replace(decision, fitted=fitted, rivals=rivals)
 
 
