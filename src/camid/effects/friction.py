@@ -116,7 +116,7 @@ class StribeckFriction(Effect):
         In some plants, what bends the input nearly as it bends the motion, too. Friction that falls over all speeds may
         have taken the place of what was missing then: it is begun again as one that falls at low ones.
         """
-        speed = float(np.sqrt(np.mean(situation.velocity**2)))  # that of the energy: a decay is slow most of the time
+        speed = float(np.median(np.abs(situation.velocity)))
         coulomb, breakaway, velocity = (self.values[name] for name in ("coulomb", "breakaway", "velocity"))
         level = coulomb + (breakaway - coulomb) * exp(-((speed / velocity) ** 2))
         found = (CoulombFriction(force=level), *bent_input(situation, level))

@@ -13,6 +13,7 @@ from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalt
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, fitted_hypothesis
 from camid.diagnosis.search.related_laws import finer_of, possible_relatives, restarts_of, worth_a_fit
 from camid.effects.base import Effect
+from camid.effects.plant_force import force_along
 from camid.effects.special_cases import special_case
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
@@ -112,8 +113,9 @@ def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     special = special_case(effect)
     if special is None or special.identifier in {e.identifier for e in fitted.model.effects}:
         return fitted
-    nearly = [e for e in possible_relatives(problem, fitted.model, index) if e.identifier == special.identifier]
-    starts = [fitted.model.replaced(index, law) for law in (special, *nearly)]
+    starts = [
+        fitted.model.replaced(index, law) for law in (special, *_of_equal_work(problem, fitted.model, effect, special))
+    ]
     plains = [h for h in side_by_side(partial(fitted_in_place, problem, index), starts) if h is not None]
     if not plains:
         return fitted
@@ -124,6 +126,18 @@ def _under_its_name(problem: Problem, fitted: Fitted, index: int) -> Fitted:
     tried = side_by_side(partial(fitted_in_place, problem, index), starts)
     own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
     return in_order([own, plain, *(h for h in tried if h is not None)])[0].fitted
+
+
+def _of_equal_work(problem: Problem, model: Model, effect: Effect, special: Effect) -> list[Effect]:
+    """A special case scaled until it takes as much work from the motion as the effect does; none without a force."""
+    seen = problem.situations(model).of(type(effect))
+    motion = seen.time, seen.position, seen.velocity, seen.signal
+    try:
+        works = [float(force_along(law, seen.plant, motion) @ seen.velocity) for law in (effect, special)]
+        ratio = works[0] / works[1] if works[1] != 0.0 else 0.0
+        return [special.scaled(ratio)] if 0.0 < ratio < np.inf else []
+    except (ValueError, ArithmeticError):  # an effect that has run away says nothing
+        return []
 
 
 def _is_at_bound(problem: Problem, effect: Effect, simple: Effect) -> bool:
