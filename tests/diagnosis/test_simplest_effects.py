@@ -26,6 +26,7 @@ def diagnosis(recording):
     return camid.diagnose(recording, rigs.drive_simulation(10.0, 50.0))
 
 
+@pytest.mark.slow
 def test_no_names_for_what_corrects_the_law(diagnosis):
     """Thousands of samples call for a further effect; friction alone is named, and something is said to be left."""
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]

@@ -24,7 +24,7 @@ def test_a_blow_that_was_fitted_half_a_period_away_with_the_other_sign_is_brough
     assert found.model.effects[0].values["size"] == pytest.approx(-0.05, rel=0.1)
 
 
-@pytest.mark.parametrize("duration", [0.5, 3.0])
+@pytest.mark.parametrize("duration", [0.5, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_force_that_passes_is_found_with_its_end(duration):
     passing = PassingDisturbance(size=0.1, time=5.207, duration=duration)
     found = camid.diagnose(record(passing, seed=4), simulation())

@@ -255,6 +255,7 @@ def test_a_servo_is_started_from_any_limit(rate):
     assert all(start.values["rate"] == rate for start in starts)
 
 
+@pytest.mark.slow
 def test_a_law_that_leads_to_no_other_ends_no_diagnosis(monkeypatch):
     """A fit may run away to values from which a finer law cannot be made."""
 

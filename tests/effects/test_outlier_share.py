@@ -79,6 +79,7 @@ def test_noise_with_heavy_tails_has_no_outliers(noise, count):
     assert np.all(found < LEAST_EVIDENCE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES)
 def test_outliers_are_told_from_heavy_tails(shape):
     def struck(generator):

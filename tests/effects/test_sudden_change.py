@@ -66,7 +66,7 @@ def test_it_is_found_when_and_by_how_much(coefficient, factors, change, when):
     assert found.verdict == "explained"
 
 
-@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("side", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_about_where_the_force_turns_round_it_is_found_on_the_right_side(side):
     """A spring that changes a little before it is slack, or a little behind, pushes as much on the whole."""
     motion = recorded({}, 1e9, seed=3)
@@ -80,7 +80,7 @@ def test_about_where_the_force_turns_round_it_is_found_on_the_right_side(side):
     assert estimate.standard_deviation < 2.0 * PERIOD
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [pytest.param(3, marks=pytest.mark.slow), 4])
 def test_times_that_explain_the_recording_as_well_are_within_its_uncertainty(seed):
     """About where the input changes its sign, a gain that changes before does nearly what one behind does."""
     levels = (-1.0, 1.0)

@@ -285,6 +285,7 @@ def test_a_free_decay_has_no_input_to_design():
         camid.design(content, amplitude=(-1, 1), duration=4.0, frame_rate=50.0, noise=0.01)
 
 
+@pytest.mark.slow
 def test_the_numbers_of_a_driven_pendulum_are_determined():
     """Those of its motion near rest are fitted, and have units, though its constants are others."""
     pendulum = {"natural_frequency": 6.0, "damping": 0.05, "rest": 0.0, "gain": 0.2}

@@ -60,6 +60,7 @@ def test_a_mode_in_motion_is_simulated_from_where_it_was(kind):
     assert error < 1e-4
 
 
+@pytest.mark.slow
 def test_a_concealed_mode_in_motion_is_found():
     table = moving("series")
     random = np.random.default_rng(np.random.SeedSequence(4))

@@ -48,6 +48,7 @@ def test_without_effects_of_the_sensor_forces_see_what_it_reads_from_its_zero():
     np.testing.assert_array_equal(views.of(Cogging).position, views.of(SensorOffset).position - offset)
 
 
+@pytest.mark.slow
 def test_a_wave_along_the_way_is_found_beside_a_drift_of_several_of_its_periods():
     cogging = effect("cogging", amplitude=0.04, period=0.25, phase=1.9)
     diagnosis = camid.diagnose(record(cogging, drift(), count=COUNT, noise=0.01, seed=5), simulation())

@@ -35,6 +35,7 @@ def peaked():
     return diagnosed(peak, 11)
 
 
+@pytest.mark.slow
 def test_a_formula_stands_for_a_name_that_only_resembles_the_law(peaked):
     diagnosis = peaked
     (part,) = [part for part in diagnosis.learned if part.formula is not None]
