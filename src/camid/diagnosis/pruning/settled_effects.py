@@ -28,8 +28,8 @@ def with_settled_laws(problem: Problem, decision: Decision, known: int, *, detai
     known : int
         How many of the model's effects the nominal simulation holds already.
     detailed : bool
-        Whether they leave structure, which more detail may explain. Otherwise a name of which the law is a special case
-        of the one that was found for it is all that is looked for.
+        Whether they leave structure, which more detail may explain; otherwise names with fewer numbers are looked for
+        alone.
     """
     fitted = (settled_laws if detailed else under_their_names)(problem, decision.fitted, known)
     if fitted is decision.fitted:
