@@ -26,7 +26,7 @@ def test_an_onset_is_as_uncertain_as_its_likelihood_has_maxima(monkeypatch, maxi
 
     fitted = one_onset(fall)
     monkeypatch.setattr(likelihood_profile, "replace", lambda model, **new: new["effects"][0].values["time"])
-    (found,) = onset_profile.onset_deviations(fitted).values()
+    (found,) = onset_profile.onset_deviations(fitted, None).values()
     assert found == pytest.approx(expected, rel=0.08)
 
 

@@ -112,7 +112,7 @@ class Fitted:
     @cached_property
     def onset_deviations(self) -> dict[int, float]:
         """See :func:`camid.fitting.onset_profile.onset_deviations`."""
-        return onset_deviations(self)
+        return onset_deviations(self, fit)
 
 
 def evaluate(

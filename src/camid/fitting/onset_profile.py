@@ -8,6 +8,7 @@ impossible there may be another maximum, where the law knows of one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,8 @@ from camid.side_by_side import in_threads
 if TYPE_CHECKING:
     from camid.effects.base import Effect
     from camid.fitting.fit import Fitted
+    from camid.fitting.plant_with_effects import Model
+    from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -28,12 +31,14 @@ STEPS_TO_A_DEVIATION, MOST_STEPS = 2, 400
 SAME = 3.0
 
 
-def onset_deviations(fitted: Fitted) -> dict[int, float]:
+def onset_deviations(fitted: Fitted, fit: Callable[[Problem, Model], Fitted]) -> dict[int, float]:
     """Root mean square distance from the estimate of the onsets that the profile leaves possible, in seconds.
 
     Parameters
     ----------
     fitted : Fitted
+    fit : callable
+        Fits a model from where it is.
 
     Returns
     -------
@@ -50,11 +55,13 @@ def onset_deviations(fitted: Fitted) -> dict[int, float]:
         place = fitted.packing.names.index(name)
         curvature = float(np.sqrt(max(fitted.covariance[place, place], 0.0)))
         if 0.0 < curvature < np.inf:
-            found[place] = _deviation(fitted, i, place, curvature)
+            found[place] = _deviation(fitted, fit, i, place, curvature)
     return found
 
 
-def _deviation(fitted: Fitted, index: int, place: int, curvature: float) -> float:
+def _deviation(
+    fitted: Fitted, fit: Callable[[Problem, Model], Fitted], index: int, place: int, curvature: float
+) -> float:
     """Of one onset, from the deviation that the curvature suggests."""
     profile = LikelihoodProfile(fitted, index, "time", fitted.sensitivities[:, place])
     first, last = float(fitted.problem.times[0][0]), float(fitted.problem.times[0][-1])
@@ -64,7 +71,8 @@ def _deviation(fitted: Fitted, index: int, place: int, curvature: float) -> floa
     distances, falls = (np.concatenate([[0.0], a, b]) for a, b in zip(earlier, later, strict=True))
     widths = np.ones(len(falls))
     reached = float(np.min(distances)) - curvature, float(np.max(distances)) + curvature
-    beyond = [(d, fall) for d, fall in _other_maxima(fitted, index, curvature) if not reached[0] <= d <= reached[1]]
+    others = _other_maxima(fitted, fit, index, curvature)
+    beyond = [(d, fall) for d, fall in others if not reached[0] <= d <= reached[1]]
     if beyond:
         # Each is about as wide as the highest one, whose widths its own stands for.
         same = np.abs(distances) <= SAME * curvature
@@ -75,10 +83,10 @@ def _deviation(fitted: Fitted, index: int, place: int, curvature: float) -> floa
     return root_mean_square(distances, falls, widths)
 
 
-def _other_maxima(fitted: Fitted, index: int, curvature: float) -> list[tuple[float, float]]:
+def _other_maxima(
+    fitted: Fitted, fit: Callable[[Problem, Model], Fitted], index: int, curvature: float
+) -> list[tuple[float, float]]:
     """Distances of other maxima of the likelihood that are possible, and twice the falls of its logarithm there."""
-    from camid.fitting.fit import fit
-
     effect, problem, estimate = fitted.model.effects[index], fitted.problem, fitted.model.effects[index].values["time"]
     if fitted.weighted:
         return []
