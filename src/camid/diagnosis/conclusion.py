@@ -64,7 +64,8 @@ def concluded(
         found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
     structured = bool(named.reasons or residue.reasons)
-    verdict = verdict_of(found, bool(learned), structured, carries_over=fits.carries_over)
+    carries_over = setting.settled or fits.carries_over  # beyond a declared remainder nothing is looked for
+    verdict = verdict_of(found, bool(learned), structured, carries_over=carries_over)
     location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
