@@ -50,8 +50,7 @@ def concluded(
     held, learned = with_laws(problem, decision, judging, setting.known, watch, setting.believed.units)
     base, final = decision.base, held.improved
     left, fits = left_by(setting, replace(decision, laws=()), residue)
-    beside_laws = left
-    named = residue
+    beside_laws, named = left, residue
     if decision.laws:
         residue = residue_of(setting, decision, decision.improved, before)
         beside_laws, fits = left_by(setting, decision, residue)
@@ -63,9 +62,8 @@ def concluded(
     if held is not decision:
         found = as_simulated(found, held, setting.known)
     found += beside_others(residue.findings, found)
-    structured = bool(named.reasons or residue.reasons)
-    carries_over = setting.settled or fits.carries_over  # beyond a declared remainder nothing is looked for
-    verdict = verdict_of(found, bool(learned), structured, carries_over=carries_over)
+    carried = setting.settled or fits.carries_over  # beyond a declared remainder nothing is looked for
+    verdict = verdict_of(found, bool(learned), bool(named.reasons or residue.reasons), carries_over=carried)
     location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
