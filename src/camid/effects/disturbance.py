@@ -22,10 +22,9 @@ from camid.effects.sensor_shift import SensorShift
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
-# Spectral lines of the residual, and times, that are looked into.
+# Spectral lines of the residual, and times, that are looked into; and other times of a force that was fitted.
 LINES = 4
-TIMES = 3
-OTHER_TIMES = 3
+TIMES, OTHER_TIMES = 3, 3
 # Periods of a force that a recording holds at least: what has not returned may be a drift as well.
 FEWEST_PERIODS = 1.5
 

@@ -356,10 +356,8 @@ class Overflow(_Storage):
             ends: list[tuple[float, tuple[float, ...]]] = [(edge, (0.9, 0.7, 0.4))]
             if abs(seen) < FAR_BELOW * abs(edge):
                 ends.append((seen, (0.95, 0.8)))
-            for end, share, below in (
-                (end, share, below) for end, shares in ends for share in shares for below in belows
-            ):
-                if end != 0.0:
+            for end, share in [(end, share) for end, shares in ends for share in shares if end != 0.0]:
+                for below in belows:
                     yield cls(height=share * end, share=0.0, below=below).measured_from(BEYOND * end, 0.0)
 
     @classmethod

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from camid.fitting.likelihood_profile import IMPOSSIBLE, LikelihoodProfile, root_mean_square
 from camid.side_by_side import in_threads
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from camid.fitting.fit import Fitted
     from camid.fitting.plant_with_effects import Model
     from camid.fitting.problem import Problem
-
-Array = NDArray[np.float64]
 
 # Steps of the profile to a standard deviation of the curvature, and at most to either side.
 STEPS_TO_A_DEVIATION, MOST_STEPS = 2, 400
@@ -87,9 +84,10 @@ def _other_maxima(
     fitted: Fitted, fit: Callable[[Problem, Model], Fitted], index: int, curvature: float
 ) -> list[tuple[float, float]]:
     """Distances of other maxima of the likelihood that are possible, and twice the falls of its logarithm there."""
-    effect, problem, estimate = fitted.model.effects[index], fitted.problem, fitted.model.effects[index].values["time"]
     if fitted.weighted:
         return []
+    effect, problem = fitted.model.effects[index], fitted.problem
+    estimate = effect.values["time"]
 
     def ended(law: Effect) -> tuple[float, float] | None:
         try:
