@@ -216,12 +216,13 @@ def test_few_items_need_no_copy_and_it_is_ended_with_its_task():
 
 
 @copies
-def test_a_diagnosis_says_the_same_with_and_without_a_copy(monkeypatch):
+@pytest.mark.parametrize("name", ["slide", pytest.param("detent", marks=pytest.mark.slow)])
+def test_a_diagnosis_says_the_same_with_and_without_a_copy(monkeypatch, name):
     """And all that it asks the copy for can be pickled."""
     import camid
 
     examples = Path(__file__).parents[1] / "examples"
-    recording, simulation = examples / "detent.csv", examples / "slide.yaml"
+    recording, simulation = examples / f"{name}.csv", examples / "slide.yaml"
     written, told, asked, heard = module._Known.written, module._Known.told, [], []
 
     def kept(self, content):

@@ -35,6 +35,7 @@ def test_no_names_for_what_corrects_the_law(diagnosis):
     assert any(name == "unlisted" for name, _ in diagnosis.findings[0].alternatives)
 
 
+@pytest.mark.slow
 def test_remainder_is_the_size_of_what_is_left(recording, diagnosis):
     """On the rows that were fitted, or on the others: the larger."""
     left = diagnosis.signals.recorded - diagnosis.signals.improved
@@ -48,6 +49,7 @@ def test_remainder_is_the_size_of_what_is_left(recording, diagnosis):
     assert diagnosis.known_remainder is None
 
 
+@pytest.mark.slow
 def test_what_is_beyond_the_remainder_is_looked_for(recording, diagnosis):
     """A blow on the same rig, in another recording of it."""
     struck = recording.copy()

@@ -6,7 +6,7 @@ import pytest
 import camid
 from tests.support.mass_on_spring import BELIEVED, effect, record, simulation
 
-DRAWS, FEW_DRAWS = 20, 5
+DRAWS, FEW_DRAWS = 20, 2
 SPREAD = (0.5, 1.5)  # of every coefficient
 RIGS = {
     "nothing": (),

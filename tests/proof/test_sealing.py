@@ -89,12 +89,15 @@ def working_copy(tmp_path):
     """A folder with a recording and its simulation in results/, beside a truth."""
     import numpy as np
     import pandas as pd
+    from scipy.signal import cont2discrete, lfilter
 
     generator = np.random.default_rng(3)
     folder = tmp_path / "copy/results/0"
     folder.mkdir(parents=True)
-    columns = {"t": 0.02 * np.arange(300), "u": generator.standard_normal(300), "y": generator.standard_normal(300)}
-    pd.DataFrame(columns).to_csv(folder / "recording.csv", index=False)
+    signal, noise = generator.standard_normal((2, 300))
+    numerator, denominator, _ = cont2discrete(([100.0], [1.0, 2.0, 100.0]), 0.02)
+    output = lfilter(numerator.ravel(), denominator, signal) + 0.05 * noise
+    pd.DataFrame({"t": 0.02 * np.arange(300), "u": signal, "y": output}).to_csv(folder / "recording.csv", index=False)
     (folder / "simulation.yaml").write_text(SIMULATION, encoding="utf-8")
     return tmp_path / "copy"
 

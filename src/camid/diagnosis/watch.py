@@ -18,8 +18,10 @@ TIME_LIMIT = 120.0
 # How much a diagnosis that was not told otherwise simulates at most: the bound below.
 EFFORT = 1.0
 # Work (:mod:`camid.engine.work`) of a diagnosis before it tries nothing new, in seconds, for each recording and for
-# each row in addition: with more recordings each fit takes longer, and the search for names should not end sooner.
+# each row in addition: with more recordings each fit takes longer, and the search for names should not end sooner. Of
+# rows beyond so many there is more evidence for the names that are looked at first, and each row counts less.
 WORK, WORK_OF_ROW = 10.0, 2.5e-3
+MANY_ROWS, WORK_OF_FURTHER_ROW = 8_000, 1e-3
 # Recordings at most that count so: of many each says less, and the time limit stays.
 MOST_RECORDINGS = 4
 # Share of them after which the search for names ends, after which no further law is learned, and all of them.
@@ -67,7 +69,8 @@ class Watch(Account):
     def count(self, work: Work, rows: int, recordings: int = 1) -> None:
         """Bound the work that is counted, in a diagnosis of so many rows of so many recordings that are fitted."""
         self._work = work
-        self._bound = (self.effort or 0.0) * (WORK * min(recordings, MOST_RECORDINGS) + WORK_OF_ROW * rows)
+        of_rows = WORK_OF_ROW * min(rows, MANY_ROWS) + WORK_OF_FURTHER_ROW * max(rows - MANY_ROWS, 0)
+        self._bound = (self.effort or 0.0) * (WORK * min(recordings, MOST_RECORDINGS) + of_rows)
 
     def aside(self, work: Work, rows: int, recordings: int = 1) -> Watch:
         """One for something to be tried beside the rest, with the same limits, in the time that is left."""
