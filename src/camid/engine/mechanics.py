@@ -61,7 +61,7 @@ class Chain:
         Actuator effects act in this order, sensor effects too.
     initial_state : ndarray, shape (n,) or more, optional
         Companion state of the plant in units of its time scale, at the time that ``state_before_record`` says; those
-        of the dynamics of effects beside the plant, then of those after it, may follow.
+        of the dynamics of effects beside the plant, then of those after it and before it, may follow.
     state_before_record : bool
         Whether that is the start of the interval in which the first frame's exposure starts, or the first sample.
     steps : int, optional

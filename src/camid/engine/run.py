@@ -267,7 +267,11 @@ def _initial_state(chain: Chain, size: int, first: int) -> Array:
     if state is None and chain.equations is not None:
         state = chain.equations.start
     if state is not None:
-        # The states of the dynamics beside and after the plant follow those of the plant; the last one is the integral.
+        # The states of the dynamics beside and after the plant follow those of the plant, and behind these come those
+        # before it and what forces remember; the last one is the integral.
+        memories = sum(effect.largest_memory is not None for effect in chain.effects)
+        if chain.equations is None and len(state) == size - 1 + memories:
+            initial[:first] = state[size - 1 - first : size - 1]
         state = state[: size - 1 - first]
         initial[first : first + len(state)] = state
     return initial

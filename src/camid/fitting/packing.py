@@ -136,17 +136,22 @@ class Packing:
 
 
 def _mode_sizes(problem: Problem, model: Model) -> list[float]:
-    """What the initial states of modes are measured by: those of an oscillation as large as the output."""
+    """What the initial states of modes are measured by: motions as large as the output, and lags as the input."""
     plant = problem.structure.plant(model.coefficients)
     unit = time_scale(plant.monic.denominator)
     spread = float(np.std(problem.recorded)) or 1.0
-    parts = [e.beside_plant() for e in model.effects] + [e.after_plant() for e in model.effects]
+    parts = [(e.beside_plant(), spread) for e in model.effects] + [(e.after_plant(), spread) for e in model.effects]
+    parts += [(e.before_plant(), _largest_input(problem)) for e in model.effects]
     sizes: list[float] = []
-    for part in parts:
+    for part, extent in parts:
         if part is not None:
             row = companion_block(part, unit)[1]
-            sizes += [spread / (float(np.linalg.norm(row)) or 1.0)] * part.order
+            sizes += [extent / (float(np.linalg.norm(row)) or 1.0)] * part.order
     return sizes
+
+
+def _largest_input(problem: Problem) -> float:
+    return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
 
 
 def _stable(problem: Problem) -> Array:
@@ -168,7 +173,7 @@ def _powers(problem: Problem) -> list[float]:
 
 def _gain(problem: Problem, free: NDArray[np.bool_]) -> Array:
     """Output over input, for the numerator; one for the denominator."""
-    signal = max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
+    signal = _largest_input(problem)
     gain = np.ones(len(free))
     gain[: problem.structure.degree + 1] = (float(np.ptp(problem.recorded)) or 1.0) / signal
     return gain[free]
@@ -182,7 +187,7 @@ def _measure(problem: Problem, scale: str, value: float) -> float:
     if scale == "output":
         return problem.output_spread
     if scale == "input":
-        return max(float(np.max(np.abs(e.signal), initial=0.0)) for e in problem.experiments) or 1.0
+        return _largest_input(problem)
     if scale == "resolution":
         return 1.0 / problem.duration
     return 1.0 if scale == "one" or value == 0.0 else abs(value)

@@ -23,8 +23,8 @@ class Model:
         [b_0 … b_m, a_1 … a_n] of the monic plant in SI units.
     effects : tuple of Effect
     initial : tuple of (ndarray or None)
-        Companion state of the plant at the start of each recording, behind it those of modes that effects have beside
-        and after it (:meth:`modes`), and behind these what effects remember (:meth:`memories`); None at rest.
+        Companion state of the plant at the start of each recording, behind it those of modes that effects have beside,
+        after and before it (:meth:`modes`), and behind these what effects remember (:meth:`memories`); None at rest.
     constants : dict of str to float
         Constants of the plant beside its coefficients; its kind knows what they mean
         (:class:`camid.fitting.plants.kind.PlantKind`).
@@ -49,10 +49,11 @@ class Model:
         return tuple(sorted(self.effects, key=lambda effect: not effect.leads))
 
     def modes(self) -> list[int]:
-        """For every state that effects have beside the plant, and then for those after it, the effect's index."""
+        """For every state that effects have beside the plant, then for those after it and before it, the index."""
         beside = [(i, e.beside_plant()) for i, e in enumerate(self.effects)]
         after = [(i, e.after_plant()) for i, e in enumerate(self.effects)]
-        return [i for i, part in (*beside, *after) if part is not None for _ in range(part.order)]
+        before = [(i, e.before_plant()) for i, e in enumerate(self.effects)]
+        return [i for i, part in (*beside, *after, *before) if part is not None for _ in range(part.order)]
 
     def memories(self) -> list[int]:
         """Index of every effect whose force remembers motion that may have gone before a recording."""
