@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
-from camid.effects.periodic_in_position import RECORDED_PERIODS
-from camid.effects.recorded_force import best_pairs, waves_of_force
+from camid.effects.periodic_in_position import MANY_PERIODS, RECORDED_PERIODS
+from camid.effects.recorded_force import best_pairs, short_periods, waves_of_force
 from camid.effects.situation import Situation
 
 PERIOD, ROWS = 0.01, 2500
@@ -83,6 +83,48 @@ def test_a_recording_without_such_a_force_shows_none():
     rows = (PERIOD * np.arange(ROWS), signal, position, position, velocity, np.zeros(ROWS))
     situation = Situation(*rows, plant, Acquisition(PERIOD, sensor="instant"), np.ones(ROWS, bool))
     assert waves_of_force(situation, np.ptp(position) / RECORDED_PERIODS, 3) == []
+
+
+def turning_motor(pitch):
+    """Input and position of a motor that turns over many of its poles, by small steps."""
+    generator = np.random.default_rng(6)
+    signal, parts = np.repeat(generator.choice([-3.0, -1.5, 1.0, 3.0], ROWS // 50), 50), 100
+    position, velocity, positions = 0.0, 0.0, []
+    for held in signal:
+        positions.append(position)
+        for _ in range(parts):
+            pole = 0.8 * np.sin(2.0 * np.pi * position / pitch + PHASE)
+            velocity += PERIOD / parts * (30.0 * (held - pole) - 10.0 * velocity)
+            position += PERIOD / parts * velocity
+    return signal, np.array(positions) + 1e-3 * generator.standard_normal(ROWS)
+
+
+def test_a_motor_that_turns_often_passes_many_poles():
+    pitch = 0.25
+    signal, position = turning_motor(pitch)
+    span = np.ptp(position)
+    assert span / pitch > 100.0  # more than are looked at one by one
+    rows = (PERIOD * np.arange(ROWS), signal, position, position, np.gradient(position, PERIOD), np.zeros(ROWS))
+    plant = TransferFunction((25.0,), (1.0, 12.0, 0.0))
+    situation = Situation(*rows, plant, Acquisition(PERIOD, sensor="instant"), np.ones(ROWS, bool))
+    short = short_periods(situation, span / MANY_PERIODS, 3)
+    assert short[0] == pytest.approx(pitch, rel=2e-3)
+    (best, *_) = waves_of_force(situation, np.concatenate([span / RECORDED_PERIODS, short]), 3)
+    assert best["period"] == pytest.approx(pitch, rel=2e-3)
+    assert best["amplitude"] == pytest.approx(0.8, rel=0.2)
+
+
+@pytest.mark.slow
+def test_cogging_of_a_motor_that_turns_often_is_found():
+    pitch = 0.25
+    signal, position = turning_motor(pitch)
+    simulation = {**NOMINAL, "plant": {"transfer_function": {"numerator": [25.0], "denominator": [1.0, 12.0, 0.0]}}}
+    del simulation["controller"]
+    table = pd.DataFrame({"t": PERIOD * np.arange(ROWS), "u": signal, "y": position})
+    (finding,) = camid.diagnose(table, simulation).findings
+    assert finding.identifier == "cogging"
+    period = finding.parameters["period"]
+    assert abs(period.value - pitch) < 4.0 * period.standard_deviation < 1e-3 * pitch
 
 
 def test_pairs_are_fitted_by_least_squares():

@@ -1,4 +1,4 @@
-"""Modes beside and after the plant, and lags before it, may be in motion when the recording begins, as the plant may."""
+"""Modes beside and after the plant, and lags before it, may be in motion when the recording begins, as it may."""
 
 import numpy as np
 import pandas as pd

@@ -19,7 +19,7 @@ from camid.effects.extent import Extent
 from camid.effects.force_over_position import plant_beside_wave
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import mobility
-from camid.effects.recorded_force import best_pairs, best_waves, waves_of_force
+from camid.effects.recorded_force import best_pairs, best_waves, short_periods, waves_of_force
 from camid.effects.residual_regression import ResidualRegression, sampled
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -28,9 +28,11 @@ if TYPE_CHECKING:
     from camid.chain.motion import Motion
 
 # Periods that the range of the motion may hold: of a force, whose response takes a simulation, and as the recorded
-# motion shows it; and of an error of the reading. A sinusoid that does not return twice is a polynomial to the data,
+# motion shows it, of which the many of a motor that turns often are looked at all together; and of an error of the
+# reading. A sinusoid that does not return twice is a polynomial to the data,
 # and other effects name it.
 SIMULATED_PERIODS, RECORDED_PERIODS = np.arange(2.0, 30.0, 0.25), np.arange(2.0, 60.0, 0.5)
+MANY_PERIODS = np.arange(60.0, 600.0, 0.25)
 READ_PERIODS = np.concatenate([SIMULATED_PERIODS, np.arange(30.0, 120.0, 0.5)])
 # Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
 LARGEST_PERIOD = 0.6
@@ -144,8 +146,7 @@ class Cogging(PeriodicInPosition):
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The periods that explain best what moves the plant as it was recorded, and the residual, to first order."""
         step = _least_difference(situation.recorded)
-        span = float(np.ptp(situation.recorded))
-        guesses = waves_of_force(situation, span / RECORDED_PERIODS, BEST) if span > 0.0 else []
+        guesses = _forces(situation, BEST)
         # In few rows, or noisy ones, waves of the recorded motion are chance.
         guesses += best_periods(situation, cls.seen(situation), SIMULATED_PERIODS)
         largest = situation.largest("signal")
@@ -158,8 +159,7 @@ class Cogging(PeriodicInPosition):
         cls, situation: Situation, constants: Mapping[str, float]
     ) -> tuple[Effect, TransferFunction, dict[str, float]] | None:
         """Beside the plant that the recorded motion shows with it, and with a harmonic where that shows, too."""
-        span = float(np.ptp(situation.recorded))
-        guesses = waves_of_force(situation, span / RECORDED_PERIODS, 1) if span > 0.0 else []
+        guesses = _forces(situation, 1)
         found = plant_beside_wave(situation, guesses[0]["period"], tuple(HARMONICS)) if guesses else None
         if found is None:
             return None
@@ -176,6 +176,15 @@ class Cogging(PeriodicInPosition):
         # The force counts from the zero of the position, where it is none.
         bias = found.bias - sum(size * sin(angle) for size, angle in found.waves)
         return law(**values), found.plant, dict.fromkeys(constants.keys() & {BIAS}, bias)
+
+
+def _forces(situation: Situation, most: int) -> list[dict[str, float]]:
+    """The waves along the way that explain best what moves the plant as it was recorded."""
+    span = float(np.ptp(situation.recorded))
+    if span == 0.0:
+        return []
+    short = short_periods(situation, span / MANY_PERIODS, most)
+    return waves_of_force(situation, np.concatenate([span / RECORDED_PERIODS, short]), most)
 
 
 class CoggingAboutAnyZero(Cogging):

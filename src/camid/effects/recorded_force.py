@@ -9,7 +9,7 @@ recording says is judged by simulations.
 from __future__ import annotations
 
 from functools import lru_cache
-from math import pi
+from math import ceil, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,13 @@ MOST_POLES = 3
 TURNED_ROUND = 0.05
 # A wave that is worth a guess leaves less than this share of what is left without it.
 MOST_LEFT = 0.8
-# Rows that are looked at, and how finely their positions count, as a share of the way.
+# Rows that are looked at, and how finely their positions count, as a share of the way; rows at which many periods are,
+# and how many of these at once.
 MOST_ROWS = 5_000
 RESOLUTION = 1e-9
+ROWS_OF_A_LOOK, AT_ONCE = 2_500, 64
+# Rows that a period takes at the root mean square of the speed: what changes faster is averaged away by the filters.
+ROWS_OF_A_PERIOD = 4.0
 
 
 def waves_of_force(situation: Situation, periods: Array, most: int) -> list[dict[str, float]]:
@@ -100,12 +104,18 @@ def _filtered_waves(
     position: Array, command: Array, periods: Array, period: float, poles: int, cut_off: float
 ) -> tuple[Array, Array, Array]:
     """The same with one filter, of all signals of the plant's equation."""
+    angles = 2.0 * pi * position[:, None] / periods
+    forces = np.column_stack([command, np.sin(angles), np.cos(angles)])
+    left = _left_by_plant(position, forces, period, poles, cut_off)
+    return best_pairs(left[:, 0], left[:, 1 : len(periods) + 1], left[:, len(periods) + 1 :])
+
+
+def _left_by_plant(position: Array, forces: Array, period: float, poles: int, cut_off: float) -> Array:
+    """What the plant's equation leaves of each force, shape (N, F), after a filter of all signals."""
     from scipy.signal import butter, sosfiltfilt
 
     sections = butter(FILTER_ORDER, cut_off, output="sos")
-    angles = 2.0 * pi * position[:, None] / periods
-    signals = np.column_stack([position, command, np.sin(angles), np.cos(angles)])
-    smooth = sosfiltfilt(sections, signals, axis=0)
+    smooth = sosfiltfilt(sections, np.column_stack([position, forces]), axis=0)
     derivatives = [smooth[:, 0]]
     for _ in range(poles):
         derivatives.append(np.gradient(derivatives[-1], period))
@@ -113,8 +123,52 @@ def _filtered_waves(
     friction = sosfiltfilt(sections, np.tanh(derivatives[1] / slow))
     table = np.column_stack([np.ones(len(position)), friction, *derivatives])
     basis = np.linalg.qr(table / np.maximum(np.linalg.norm(table, axis=0), 1e-300))[0]
-    left = smooth[:, 1:] - basis @ (basis.T @ smooth[:, 1:])
-    return best_pairs(left[:, 0], left[:, 1 : len(periods) + 1], left[:, len(periods) + 1 :])
+    return np.asarray(smooth[:, 1:] - basis @ (basis.T @ smooth[:, 1:]))
+
+
+def short_periods(situation: Situation, periods: Array, most: int) -> Array:
+    """Of many short periods those of waves that explain most of the command which moves the plant as recorded.
+
+    The filters are not asked what they leave of each wave, so that many cost little; :func:`waves_of_force` says what
+    a wave of one of them is worth.
+
+    Parameters
+    ----------
+    situation : Situation
+    periods : ndarray, shape (P,)
+        Periods to try, in units of the output, one after the other.
+    most : int
+        How many.
+
+    Returns
+    -------
+    ndarray, shape (at most ``most``,)
+    """
+    situation = situation.until(MOST_ROWS)
+    recorded, poles = situation.recorded, len(situation.plant.denominator) - 1
+    if poles not in range(1, MOST_POLES + 1) or len(recorded) < 10 * FILTER_ORDER:
+        return np.empty(0)
+    speed = float(np.sqrt(np.mean(np.diff(recorded) ** 2)))
+    periods = periods[periods >= ROWS_OF_A_PERIOD * speed]
+    if speed == 0.0 or len(periods) == 0:
+        return np.empty(0)
+    signals = (recorded.tobytes(), situation.signal.tobytes(), periods.tobytes())
+    return _best_short_periods(*signals, situation.acquisition.period, poles, most)
+
+
+@lru_cache(maxsize=8)
+def _best_short_periods(position: bytes, command: bytes, periods: bytes, period: float, poles: int, most: int) -> Array:
+    way, force, lengths = (np.frombuffer(values) for values in (position, command, periods))
+    rows = slice(None, None, ceil(len(way) / ROWS_OF_A_LOOK))
+    left = [_left_by_plant(way, force[:, None], period, poles, cut_off)[rows, 0] for cut_off in CUT_OFFS[1:]]
+    shares = np.empty(len(lengths))
+    for first in range(0, len(lengths), AT_ONCE):
+        turns = way[rows, None] / lengths[first : first + AT_ONCE]
+        angles = 2.0 * pi * (turns - np.rint(turns))  # sines of small angles take a third of the time
+        waves = np.sin(angles), np.cos(angles)
+        shares[first : first + AT_ONCE] = np.min([best_pairs(each, *waves)[0] for each in left], axis=0)
+    found = best_waves(1.0 - shares, 0.0, most, shares, lengths, shares)
+    return np.array([wave["period"] for wave in found])
 
 
 def best_pairs(residual: Array, sines: Array, cosines: Array) -> tuple[Array, Array, Array]:
