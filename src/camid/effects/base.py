@@ -244,6 +244,10 @@ class Effect(EffectValues, SearchHooks):
         """Start and end of the exposures in seconds, shape (N,), where the effect shifts them."""
         return start, end
 
+    def ahead(self, time: Array) -> float:
+        """Seconds after the last of the recorded times, shape (N,), up to which the readings need the motion."""
+        return 0.0
+
     def carry(self, motion: Motion) -> Motion:
         """The motion of what the sensor sees, where that is not the plant's."""
         return motion

@@ -140,6 +140,10 @@ class ClockSkew(Effect):
         shift = self.values["skew"] * end
         return start + shift, end + shift
 
+    def ahead(self, time: Array) -> float:
+        """What the shift comes to at the first and at the last frame."""
+        return max(self.values["skew"] * float(time[0]), self.values["skew"] * float(time[-1]), 0.0)
+
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """A share of a period over the recording: the effect is proportional to it."""
@@ -154,3 +158,7 @@ class FrameSkew(ClockSkew):
         """Exposures at the camera's times, the first one as it is."""
         shift = self.values["skew"] * (end - end[0])
         return start + shift, end + shift
+
+    def ahead(self, time: Array) -> float:
+        """What the shift comes to at the last frame."""
+        return max(self.values["skew"] * float(time[-1] - time[0]), 0.0)

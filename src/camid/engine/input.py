@@ -20,8 +20,9 @@ from camid.engine.feedback import Feedback
 
 Array = NDArray[np.float64]
 
-# Periods that the motion goes on past the last frame, for exposures that effects shift.
-MARGIN = 2
+# Periods that the motion goes on past the last frame, for exposures that effects shift; where they shift them further,
+# it goes on further, by this share of the recording at most.
+MARGIN, MOST_PAST = 2, 0.25
 # Parts of a frame in each of which an actuator makes a straight line of its input, and their length in radians of the
 # plant's fastest motion: kinks lie anywhere. A fit may come by plants of any speed, which no frames show.
 PARTS, MOST_PARTS = 24, 400
@@ -40,6 +41,7 @@ def grid_input(
     known_force: tuple[Array, str] | None = None,
     log: tuple[InputLog, float] | None = None,
     parts: int = 1,
+    margin: int = MARGIN,
 ) -> tuple[Array, Array]:
     """Input at the start and end of each step of the grid; zero where a controller makes it.
 
@@ -60,6 +62,8 @@ def grid_input(
         The input at times of its own in place of ``signal``, and the time at which the grid begins, in seconds.
     parts : int
         Of a period, at least, in each of which an actuator makes a straight line of its input.
+    margin : int
+        Periods by which the grid goes on past the record, in which the input stays as it was; see :func:`periods_past`.
 
     Returns
     -------
@@ -67,20 +71,26 @@ def grid_input(
     """
     step = acquisition.period / steps
     if log is not None:
-        start, end = _logged(effects, log[0], acquisition, log[1], step, (delay + len(signal) + MARGIN) * steps)
+        start, end = _logged(effects, log[0], acquisition, log[1], step, (delay + len(signal) + margin) * steps)
     else:
         signal = signal if loop is None else np.zeros(len(signal))
         # What an actuator makes of a controller's output, the integrator has to find out as it goes.
         parts = ceil(parts / steps) if loop is None else 1
-        start, end = _between(signal, acquisition.hold, delay, steps * parts)
+        start, end = _between(signal, acquisition.hold, delay, steps * parts, margin)
         for effect in effects if loop is None else ():
             start, end = effect.transform(start, end, step / parts)
         if parts > 1:
             start, end = _joined(start, end, parts)
     if known_force is not None:
-        extra_start, extra_end = _between(known_force[0], known_force[1], delay, steps)
+        extra_start, extra_end = _between(known_force[0], known_force[1], delay, steps, margin)
         start, end = start + extra_start, end + extra_end
     return np.ascontiguousarray(start), np.ascontiguousarray(end)
+
+
+def periods_past(effects: Sequence[Effect], time: Array, period: float) -> int:
+    """Periods by which the motion is simulated past the last of the recorded times, shape (N,)."""
+    ahead = max((effect.ahead(time) for effect in effects), default=0.0)
+    return MARGIN + min(ceil(ahead / period), int(MOST_PAST * len(time)))
 
 
 def parts_in_a_period(effects: Sequence[Effect], acquisition: Acquisition, plant: TransferFunction) -> int:
@@ -162,10 +172,10 @@ def feedback_of(loop: Loop | None, pull: Pull | None, steps: int) -> Feedback:
     )
 
 
-def _between(signal: Array, hold: str, delay: int, steps: int) -> tuple[Array, Array]:
+def _between(signal: Array, hold: str, delay: int, steps: int, margin: int) -> tuple[Array, Array]:
     """Input at the start and end of each step, zero before the record and constant past it."""
     signal, _ = driven(np.asarray(signal, dtype=float), hold)
-    first = np.concatenate([np.zeros(delay), signal, np.full(MARGIN, signal[-1])])
+    first = np.concatenate([np.zeros(delay), signal, np.full(margin, signal[-1])])
     if hold == "zoh":
         start = np.repeat(first, steps)
         return start, start

@@ -18,7 +18,7 @@ from camid.chain.exact import sample
 from camid.chain.motion import Motion
 from camid.effects.base import Effect
 from camid.engine.forces import Mechanics
-from camid.engine.input import feedback_of, grid_input, parts_in_a_period
+from camid.engine.input import feedback_of, grid_input, parts_in_a_period, periods_past
 from camid.engine.integrator import integrate
 from camid.engine.mechanics import Chain, jump_of, mechanics_of
 
@@ -228,6 +228,8 @@ class Setting:
         Of the grid, in seconds.
     shocks : tuple of ndarray
         Times in seconds at which a force jumps, and times and sizes of impulses, both sorted.
+    margin : int
+        Periods by which the grid goes on past the record.
     """
 
     mechanics: Mechanics
@@ -235,13 +237,23 @@ class Setting:
     delay: int
     start_time: float
     shocks: tuple[Array, Array, Array]
+    margin: int
 
     def input_on_grid(self, chain: Chain, signal: Array, acquisition: Acquisition, steps: int) -> tuple[Array, Array]:
         """Input at the start and end of each of so many steps in a period; see :func:`grid_input`."""
         log = None if chain.input_log is None else (chain.input_log, self.start_time)
         parts = parts_in_a_period(chain.effects, acquisition, chain.plant)
         return grid_input(
-            chain.effects, signal, acquisition, self.delay, steps, chain.loop, chain.known_force, log, parts
+            chain.effects,
+            signal,
+            acquisition,
+            self.delay,
+            steps,
+            chain.loop,
+            chain.known_force,
+            log,
+            parts,
+            self.margin,
         )
 
 
@@ -257,7 +269,8 @@ def prepared(chain: Chain, signal: Array, time: Array, acquisition: Acquisition)
         np.array([s for _, s in impulses], dtype=float),
     )
     initial = _initial_state(chain, len(mechanics.input_vector), order[0])
-    return Setting(mechanics, initial, delay, float(time[0]) - delay * acquisition.period, shocks)
+    margin = periods_past(chain.effects, time, acquisition.period)
+    return Setting(mechanics, initial, delay, float(time[0]) - delay * acquisition.period, shocks, margin)
 
 
 def _initial_state(chain: Chain, size: int, first: int) -> Array:

@@ -316,12 +316,19 @@ class Problem:
                 return True
         return False
 
+    def _looks_past(self, model: Model) -> bool:
+        """Whether rows that are fitted show motion after the last of them."""
+        effects = (*self.kind.forces(model), *model.effects)
+        ahead = [effect.ahead(time) for effect in effects for time in self.times]
+        return max(ahead, default=0.0) > ROWS_AFTER_FITTED * self.acquisition.period
+
     def fitted_chains(self, model: Model) -> list[tuple[Chain, Array, Array, NDArray[np.bool_]]]:
         """For each recording with rows that are fitted its chain, input, times and which rows those are.
 
         The recordings end with the last of these rows.
         """
-        short = self if self._needs_whole_input(model) else self._until_last_fitted
+        whole = self._needs_whole_input(model) or self._looks_past(model)
+        short = self if whole else self._until_last_fitted
         recordings = zip(short.experiments, short.times, strict=True)
         return [(short.chain(model, i), e.signal, t, e.used) for i, (e, t) in enumerate(recordings) if e.used.any()]
 
