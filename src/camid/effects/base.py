@@ -97,6 +97,8 @@ class Effect(EffectValues, SearchHooks):
         Whether it describes a residual that is not white; see :meth:`of_autoregression`.
     of_one_recording : bool
         Whether it depends on the time, so that another recording of the same rig says nothing of it.
+    prior_odds : float
+        Of it beside effects that the data often show as well, where rigs have it more rarely.
     bends_coefficients : bool
         Of an effect without parameters, whether coefficients that are re-estimated without it mean nothing.
     finer_laws : tuple of type of Effect
@@ -130,6 +132,7 @@ class Effect(EffectValues, SearchHooks):
     judged_by_even_spread: ClassVar[bool] = False
     colours_noise: ClassVar[bool] = False
     of_one_recording: ClassVar[bool] = False
+    prior_odds: ClassVar[float] = 1.0
     bends_coefficients: ClassVar[bool] = False
     finer_laws: ClassVar[tuple[type[Effect], ...]] = ()
     # Compiled parts; see :class:`Compiled` for their arguments.

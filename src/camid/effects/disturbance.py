@@ -54,7 +54,7 @@ class PeriodicDisturbance(Effect):
         Parameter("frequency", "rad/s", "angular frequency ω", 0.0, scale="resolution"),
         Parameter("phase", "rad", "phase φ at time zero", scale="one"),
     )
-    separated_by = (SeparatingExperiment.REPEATED_INPUT,)
+    separated_by = (SeparatingExperiment.REPEATED_INPUT, SeparatingExperiment.HELD_POSITIONS)
     of_one_recording = True
     strength = "amplitude"
     trials = "frequencies"

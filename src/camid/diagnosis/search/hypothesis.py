@@ -38,12 +38,12 @@ class Hypothesis:
 
 
 def prior_penalty(problem: Problem, effect: Effect) -> float:
-    """Twice the logarithm of how many different effects a search for one amounts to, and of a general law's prior odds.
+    """Twice the logarithm of how many different effects a search for one amounts to, and of the prior odds against it.
 
     Rigs have dry friction more often than they have one of the laws of which it is the special case; what makes a law
     of these more general still has the same odds again.
     """
-    penalty = 2.0 * float(np.log(trials(type(effect), problem)))
+    penalty = 2.0 * float(np.log(trials(type(effect), problem) / effect.prior_odds))
     special = effect.simplified()
     while special is not None:
         penalty += general_law_penalty()

@@ -1,0 +1,66 @@
+"""A reading with a hum of its own: the mains in an analogue cable, or a camera that sways.
+
+A periodic force leaves the same behind a linear plant, but for how it begins: from rest, it moves the plant out of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+from typing import ClassVar
+
+import numpy as np
+
+from camid.effects.base import Array, Effect
+from camid.effects.extent import Extent
+from camid.effects.parameter import Parameter
+from camid.effects.residual_spectrum import highest_lines
+from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
+
+# Spectral lines of the residual that are looked into.
+LINES = 3
+# Periods that a recording holds at least: what has not returned may be a drift as well.
+FEWEST_PERIODS = 1.5
+# Prior odds beside a periodic force: few cables hum, and few cameras sway, and many machines turn.
+ODDS = 1.0 / 3.0
+
+
+class SensorOscillation(Effect):
+    """A sinusoid that is added to the reading, and moves nothing."""
+
+    identifier = "sensor-oscillation"
+    place = "sensor"
+    title = "Oscillation of the measurement"
+    drawn_against = "time"
+    equation = r"w = y + a\,\sin(\omega t + \varphi)"
+    reference = "Morrison (2016), Grounding and Shielding, 6th ed., chapter 6 (mains in cables)"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("amplitude", "y", "amplitude a", 0.0),
+        Parameter("frequency", "rad/s", "angular frequency ω", 0.0, scale="resolution"),
+        Parameter("phase", "rad", "phase φ at time zero", scale="one"),
+    )
+    # A force makes a body move that is held in no position.
+    separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.REPEATED_INPUT)
+    of_one_recording = True
+    prior_odds = ODDS
+    strength = "amplitude"
+    trials = "frequencies"
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Add it."""
+        amplitude, angular, phase = self.vector
+        return output + amplitude * np.sin(angular * time + phase)
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether the recording holds enough periods."""
+        return bool(self.values["frequency"] * extent.duration >= 2.0 * pi * FEWEST_PERIODS)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """The highest lines of the residual's spectrum."""
+        window = np.hanning(len(situation.residual))
+        for angular in highest_lines(situation, LINES):
+            turned = np.exp(-1j * angular * situation.time) * window
+            phasor = 2j * (situation.residual @ turned) / np.sum(window)
+            yield cls(amplitude=float(abs(phasor)), frequency=angular, phase=float(np.angle(phasor)))
