@@ -74,6 +74,32 @@ def test_what_the_coefficients_hold_of_a_formula(variables, expression, slope, s
     assert words == [] if says == "" else says in words[0]
 
 
+@pytest.mark.parametrize(
+    ("variables", "expression", "says"),
+    [
+        (
+            "damping over position",
+            "f = d(y)·v, d(y) = a·exp(−(y/c)²)",
+            "the plant's damping, as the coefficients stand",
+        ),
+        (
+            "gain over velocity",
+            "f = g(v)·u, g(v) = a·v",
+            "the plant's gain, as the coefficients stand, holds 0.3 of g(v)",
+        ),
+        ("position", "f(y) = a·y²", ""),
+    ],
+)
+def test_a_part_of_a_coefficient_that_a_formula_is_without(variables, expression, says):
+    """The numbers of the formula and the coefficients that are printed are else not those of one rig."""
+    points = np.linspace(-1.0, 1.0, 5)
+    held = {"constant": 0.3}
+    law = Formula("…", expression, {}, held=held, points=points.tolist(), values=(points**2).tolist())
+    part = LearnedPart("…", "plant", "…", variables, [], [], [], "y", "u", 9.0, 0.5)
+    words = held_by_coefficients(law, part, IN_U_AND_Y)
+    assert words == [] if says == "" else says in words[0]
+
+
 def test_power():
     words = described(linearised(lambda x: x**3), "velocity", None, Quantity(3.02, 0.05, ""))
     assert "grows as the power 3.020 ± 0.050 of |v|" in "; ".join(words)

@@ -26,6 +26,8 @@ LEAST_GAIN = 2.0
 PIECEWISE = {"kink", "dead zone", "two kinks", "absolute value"}
 # Straight part of a formula, as a share of what is left of it, from which it is worth a word, and of the signal itself.
 LEAST_HELD = 0.05
+# Laws that multiply what a coefficient does: their constant is a part of it.
+OF_A_COEFFICIENT = {"damping over position": "damping", "gain over position": "gain", "gain over velocity": "gain"}
 # Standard deviations from which the largest difference of curve and formula is named.
 SIGNIFICANT = 2.0
 
@@ -140,10 +142,18 @@ def held_by_coefficients(formula: Formula, part: LearnedPart, units: DeclaredUni
         The law whose formula it is.
     units : DeclaredUnits
     """
-    slope = formula.held.get("slope", 0.0)
-    if abs(slope) * float(np.ptp(formula.points or [0.0])) <= LEAST_HELD * float(np.ptp(formula.values or [0.0])):
+    slope, constant = (formula.held.get(name, 0.0) for name in ("slope", "constant"))
+    symbol, notation, heights, over = NOTATION[part.variables]
+    least = LEAST_HELD * float(np.ptp(formula.values or [0.0]))
+    if part.variables in OF_A_COEFFICIENT and abs(constant) > least:
+        shown, law = (
+            plain(constant, 3, units.text(unit_text(heights, over, 0.0))),
+            notation.split(", ")[1].split(" ")[0],
+        )
+        name = OF_A_COEFFICIENT[part.variables]
+        return [f"the plant's {name}, as the coefficients stand, holds {shown} of {law} already".replace(SPACE, " ")]
+    if abs(slope) * float(np.ptp(formula.points or [0.0])) <= least:
         return []
-    symbol, _, heights, over = NOTATION[part.variables]
     before, signal, form = formula.expression.partition(f" = {symbol} + ")
     if signal:
         # The signal goes on beside what is bent of it, and the straight part is the plant's gain.
