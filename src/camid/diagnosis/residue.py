@@ -9,6 +9,7 @@ from camid.diagnosis.evidence import errors
 from camid.diagnosis.finding import Finding
 from camid.diagnosis.improved_simulation import Deviations
 from camid.diagnosis.normalised_errors import NormalisedErrors
+from camid.diagnosis.pruning.rounding import is_rounding_alone
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import colours, recognised_noise
 from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left
@@ -65,6 +66,7 @@ def residue_of(setting: Setting, decision: Decision, final: Fitted, before: list
     colour = colours(problem, final, {effect.identifier for effect in setting.nominal.effects})
     named = {r.effect.identifier for r in found} | set(colour)
     reasons = reasons_for_structure(problem, final, after, setting.judging, named)
+    reasons = [] if reasons and is_rounding_alone(problem, final) else reasons
     if reasons:  # what looks like jitter, outliers or colour may be the structure
         found = [r for r in found if r.effect.shows_in_values or r.stands_out]
     return Residue(after, reasons, [recognised(r) for r in found], _as_declared(declared, found))

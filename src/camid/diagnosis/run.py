@@ -18,6 +18,7 @@ from camid.diagnosis.laws.learned_laws import with_learned_laws
 from camid.diagnosis.noiseless import NoNoise, said_of_noise, with_least_noise
 from camid.diagnosis.pruning.held_out import borne_out
 from camid.diagnosis.pruning.noise_metric import in_least_squares, in_noise_metric
+from camid.diagnosis.pruning.rounding import beyond_rounding
 from camid.diagnosis.pruning.settled_effects import with_settled_laws, without_wandered
 from camid.diagnosis.pruning.simplest_effects import simplest
 from camid.diagnosis.pruning.weak_effects import without_faded, without_weak
@@ -265,6 +266,7 @@ def _simplified(
     if not setting.settled:
         watch.say("testing what is left")
         decision = without_weak(problem, decision, setting.known, watch)
+        decision = beyond_rounding(problem, decision, setting.known, watch)
         left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
         # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
         if not any(test.p_value < STRUCTURE_P_VALUE for test in left):

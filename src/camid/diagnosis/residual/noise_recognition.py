@@ -74,7 +74,9 @@ def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: 
                 found += [recognition] if recognition.named and not refuted else []
                 situation = replace(situation, used=situation.used & ~recognition.spoiled)
     found = _without_imitations(situation, found)
-    rounding = _is_rounding(situation, [*declared, *(r.effect for r in found)])
+    step = _step_of([*declared, *(r.effect for r in found)])
+    found = _beyond_rounding(situation, found, step)
+    rounding = step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2))
     for identifier in () if rounding else colours(problem, final, known):
         effect = known_effects()[identifier]
         if problem.kind.unseen(effect) is None:
@@ -121,10 +123,31 @@ def _without_imitations(situation: Situation, found: list[Recognition]) -> list[
     return [r for r in found if not r.effect.judged_by_even_spread or shows_in_even_noise(r)]
 
 
-def _is_rounding(situation: Situation, effects: Sequence[Effect]) -> bool:
-    """Whether most of what is left is the rounding to a lattice, which has the colour that the motion gives it."""
-    step = max((effect.values["step"] for effect in effects if isinstance(effect, Quantisation)), default=0.0)
-    return step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2))
+def _step_of(effects: Sequence[Effect]) -> float:
+    """Step of the lattice to which readings are rounded; zero where there is none.
+
+    Where most of what is left is rounding, it has the colour that the motion gives it.
+    """
+    return max((float(effect.values["step"]) for effect in effects if isinstance(effect, Quantisation)), default=0.0)
+
+
+def _beyond_rounding(situation: Situation, found: list[Recognition], step: float) -> list[Recognition]:
+    """Without those that only rows tell of in which readings keep their value: of motion rounding is even noise."""
+    if step == 0.0 or not any(_is_spread(r.effect) for r in found):
+        return found
+    passing = np.abs(situation.velocity) * situation.acquisition.period >= step
+    moving = replace(situation, used=situation.used & passing)
+
+    def shows_in_motion(recognition: Recognition) -> bool:
+        again = recognition.effect.recognise(moving)
+        return again is not None and again.named and again.p_value < LARGEST_P_VALUE
+
+    return [r for r in found if not _is_spread(r.effect) or shows_in_motion(r)]
+
+
+def _is_spread(effect: Effect) -> bool:
+    """Whether it makes the variance uneven, and that alone shows it."""
+    return effect.makes_variance_uneven and not (effect.shows_in_values or effect.spoils_rows)
 
 
 def _coloured(kind: type[Effect], problem: Problem, final: Fitted, p_value: float) -> Recognition:
