@@ -131,10 +131,17 @@ def _location(
         names_noise = all(known_effects()[finding.identifier].noise_like for finding in found)
         place = max((f.place for f in found), key=lambda name: shares.get(name, 0.0))
         if learned and (names_noise or not found[0].simulated):
-            place = learned[0].place
+            place = learned[0].sits_at
         return mismatch_location.locate(problem, base, place, shares)
     shares = mismatch_location.shares(before)
     if not residue.reasons:
         return mismatch_location.locate(problem, base, None, shares)
+    if learned:
+        # What no law carries sits where the tests say.
+        carried = min(sum(part.share for part in learned), 1.0)
+        shares = {place: (1.0 - carried) * share for place, share in shares.items()}
+        for part in learned:
+            shares[part.sits_at] = shares.get(part.sits_at, 0.0) + part.share
+        return mismatch_location.locate(problem, base, max(shares, key=lambda name: shares[name]), shares)
     strongest = max(shares, key=lambda place: shares[place])
     return mismatch_location.locate(problem, base, "noise" if residue.reasons == ["variance"] else strongest, shares)

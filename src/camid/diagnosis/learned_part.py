@@ -147,6 +147,11 @@ class LearnedPart:
     visited: tuple[float, float] | None = None
 
     @property
+    def sits_at(self) -> str:
+        """Place of the mismatch that it explains: what multiplies the input is the actuator's."""
+        return "actuator" if self.variables.startswith("gain over") else self.place
+
+    @property
     def largest(self) -> float:
         """The largest of what was learned over what the recording visits, without its sign."""
         heights = over_visited(self.visited, self.learned.knots, self.heights)[1]

@@ -280,7 +280,7 @@ def shares_of(
     result = dict.fromkeys(PLACES, 0.0)
     replaced = any(not finding.simulated for finding in found)
     for part in learned if replaced else ():
-        result[part.place] += part.share
+        result[part.sits_at] += part.share
     for finding in found:
         if replaced and not finding.simulated:
             continue
