@@ -7,7 +7,7 @@ simulation files, engine, diagnosis, report and documentation. docs/adding_an_ef
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -202,6 +202,10 @@ class Effect(EffectValues, SearchHooks):
     def beside(self, others: Sequence[Effect], period: float) -> Effect:
         """The same effect as it acts in a chain, beside all its effects, with a sampling period in s; or itself."""
         return self
+
+    def least_deviations(self, period: float) -> Mapping[str, float]:
+        """Standard deviations, with a sampling period in s, below which samples do not tell a parameter."""
+        return {}
 
     def force_values(self, plant: TransferFunction) -> list[float]:
         """What the compiled parts get as ``values``."""

@@ -33,9 +33,10 @@ if TYPE_CHECKING:
 # and other effects name it.
 SIMULATED_PERIODS, RECORDED_PERIODS = np.arange(2.0, 30.0, 0.25), np.arange(2.0, 60.0, 0.5)
 MANY_PERIODS = np.arange(60.0, 600.0, 0.25)
-READ_PERIODS = np.concatenate([SIMULATED_PERIODS, np.arange(30.0, 120.0, 0.5)])
-# Largest period as a share of the range; a fit may move it a little beyond that of the first guess.
-LARGEST_PERIOD = 0.6
+READ_PERIODS = np.concatenate([np.arange(1.25, 2.0, 0.125), SIMULATED_PERIODS, np.arange(30.0, 120.0, 0.5)])
+# Largest period as a share of the range, of a force and of a reading, in which each turn is seen as it is; a fit may
+# move it a little beyond that of the first guess.
+LARGEST_PERIOD, LARGEST_PERIOD_OF_A_READING = 0.6, 0.85
 # Slope of an encoder's error from which it is none: from one on the reading turns round while the shaft goes on.
 LARGEST_SLOPE = 0.9
 # The best periods that become first guesses.
@@ -96,7 +97,9 @@ def _least_difference(values: Array) -> float:
 
 
 class PeriodicInPosition(Effect):
-    """An effect of which about two periods have to be seen."""
+    """An effect of which more than a period has to be seen."""
+
+    largest_period: ClassVar[float] = LARGEST_PERIOD
 
     @staticmethod
     def seen(situation: Situation) -> Callable[[Array], Array]:
@@ -105,7 +108,7 @@ class PeriodicInPosition(Effect):
 
     def is_plausible(self, extent: Extent) -> bool:
         """Whether the positions hold enough periods."""
-        return bool(self.values["period"] <= LARGEST_PERIOD * extent.span)
+        return bool(self.values["period"] <= self.largest_period * extent.span)
 
 
 class Cogging(PeriodicInPosition):
@@ -228,6 +231,7 @@ class EncoderEccentricity(PeriodicInPosition):
     separated_by = (SeparatingExperiment.HELD_POSITIONS, SeparatingExperiment.SCALE_IN_THE_IMAGE)
     strength = "amplitude"
     trials = "frequencies"
+    largest_period = LARGEST_PERIOD_OF_A_READING
 
     @staticmethod
     def seen(situation: Situation) -> Callable[[Array], Array]:

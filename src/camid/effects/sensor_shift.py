@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,10 @@ class SensorShift(SensorDrift):
         """Add the shift: to the first frame after it the share that makes the time of it a continuous number."""
         period = time[1] - time[0] if len(time) > 1 else 1.0
         return output + self.values["size"] * np.clip((time - self.values["time"]) / period, 0.0, 1.0)
+
+    def least_deviations(self, period: float) -> Mapping[str, float]:
+        """Of the time: a knock at any moment after the last frame before it leaves the same readings."""
+        return {"time": period / sqrt(3.0)}
 
     @classmethod
     def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:

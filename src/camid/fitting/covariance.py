@@ -130,10 +130,13 @@ def effect_deviations(fitted: Fitted) -> list[dict[str, float | None]]:
     for place, deviation in fitted.onset_deviations.items():
         variances[place] = max(deviation**2, variances[place])
     found: list[dict[str, float | None]] = []
+    period = float(fitted.problem.acquisition.period)
     for i, effect in enumerate(fitted.model.effects):
+        least = effect.least_deviations(period)
         row: dict[str, float | None] = {}
         for parameter in effect.numeric():
             variance = float(variances[fitted.packing.names.index(f"{i} {parameter.name}")])
-            row[parameter.name] = float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0.0 else None
+            known = np.isfinite(variance) and variance >= 0.0
+            row[parameter.name] = max(float(np.sqrt(variance)), least.get(parameter.name, 0.0)) if known else None
         found.append(row)
     return found
