@@ -119,7 +119,7 @@ def test_a_reading_that_turns_round_is_none():
         Extent(5.0, 1.0)
     )
     assert not EncoderEccentricityWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape).is_plausible(
-        Extent(1.5, 1.0)
+        Extent(1.1, 1.0)
     )
     # A force of two numbers more is a spring of any shape until it has repeated twice and a half.
     cogging = CoggingWithHarmonic(amplitude=0.1, harmonic_amplitude=0.05, **shape)

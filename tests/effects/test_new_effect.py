@@ -30,9 +30,9 @@ def text_of_the_page():
 
 
 @pytest.fixture
-def fading(tmp_path):
+def flung(tmp_path):
     """The class of the page; the catalogue is as before when the test is over."""
-    path = tmp_path / "fading.py"
+    path = tmp_path / "flung.py"
     path.write_text(text_of_the_page(), encoding="utf-8")
     with own_effects(path) as (kind,):
         yield kind
@@ -42,21 +42,21 @@ def excitation(count):
     return np.repeat(np.random.default_rng(2).choice([-1.0, -0.5, 0.3, 1.0], count // 4), 4)
 
 
-def test_the_engine_runs_it(fading):
+def test_the_engine_runs_it(flung):
     signal, time = excitation(60), PERIOD * np.arange(60)
-    found = run(Chain(PLANT, Acquisition(PERIOD), (fading(coefficient=0.1),)), signal, time)
-    reference = Reference(PLANT.numerator, PLANT.denominator, force=lambda t, y, v, u, m: 0.1 * y * y * u).run(
+    found = run(Chain(PLANT, Acquisition(PERIOD), (flung(coefficient=0.002),)), signal, time)
+    reference = Reference(PLANT.numerator, PLANT.denominator, force=lambda t, y, v, u, m: 0.002 * y * v * v).run(
         pieces_of(signal, PERIOD, "zoh")
     )
     expected = reference.mean(time - PERIOD, time)
     assert np.max(np.abs(found - expected)) < 1e-4 * np.std(expected)
 
 
-def test_the_diagnosis_finds_it(fading):
+def test_the_diagnosis_finds_it(flung):
     count = 1000
     signal, time = excitation(count), PERIOD * np.arange(count)
     acquisition = Acquisition(PERIOD)
-    output = run(Chain(PLANT, acquisition, (fading(coefficient=0.05),)), signal, time)
+    output = run(Chain(PLANT, acquisition, (flung(coefficient=0.001),)), signal, time)
     output = output + 0.02 * np.std(output) * np.random.default_rng(3).standard_normal(count)
     structure = Structure(
         np.array([105.0]), np.array([1.0, 2.1, 97.0]), np.array([True]), np.array([False, True, True])
@@ -64,11 +64,11 @@ def test_the_diagnosis_finds_it(fading):
     experiment = Experiment(signal, output, acquisition, np.ones(count, bool))
     problem = Problem(structure, [experiment], [time], LinearPlant(), 0.1)
     base = problem.kind.refit(problem, Model(structure.coefficients(), (), (None,)))
-    assert screen(problem, base)[0].effect.identifier == "fading-force-constant"
+    assert screen(problem, base)[0].effect.identifier == "flung-outward"
 
 
 def test_without_it_the_catalogue_does_not_know_it():
-    assert "fading-force-constant" not in known_effects()
+    assert "flung-outward" not in known_effects()
 
 
 def test_the_page_on_own_effects_shows_the_file_of_the_example():

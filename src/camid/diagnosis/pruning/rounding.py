@@ -28,8 +28,9 @@ Array = NDArray[np.float64]
 
 # Noise before the rounding, as shares of the step, that is tried.
 SHARES_OF_STEP = np.geomspace(0.01, 1.0, 25)
-# Logarithm of the likelihood of a reading, on average, above which what is left is rounding and hardly any noise.
-ROUNDING_ALONE = -0.2
+# How far the logarithm of the likelihood of a reading lies below zero, on average, up to which what is left is rounding
+# and hardly any noise.
+ROUNDING_ALONE = 0.2
 # Names in the place of an effect that are compared anew.
 MOST_RIVALS = 4
 
@@ -76,7 +77,7 @@ def is_rounding_alone(problem: Problem, fitted: Fitted) -> bool:
     """
     step = lattice_of(problem, fitted)
     residual = fitted.residual
-    return step > 0.0 and log_likelihood(residual, step) > ROUNDING_ALONE * len(residual)
+    return step > 0.0 and log_likelihood(residual, step) > -ROUNDING_ALONE * len(residual)
 
 
 def beyond_rounding(problem: Problem, decision: Decision, known: int, watch: Watch) -> Decision:

@@ -59,6 +59,7 @@ CATALOGUE: dict[str, Family] = {
     "input-hold": Family(actuator_laws.input_hold, "actuator"),
     "input-bias": Family(actuator_laws.input_bias, "actuator", alternatives=False),
     "input-quantisation": Family(actuator_laws.input_quantisation, "actuator", False, excitations=MANY_LEVELS),
+    "position-dependent-gain": Family(way_laws.position_dependent_gain, "actuator", False, False),
     "coulomb-friction": Family(plant_laws.coulomb_friction, "plant", any_order=False),
     "stribeck-friction": Family(plant_laws.stribeck_friction, "plant", any_order=False),
     "quadratic-drag": Family(plant_laws.quadratic_drag, "plant", any_order=False),
@@ -101,7 +102,6 @@ CATALOGUE: dict[str, Family] = {
 }
 
 OUTSIDE: dict[str, Family] = {
-    "position-dependent-gain": Family(outside_laws.position_dependent_gain, "actuator", False, False),
     "play-in-joint": Family(outside_laws.play_in_joint, "plant", False, False),
     "nonlinear-hidden-mass": Family(outside_laws.nonlinear_hidden_mass, "plant", False, False),
     "pulse-width-modulation": Family(outside_laws.pulse_width_modulation, "actuator", False, True, MANY_LEVELS),

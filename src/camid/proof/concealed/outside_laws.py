@@ -13,20 +13,6 @@ from camid.proof.concealed.rig_setup import Context, Effect, InputMap, Setup
 PULSES = 6  # of the modulated command in a frame
 
 
-def position_dependent_gain(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A magnet whose pull depends on the gap."""
-    unit = generator.choice([-1.0, 1.0]) / context.reach
-    return built_in(
-        "position-dependent-gain",
-        "position-dependent-gain",
-        lambda g: {s.POSITION_GAIN: g * unit},
-        lambda g: {"relative_slope": g * unit / context.rig.output_scale},
-        0.05,
-        0.45,
-        place="actuator",
-    )
-
-
 def play_in_joint(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """A spring that does nothing within a gap."""
     return built_in(

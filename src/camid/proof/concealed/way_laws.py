@@ -1,4 +1,4 @@
-"""Laws along the way: uneven friction, cogging, damping by the amplitude, a mode beside the machine, full storages.
+"""Laws along the way: uneven friction and gain, cogging, damping by the amplitude, a mode beside, full storages.
 
 The strengths are ratios to forces and positions of the same machine without the effect. Sources: Canudas de Wit et al.
 (1995), IEEE Transactions on Automatic Control 40(3) (friction); Hanselman (2006), Brushless Permanent Magnet Motor
@@ -51,6 +51,20 @@ def position_dependent_friction(generator: np.random.Generator, context: Context
         lambda g: {"force": g * context.peak, "gradient": g * context.peak * slope / context.rig.output_scale},
         0.05,
         LARGEST_FRICTION,
+    )
+
+
+def position_dependent_gain(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A magnet whose pull depends on the gap."""
+    unit = generator.choice([-1.0, 1.0]) / context.reach
+    return built_in(
+        "position-dependent-gain",
+        "catalogue",
+        lambda g: {s.POSITION_GAIN: g * unit},
+        lambda g: {"slope": g * unit / context.rig.output_scale},
+        0.05,
+        0.45,
+        place="actuator",
     )
 
 
