@@ -126,6 +126,24 @@ def test_a_law_without_a_name_comes_before_what_is_on_the_noise():
     assert text.endswith("The simulation leaves out, of the noise alone, too: Coloured noise (90 %).")
 
 
+def test_coefficients_that_were_wrong_are_not_the_mismatch_of_the_noise():
+    """What changes the noise alone explains nothing of the error that they made."""
+    remark = replace(
+        weighed(0.9, ("unlisted", 0.1)), identifier="coloured-noise", title="Coloured noise", parameters={}
+    )
+    wrong = Coefficient("a1", 2.0, 4.0, 0.01, 4.0, 0.01)
+    fit = replace(FIT, nominal=1.7, nominal_in_place=1.7, refitted=0.042, improved=0.042)
+    text = explanation("explained", [remark], fit, Location("noise"), [wrong])
+    assert text.startswith("The structure is right and the coefficients were wrong: a1 is 4.000 ± 0.010 and not 2.")
+    assert text.endswith("of the noise alone: Coloured noise (90 %). It sits at the noise.")
+    found = written_diagnoses.diagnosis("explained", findings=[remark], coefficients=[wrong], fit=fit)
+    assert verdict_words(found)[2].startswith(
+        "the coefficients were wrong, and what the simulation leaves out is of the"
+    )
+    found = replace(found, coefficients=[])
+    assert verdict_words(found)[2].startswith("of the motion the simulation leaves nothing out that shows")
+
+
 def test_structure_without_a_name_is_unexplained_and_a_learned_law_explains_a_part():
     assert [verdict_of([], False, structured) for structured in (False, True)] == ["adequate", "unexplained"]
     assert verdict_of([], True, True) == "partly-explained"

@@ -144,7 +144,9 @@ def explanation(
             f"{_falls(fit)}."
         )
     if location.place and verdict != "adequate":
-        sentences.append(f"The mismatch sits at the {location.place}.")
+        # Of an effect on the noise the mismatch may have been that of the coefficients.
+        what = "It" if found and names_noise and not learned else "The mismatch"
+        sentences.append(f"{what} sits at the {location.place}.")
     if learned:
         sentences.append(_held([] if names_noise else found, learned))
         sentences += _beside_laws(found if names_noise else [], structured=structured)
@@ -192,7 +194,7 @@ def _of_noise_alone(found: Sequence[Finding], fit: NormalisedErrors, coefficient
     """What is said where nothing of the motion is left out: effects on the noise take no error away."""
     wrong = wrong_coefficients(coefficients, fit)
     noise = f"The simulation leaves out, of the noise alone: {_listed(found)}."
-    return [*_corrected(wrong, fit), noise] if wrong else [noise, f"Re-estimated, it leaves {_left(fit)}."]
+    return [*_corrected(wrong, fit), noise] if wrong else [f"Re-estimated, it leaves {_left(fit)}.", noise]
 
 
 def _corrected(wrong: Sequence[Coefficient], fit: NormalisedErrors) -> list[str]:

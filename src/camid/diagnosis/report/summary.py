@@ -33,6 +33,9 @@ WITHOUT_A_NAME = {
     "explained": "what the simulation leaves out is modelled but has several possible names, and what remains is noise",
     "partly-explained": "what is left out is modelled in part, has no name that is likely, and something remains",
 }
+# The same where all that is named changes the noise alone.
+NOISE_ALONE = "of the motion the simulation leaves nothing out that shows, and of the noise it is named"
+NOISE_BESIDE_COEFFICIENTS = "the coefficients were wrong, and what the simulation leaves out is of the noise alone"
 CORRECTED = ("≠", "Coefficients were wrong", "the structure is right: re-estimated, it leaves out nothing that shows")
 # Where nothing structured is left of an output of which nothing is explained.
 HARDLY_ANYTHING = (
@@ -57,7 +60,10 @@ LEARNED_ALL = "what is left out has no name; a law was learned for it"
 def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     """Symbol, word and short meaning of a diagnosis's verdict."""
     symbol, word, meaning = VERDICT_WORDS[diagnosis.verdict]
-    if diagnosis.findings and diagnosis.findings[0].weight < HEADLINE_WEIGHT:
+    if diagnosis.verdict == "explained" and not diagnosis.learned and _names_noise(diagnosis):
+        wrong = wrong_coefficients(diagnosis.coefficients, diagnosis.fit)
+        meaning = NOISE_BESIDE_COEFFICIENTS if wrong else NOISE_ALONE
+    elif diagnosis.findings and diagnosis.findings[0].weight < HEADLINE_WEIGHT:
         meaning = WITHOUT_A_NAME[diagnosis.verdict]
     if diagnosis.verdict == "partly-explained" and not diagnosis.structured:
         meaning = DOUBTFUL if diagnosis.fit.carries_over else NOT_CARRIED_OVER
@@ -74,6 +80,13 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
         size = plain(diagnosis.known_remainder, 3, diagnosis.compared_signal.symbol).replace(SPACE, " ")
         meaning = f"the simulation leaves out nothing beyond the declared remainder of {size} (root mean square)"
     return symbol, word, meaning
+
+
+def _names_noise(diagnosis: Diagnosis) -> bool:
+    """Whether all that is named changes the noise alone."""
+    from camid.effects import known_effects
+
+    return all(f.identifier in known_effects() and known_effects()[f.identifier].noise_like for f in diagnosis.findings)
 
 
 def needs_new_coefficients(diagnosis: Diagnosis) -> bool:
