@@ -46,9 +46,9 @@ def lattice_of(problem: Problem, fitted: Fitted) -> float:
     situation = problem.situation(fitted.model)
     if situation.controlled or problem.relative_noise is not None:
         return 0.0  # what is compared is no reading, or in other units
-    declared = [e for e in fitted.model.effects if isinstance(e, Quantisation)]
+    declared: list[Effect] = [e for e in fitted.model.effects if isinstance(e, Quantisation)]
     found = Quantisation.recognise(situation)
-    effects: list[Effect] = declared if found is None else [found.effect]
+    effects = declared if found is None else [found.effect]
     step = max((float(effect.values["step"]) for effect in effects), default=0.0)
     return step if step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(fitted.residual**2)) else 0.0
 
