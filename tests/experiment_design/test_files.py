@@ -17,7 +17,7 @@ from camid.experiment_design.prediction import NoiseModel, responses
 from camid.experiment_design.quick import with_designed_experiments
 from camid.experiment_design.results_folder import input_text, write_design
 from camid.experiment_design.run import determined_by
-from camid.experiment_design.words import described, deviations_shown, sentence
+from camid.experiment_design.words import NOTHING_TELLS, described, deviations_shown, sentence
 from camid.number_text import SPACE
 from tests.experiment_design.test_design import believed, hypothesis, steps
 from tests.support.mass_on_spring import effect
@@ -150,9 +150,11 @@ def test_a_sentence_says_what_stays_open(design):
     some = sentence(replace(design, expectations=[replace(one, seconds=None, weight=0.4), *others]))
     assert some.startswith("Play ")
     assert "its weight 40 % afterwards, and never 95 %" in some.replace(SPACE, " ")
-    never = [replace(e, seconds=None) for e in design.expectations]
+    never = [replace(e, seconds=None, evidence=3.0) for e in design.expectations]
     said = sentence(replace(design, expectations=never))
     assert said.startswith("No experiment that was looked at decides within the limits of the recording")
+    nothing = [replace(e, evidence=1e-3) for e in never]
+    assert sentence(replace(design, expectations=nothing)).startswith(NOTHING_TELLS)
 
 
 def test_the_report_of_a_diagnosis_promises_what_is_there(diagnosis):

@@ -19,6 +19,9 @@ def next_experiments(diagnosis: Diagnosis) -> list[str]:
     """Advice, a sentence or two each, the most telling first; none where effects are named or nothing is missing."""
     if diagnosis.findings or diagnosis.verdict == "adequate":
         return []
-    driven = diagnosis.improved.input_column is not None
-    told = [experiment.advised(driven=driven) for experiment in OF_PLACE.get(diagnosis.location.place or "", ())]
+    driven, filmed = diagnosis.improved.input_column is not None, diagnosis.improved.sensor == "camera"
+    told = [
+        experiment.advised(driven=driven, filmed=filmed)
+        for experiment in OF_PLACE.get(diagnosis.location.place or "", ())
+    ]
     return [*filter(None, told), otherwise(driven=driven)]

@@ -128,6 +128,7 @@ def findings(
                     effect.separated_by,
                     [known_effects()[n].separated_by for n, w in others if n != UNLISTED and w > 0.02],
                     driven=any(np.any(e.signal) for e in problem.experiments),
+                    filmed=any(e.acquisition.sensor == "camera" for e in problem.experiments),
                 ),
                 comparison,
             )

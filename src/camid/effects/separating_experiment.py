@@ -30,7 +30,7 @@ class SeparatingExperiment(Enum):
     )
     HELD_POSITIONS = (
         "Repeat the recording at half and at twice the amplitude, and hold the rig still at several positions: "
-        "the camera's distortion shows at rest, a spring's law in the force that holds it, a stop beyond its "
+        "the sensor's curve shows at rest, a spring's law in the force that holds it, a stop beyond its "
         "position only."
     )
     SCALE_IN_THE_IMAGE = "Move the marker slowly by hand through the whole image beside a scale."
@@ -39,11 +39,12 @@ class SeparatingExperiment(Enum):
         "Record once without input and watch what happens after the event: a blow rings down, a wrong frame does not."
     )
 
-    def advised(self, *, driven: bool) -> str | None:
-        """What a reader is told, also of a recording without an input; None where it takes one."""
-        if driven:
-            return self.value
-        return None if self in NEEDS_INPUT else UNDRIVEN.get(self, self.value)
+    def advised(self, *, driven: bool, filmed: bool = True) -> str | None:
+        """What a reader is told, also of a recording without an input or of no camera; None where it takes an input."""
+        if not driven and self in NEEDS_INPUT:
+            return None
+        text = self.value if driven else UNDRIVEN.get(self, self.value)
+        return text if filmed else (UNFILMED if driven else UNFILMED_UNDRIVEN).get(self, text)
 
 
 OTHERWISE = "Repeat the recording at half and at twice the amplitude, and once without input."
@@ -66,6 +67,19 @@ UNDRIVEN = {
         "rest."
     ),
 }
+# Of a sensor that is no camera.
+UNFILMED = {
+    SeparatingExperiment.FASTER_CAMERA: (
+        "Input and output at one rate cannot tell these apart at first order. Log the command and the reading by one "
+        "clock to measure the latency, or record at twice the rate with an input that has energy up to half of it."
+    ),
+    SeparatingExperiment.SCALE_IN_THE_IMAGE: "Move it slowly by hand through the sensor's whole range beside a scale.",
+}
+UNFILMED_UNDRIVEN = UNFILMED | {
+    SeparatingExperiment.FASTER_CAMERA: (
+        "Record at twice the rate: what happens between two samples changes with it, what the plant does stays."
+    ),
+}
 NEEDS_INPUT = {SeparatingExperiment.REVERSED_INPUT, SeparatingExperiment.MANY_LEVELS}
 OTHERWISE_UNDRIVEN = "Record further decays, from half and from twice this amplitude, and once the rig at rest."
 
@@ -76,7 +90,11 @@ def otherwise(*, driven: bool) -> str:
 
 
 def advice(
-    likeliest: Iterable[SeparatingExperiment], others: Iterable[Iterable[SeparatingExperiment]], *, driven: bool = True
+    likeliest: Iterable[SeparatingExperiment],
+    others: Iterable[Iterable[SeparatingExperiment]],
+    *,
+    driven: bool = True,
+    filmed: bool = True,
 ) -> str | None:
     """What would separate the likeliest effect from others that a recording does not rule out; None without others.
 
@@ -88,10 +106,14 @@ def advice(
         The same of each alternative.
     driven : bool
         Whether an input drove the recording.
+    filmed : bool
+        Whether the sensor is a camera.
     """
     shared = [set(likeliest) & set(experiments) for experiments in others]
     if not shared:
         return None
     useful = set().union(*shared)
-    told = (experiment.advised(driven=driven) for experiment in SeparatingExperiment if experiment in useful)
+    told = (
+        experiment.advised(driven=driven, filmed=filmed) for experiment in SeparatingExperiment if experiment in useful
+    )
     return next(filter(None, told), otherwise(driven=driven))

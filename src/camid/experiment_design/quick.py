@@ -14,7 +14,7 @@ from camid.errors import InputError
 from camid.experiment_design.run import Task, design_for, refuse_rest_outside
 from camid.experiment_design.sources import Wishes, known_from_mapping, limits_of, noise_of
 from camid.experiment_design.sums import warnings_of
-from camid.experiment_design.words import sentence
+from camid.experiment_design.words import NOTHING_TELLS, sentence
 
 # Weight of two names from which an experiment is designed for the report.
 OPEN = 0.10
@@ -60,7 +60,7 @@ def _advice(diagnosis: Diagnosis, general: str) -> str:
         if len(likely) > 1:
             watch = Watch(None, SECONDS)
             said = sentence(design_for(task, watch, simulated_rows=SIMULATED_ROWS, checked=1))
-            return f"{said} {WRITE_IT}"
+            return " ".join([said, *([general] if said.startswith(NOTHING_TELLS) else []), WRITE_IT])
         together = [f"{one[0].upper()}{one[1:]}." for one in warnings_of(likely)]
         return " ".join([*together, general, COMPUTE_IT])
     except InputError as refusal:

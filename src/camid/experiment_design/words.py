@@ -16,6 +16,9 @@ from camid.simulation.model import Simulation
 
 # Weight of a name from which a sentence says what is expected if it is right.
 LIKELY = 0.1
+# Expected difference of the criterion below which an experiment tells next to nothing (Kass & Raftery 1995).
+LEAST_EVIDENCE = 2.0
+NOTHING_TELLS = "No experiment that was looked at tells these apart within the limits of the recording."
 # Names of the numbers of families, and their units.
 NUMBERS = {
     "hold": ("held for", "s"),
@@ -66,12 +69,15 @@ def sentence(design: Design) -> str:
         return f"{text}: it determines the coefficients best."
     weights = {h.identifier: h.weight for h in design.hypotheses}
     likely = [e for e in design.expectations if weights[e.identifier] >= LIKELY] or design.expectations
-    if all(e.seconds is None for e in likely):
+    decides_none = all(e.seconds is None for e in likely)
+    if decides_none:
         text = f"No experiment that was looked at decides within the limits of the recording. What tells most: {text}"
     left = [
         f" If it is {title_of(law.special)}, {title_of(law.identifier)} stays possible whatever is played."
         for law in laws_that_are_sums([h for h in design.hypotheses if weights[h.identifier] >= LIKELY])
     ]
+    if decides_none and max(e.evidence for e in likely) < LEAST_EVIDENCE:
+        return f"{NOTHING_TELLS}{''.join(left)}"
     return f"{text}. Expected {'; '.join(_expected(e, design.duration) for e in likely)}.{''.join(left)}"
 
 
