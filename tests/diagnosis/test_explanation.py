@@ -70,6 +70,22 @@ def test_a_name_below_a_half_is_one_of_a_class():
     assert "leaves out: one of Coulomb friction (40 %), quadratic drag (35 %) or hysteresis (20 %)." in text
 
 
+def test_two_effects_that_are_one_together_are_told_as_such():
+    """Friction of another size in each direction is Coulomb friction and a constant."""
+    friction = weighed(0.49, ("asymmetric-friction", 0.48), ("unlisted", 0.03))
+    bias = replace(
+        weighed(0.44, ("asymmetric-friction", 0.44), ("step-disturbance", 0.08), ("unlisted", 0.04)),
+        identifier="input-bias",
+        title="Bias of the input",
+    )
+    text = explanation("explained", [bias, friction], FIT, Location("plant"))
+    assert (
+        "leaves out: either Coulomb friction and bias of the input (49 %) or asymmetric Coulomb friction (48 %)" in text
+    )
+    other = replace(bias, alternatives=[("asymmetric-friction", 0.3), ("gain-asymmetry", 0.24)])
+    assert "one of bias of the input (44 %)" in explanation("explained", [other, friction], FIT, Location("plant"))
+
+
 @pytest.mark.parametrize(
     ("gap", "said"),
     [

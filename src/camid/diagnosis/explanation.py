@@ -19,6 +19,8 @@ WRONG_ERROR_RATIO = 1.5
 WRONG_DEVIATIONS = 3.0
 # Weight below which a name is no description either.
 RESEMBLANCE = 0.1
+# Weight of all other names up to which two findings are said to be two effects or one.
+MOST_BESIDE = 0.15
 # Weight below which one of several names is not listed among them.
 LISTED_WEIGHT = 0.005
 # Weight from which a rival of a sure name is told of, and how much worse than the name it fits (difference of Bayes's
@@ -144,9 +146,7 @@ def explanation(
             f"{_falls(fit)}."
         )
     if location.place and verdict != "adequate":
-        # Of an effect on the noise the mismatch may have been that of the coefficients.
-        what = "It" if found and names_noise and not learned else "The mismatch"
-        sentences.append(f"{what} sits at the {location.place}.")
+        sentences.append(_sits(location.place, of_noise=bool(found) and names_noise and not learned))
     if learned:
         sentences.append(_held([] if names_noise else found, learned))
         sentences += _beside_laws(found if names_noise else [], structured=structured)
@@ -161,6 +161,11 @@ def explanation(
             f"the laws or their coefficients are not exact there."
         )
     return " ".join(sentences + _indistinct(found))
+
+
+def _sits(place: str, *, of_noise: bool) -> str:
+    """Where it is; of an effect on the noise alone the mismatch may have been that of the coefficients."""
+    return f"{'It' if of_noise else 'The mismatch'} sits at the {place}."
 
 
 def _adequate(fit: NormalisedErrors, coefficients: Sequence[Coefficient]) -> list[str]:
@@ -222,8 +227,34 @@ def _named(found: Sequence[Finding], fit: NormalisedErrors) -> str:
 
 
 def _listed(found: Sequence[Finding]) -> str:
+    together = _together(found)
     names = [headline(finding) for finding in found]
+    if together is not None:
+        (one, other), said = together
+        names = [said if i == one else name for i, name in enumerate(names) if i != other]
     return f"{'; '.join(names[:-1])}; and {names[-1]}" if len(names) > 1 else names[0]
+
+
+def _together(found: Sequence[Finding]) -> tuple[tuple[int, int], str] | None:
+    """Two findings that are together exactly one effect which is in both their classes, and what to say of them."""
+    for law in known_effects().values():
+        classes = [(i, dict(f.alternatives)) for i, f in enumerate(found)]
+        both = [i for i, names in classes if names.get(law.identifier, 0.0) >= RESEMBLANCE]
+        if not law.sum_of or len(both) != 2 or any(found[i].weight >= HEADLINE_WEIGHT for i in both):
+            continue
+        parts = sorted((found[i] for i in both), key=lambda f: known_effects()[f.identifier].is_constant)
+        if any(_rest(finding, law.identifier) >= MOST_BESIDE for finding in parts):
+            continue
+        share = dict(parts[0].alternatives)[law.identifier]
+        names = " and ".join(within_sentence(finding.title) for finding in parts)
+        one, other = f"{names} ({_share(parts[0].weight, 2)})", f"{within_sentence(law.title)} ({_share(share, 2)})"
+        return (both[0], both[1]), f"either {one} or {other}, which no recording tells apart"
+    return None
+
+
+def _rest(finding: Finding, identifier: str) -> float:
+    """Weight of all that a finding may be but for its own name, one other and physics outside the catalogue."""
+    return sum(weight for name, weight in finding.alternatives if name not in {identifier, UNLISTED})
 
 
 def _held(found: Sequence[Finding], learned: Sequence[LearnedPart]) -> str:

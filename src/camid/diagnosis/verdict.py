@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 # Distance from a bound, in standard deviations, up to which a fit has ended there: a search stays a hair inside.
 AT_BOUND = 1e-3
+# Weight from which another name is worth an experiment.
+LEAST_RIVAL = 0.02
 # Difference of two inputs, as a share of the sum of their sizes, up to which one is a repetition of the other.
 SAME_INPUT = 0.05
 
@@ -124,16 +126,21 @@ def findings(
                 evidence,
                 own,
                 others,
-                advice(
-                    effect.separated_by,
-                    [known_effects()[n].separated_by for n, w in others if n != UNLISTED and w > 0.02],
-                    driven=any(np.any(e.signal) for e in problem.experiments),
-                    filmed=any(e.acquisition.sensor == "camera" for e in problem.experiments),
-                ),
+                _separating(problem, effect, others),
                 comparison,
             )
         )
     return sorted(result, key=lambda f: (-f.evidence["nrmse_without"], -f.evidence["share"]))
+
+
+def _separating(problem: Problem, effect: Effect, others: Sequence[tuple[str, float]]) -> str | None:
+    """What to record to tell an effect from those that it may be, too."""
+    return advice(
+        effect.separated_by,
+        [known_effects()[n].separated_by for n, w in others if n != UNLISTED and w > LEAST_RIVAL],
+        driven=any(np.any(e.signal) for e in problem.experiments),
+        filmed=any(e.acquisition.sensor == "camera" for e in problem.experiments),
+    )
 
 
 def _evidence(
