@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from camid.diagnosis.diagnosis import Undetectable
+from camid.diagnosis.diagnosis import Coefficient, Undetectable
 from camid.diagnosis.explanation import headline
 from camid.diagnosis.finding import ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
@@ -102,6 +102,15 @@ def test_a_name_without_half_of_the_weight_is_no_headline(capsys):
     for text in texts(written_diagnoses.diagnosis("partly-explained", findings=[faint]), capsys):
         assert "something is named" not in text
         assert "has no name that is likely" in text
+
+
+def test_coefficients_of_no_plant_have_no_deviation(capsys):
+    """Alone the plant may run away from what it is beside its friction."""
+    away = Coefficient("b0", 40.0, 2.2e10, 1e8, 45.0, 0.1)
+    found = written_diagnoses.diagnosis("explained", coefficients=[away, replace(away, name="b1", refitted=47.0)])
+    for text in texts(found, capsys):
+        assert "ran away (2.2·10¹⁰)" in text.replace(SPACE, " ")
+        assert text.count("ran away") == 1
 
 
 def test_wrong_coefficients_are_not_plainly_adequate(capsys):

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # What the simulations before and after are called in pictures.
 AS_GIVEN, REFITTED, IMPROVED = "as given", "re-estimated", "improved"
+# Factor of a coefficient from which the refit has run away from what it is.
+FAR_OFF = 30.0
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,11 @@ class Coefficient:
     improved_deviation: float
     unit: str = ""
     declared_by_plant: bool = False
+
+    @property
+    def ran_away(self) -> bool:
+        """Whether the refit alone found no plant that is anything like the one which is left with the effects."""
+        return abs(self.refitted) > FAR_OFF * abs(self.improved) > 0.0
 
 
 @dataclass(frozen=True)

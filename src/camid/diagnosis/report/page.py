@@ -183,11 +183,11 @@ def _coefficient_row(coefficient: Coefficient) -> dict[str, str]:
         "name": c.name,
         "unit": c.unit,
         "nominal": number_text.plain(c.nominal, 6),
-        "refitted": number_text.with_deviation(c.refitted, c.refitted_deviation),
+        "refitted": summary.refitted_text(c),
         "improved": number_text.with_deviation(c.improved, c.improved_deviation),
         "nominal_off": _change(c.nominal - c.improved, c.improved),
-        "bend": _change(bend, c.improved),
-        "bend_deviations": number_text.number(abs(bend) / spread, 2) if spread > 0.0 else "–",
+        "bend": "–" if c.ran_away else _change(bend, c.improved),
+        "bend_deviations": number_text.number(abs(bend) / spread, 2) if spread > 0.0 and not c.ran_away else "–",
     }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from camid.diagnosis.diagnosis import Diagnosis, Undetectable
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis, Undetectable
 from camid.diagnosis.explanation import LISTED_WEIGHT, rivals, wrong_coefficients
 from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import UNITS_OF_STATE, in_declared_units
@@ -253,10 +253,17 @@ def _table_of_coefficients(diagnosis: Diagnosis) -> Table:
         table.add_column(heading, justify="right", overflow="fold")
     table.add_column("unit", overflow="fold")
     for c in diagnosis.coefficients:
-        values = [plain(c.nominal, 6), with_deviation(c.refitted, c.refitted_deviation)]
+        values = [plain(c.nominal, 6), refitted_text(c)]
         values += [with_deviation(c.improved, c.improved_deviation)] if bent else []
         table.add_row(c.name, *values, c.unit)
     return table
+
+
+def refitted_text(coefficient: Coefficient) -> str:
+    """A coefficient that was estimated without the effects; without a deviation where there is no such plant."""
+    if coefficient.ran_away:
+        return f"ran away ({number(coefficient.refitted, 2)})"
+    return with_deviation(coefficient.refitted, coefficient.refitted_deviation)
 
 
 def stands_alone(finding: Finding) -> bool:
