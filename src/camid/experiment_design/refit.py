@@ -13,9 +13,10 @@ from camid.experiment_design.hypothesis import Hypothesis, Played
 from camid.experiment_design.other_values import around
 from camid.experiment_design.prediction import FITTED_SHARE, NoiseModel, Response
 from camid.experiment_design.separation import Pair, most_left, values_of
-from camid.experiment_design.together import Earlier, Together
+from camid.experiment_design.together import REFRESHES, Earlier, Together
 from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
+from camid.fitting.updated_derivative import LatestOutputs, UpdatedDerivative
 from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
@@ -154,19 +155,23 @@ def left_after_fit(rival: Hypothesis, truth: Array, played: Played, noise: Noise
     share, recorded = np.sqrt(FITTED_SHARE), truth[used]
     worst = 1e3 * (float(np.ptp(recorded)) or 1.0)
 
-    def simulated(vector: Array) -> Array:
+    def simulate(vector: Array) -> Array:
         try:
             rows = problem.simulate_one(packing.unpack(vector), 0)[used]
         except (ValueError, ArithmeticError):
             return np.full(len(recorded), worst)
         return np.clip(np.nan_to_num(rows, nan=worst), -worst, worst)
 
+    simulated = LatestOutputs(simulate)
+
     def residual(vector: Array) -> Array:
         rows = share * noise.whitened(recorded - simulated(vector))
         return np.concatenate([rows, root @ (vector - start)])
 
+    derivative = UpdatedDerivative(partial(sensitivities, problem, packing), REFRESHES)
+
     def jacobian(vector: Array) -> Array:
-        table = sensitivities(problem, packing, vector, simulated(vector))
+        table = derivative.at(vector, simulated(vector))
         return np.vstack([-share * noise.whitened(table), root])
 
     begin = np.clip(start, packing.lower, packing.upper)

@@ -19,10 +19,13 @@ from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import NEGLIGIBLE, Problem
+from camid.fitting.updated_derivative import LatestOutputs, UpdatedDerivative
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-4
+# Times that its derivatives are computed anew, where updates of them no longer say what changes.
+REFRESHES = 4
 # Residual of a simulation that runs away, in ranges of what was recorded.
 RUNAWAY = 1e3
 # By how much a sum of squares may differ from what the diagnosis states, in variances of the noise and as a share.
@@ -188,11 +191,17 @@ class Together:
             vector[free] = part
             return vector
 
+        simulated = LatestOutputs(lambda part: self.simulated(whole(part)))
+        columns = np.flatnonzero(free).tolist()
+        derivative = UpdatedDerivative(
+            lambda part, rows: sensitivities(self.problem, packing, whole(part), rows, columns), REFRESHES
+        )
+
         def residual(part: Array) -> Array:
-            return self.whitened(self.recorded - self.simulated(whole(part)))
+            return self.whitened(self.recorded - simulated(part))
 
         def jacobian(part: Array) -> Array:
-            return -self.table(whole(part))
+            return -self.whitened(derivative.at(part, simulated(part)))
 
         found = least_squares(
             residual,

@@ -12,7 +12,7 @@ from camid.engine.mechanics import NotApplicable
 from camid.fitting.first_rows import FirstRows
 from camid.fitting.packing import Packing
 from camid.fitting.problem import Problem
-from camid.fitting.updated_derivative import UpdatedDerivative
+from camid.fitting.updated_derivative import LatestOutputs, UpdatedDerivative
 from camid.side_by_side import in_threads
 
 if TYPE_CHECKING:
@@ -87,11 +87,11 @@ class OutputError:
         worst = RUNAWAY_RESIDUAL * problem.output_spread
         rows = np.ones(len(self.seen.output))
         self.lowest, self.highest = (self.seen.over_noise((middle + side * worst) * rows) for side in (-1.0, 1.0))
-        self.latest: list[tuple[Array, Array]] = []
+        self.latest = LatestOutputs(self._simulated)
 
     def with_steps_of(self, problem: Problem) -> None:
         """Go on with the integrator's steps of another problem, and with the derivative that is known."""
-        self.problem, self.latest = problem, []
+        self.problem, self.latest = problem, LatestOutputs(self._simulated)
         self.first_rows = None if self.first_rows is None else self.first_rows.stepped_as(problem)
         self.seen = problem if self.first_rows is None else self.first_rows.problem
 
@@ -147,13 +147,7 @@ class OutputError:
 
     def simulated(self, vector: Array) -> Array:
         """The simulated output, shape (M,), the last two of which are kept."""
-        # The optimiser asks for the derivative at the point that it evaluated last, or the one before.
-        for point, rows in reversed(self.latest):
-            if np.array_equal(point, vector):
-                return rows
-        rows = self._simulated(vector)
-        self.latest = [*self.latest[-1:], (vector.copy(), rows)]
-        return rows
+        return self.latest(vector)
 
     def simulated_whole(self, vector: Array) -> Array | None:
         """The same; None where something of it is cut off."""
