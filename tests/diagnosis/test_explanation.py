@@ -82,6 +82,8 @@ def test_two_effects_that_are_one_together_are_told_as_such():
     assert (
         "leaves out: either Coulomb friction and bias of the input (49 %) or asymmetric Coulomb friction (48 %)" in text
     )
+    hysteresis = replace(bias, identifier="hysteresis", title="Hysteresis")
+    assert "one of hysteresis (44 %)" in explanation("explained", [hysteresis, friction], FIT, Location("plant"))
     other = replace(bias, alternatives=[("asymmetric-friction", 0.3), ("gain-asymmetry", 0.24)])
     assert "one of bias of the input (44 %)" in explanation("explained", [other, friction], FIT, Location("plant"))
 
@@ -157,7 +159,7 @@ def test_coefficients_that_were_wrong_are_not_the_mismatch_of_the_noise():
         "the coefficients were wrong, and what the simulation leaves out is of the"
     )
     found = replace(found, coefficients=[])
-    assert verdict_words(found)[2].startswith("of the motion the simulation leaves nothing out that shows")
+    assert verdict_words(found)[2].startswith("of the motion nothing that shows is left out")
 
 
 def test_structure_without_a_name_is_unexplained_and_a_learned_law_explains_a_part():

@@ -169,6 +169,16 @@ def test_vectors_are_kept_within_bounds(identifier):
         effect(nonsense=1.0)
 
 
+@shown
+def test_every_law_has_its_finer_ones(identifier):
+    """What a search tries where a law leaves structure, from each law that it may have fitted."""
+    given = situation()
+    laws = list(known_effects()[identifier].candidates(given))
+    for _ in range(2):
+        laws = [finer for law in laws for finer in law.finer(given)]
+        assert all(np.all(np.isfinite(law.vector)) for law in laws)
+
+
 # These exist or do not: nothing of them is small.
 ALL_OR_NOTHING = {"input-hold", "absolute-value", "speed-weighted-centroid"}
 

@@ -11,6 +11,7 @@ from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
+from camid.effects.special_cases import is_constant
 from camid.number_text import SPACE, percentage, plain, with_deviation
 
 # A simulation as given that errs more than the re-estimated one by this factor, with coefficients that are off by as
@@ -237,18 +238,18 @@ def _listed(found: Sequence[Finding]) -> str:
 
 def _together(found: Sequence[Finding]) -> tuple[tuple[int, int], str] | None:
     """Two findings that are together exactly one effect which is in both their classes, and what to say of them."""
-    for law in known_effects().values():
-        classes = [(i, dict(f.alternatives)) for i, f in enumerate(found)]
-        both = [i for i, names in classes if names.get(law.identifier, 0.0) >= RESEMBLANCE]
-        if not law.sum_of or len(both) != 2 or any(found[i].weight >= HEADLINE_WEIGHT for i in both):
+    for law in (law for law in known_effects().values() if law.sum_of):
+        both = [i for i, f in enumerate(found) if dict(f.alternatives).get(law.identifier, 0.0) >= RESEMBLANCE]
+        parts = sorted((found[i] for i in both), key=lambda f: is_constant(f.identifier))
+        # A constant elsewhere stands for the one that the law is the sum with.
+        if len(parts) != 2 or parts[0].identifier not in law.sum_of or not is_constant(parts[1].identifier):
             continue
-        parts = sorted((found[i] for i in both), key=lambda f: known_effects()[f.identifier].is_constant)
-        if any(_rest(finding, law.identifier) >= MOST_BESIDE for finding in parts):
+        if any(f.weight >= HEADLINE_WEIGHT or _rest(f, law.identifier) >= MOST_BESIDE for f in parts):
             continue
         share = dict(parts[0].alternatives)[law.identifier]
         names = " and ".join(within_sentence(finding.title) for finding in parts)
         one, other = f"{names} ({_share(parts[0].weight, 2)})", f"{within_sentence(law.title)} ({_share(share, 2)})"
-        return (both[0], both[1]), f"either {one} or {other}, which no recording tells apart"
+        return (both[0], both[1]), f"either {one} or {other}, which no input tells apart"
     return None
 
 

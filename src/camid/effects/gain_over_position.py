@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -45,9 +45,8 @@ class PositionDependentGain(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """Small, as the effect is proportional to it; and of a coil that leaves its magnet on either side alike."""
-        largest = situation.largest("position")
-        yield PositionDependentGain(slope=SMALL / largest)
-        yield CurvedPositionDependentGain(slope=0.0, curvature=-SMALL / largest**2)
+        yield PositionDependentGain(slope=SMALL / situation.largest("position"))
+        yield from CurvedPositionDependentGain.starts(situation, slope=0.0)
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
@@ -80,3 +79,8 @@ class CurvedPositionDependentGain(PositionDependentGain):
     def simplified(self) -> PositionDependentGain:
         """A straight line of the same slope."""
         return PositionDependentGain(slope=self.values["slope"])
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """A line that is bent a little: the effect is proportional to it."""
+        yield cls(**values, curvature=-SMALL / situation.largest("position") ** 2)

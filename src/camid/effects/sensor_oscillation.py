@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from camid.effects.base import Array, Effect
+from camid.effects.disturbance import FEWEST_PERIODS
 from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.residual_spectrum import highest_lines
@@ -20,8 +21,6 @@ from camid.effects.situation import Situation
 
 # Spectral lines of the residual that are looked into.
 LINES = 3
-# Periods that a recording holds at least: what has not returned may be a drift as well.
-FEWEST_PERIODS = 1.5
 # Prior odds beside a periodic force: few cables hum, and few cameras sway, and many machines turn.
 ODDS = 1.0 / 3.0
 

@@ -46,10 +46,8 @@ def lattice_of(problem: Problem, fitted: Fitted) -> float:
     situation = problem.situation(fitted.model)
     if situation.controlled or problem.relative_noise is not None:
         return 0.0  # what is compared is no reading, or in other units
-    declared: list[Effect] = [e for e in fitted.model.effects if isinstance(e, Quantisation)]
     found = Quantisation.recognise(situation)
-    effects = declared if found is None else [found.effect]
-    step = max((float(effect.values["step"]) for effect in effects), default=0.0)
+    step = 0.0 if found is None else float(found.effect.values["step"])
     return step if step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(fitted.residual**2)) else 0.0
 
 
@@ -121,10 +119,7 @@ def _ranked(problem: Problem, decision: Decision, known: int, index: int, step: 
     """The decision with the likeliest of an effect's names for rounded readings, each fitted beside the others."""
     place, model = known + index, decision.fitted.model
     own = model.effects[place]
-    named = {
-        effect.identifier: effect for h in decision.rivals[index][:MOST_RIVALS] for effect in h.fitted.model.effects
-    }
-    likely = [named[h.identifier] for h in decision.rivals[index][:MOST_RIVALS] if h.identifier in named]
+    likely = [e for h in decision.rivals[index][:MOST_RIVALS] if (e := h.effect) is not None]
     special = special_case(own)
     others = {e.identifier: e for e in (*likely, *([] if special is None else [special]))}
     taken = {e.identifier for e in model.effects}

@@ -34,7 +34,7 @@ WITHOUT_A_NAME = {
     "partly-explained": "what is left out is modelled in part, has no name that is likely, and something remains",
 }
 # The same where all that is named changes the noise alone.
-NOISE_ALONE = "of the motion the simulation leaves nothing out that shows, and of the noise it is named"
+NOISE_ALONE = "of the motion nothing that shows is left out, and what changes the noise is named"
 NOISE_BESIDE_COEFFICIENTS = "the coefficients were wrong, and what the simulation leaves out is of the noise alone"
 CORRECTED = ("≠", "Coefficients were wrong", "the structure is right: re-estimated, it leaves out nothing that shows")
 # Where nothing structured is left of an output of which nothing is explained.

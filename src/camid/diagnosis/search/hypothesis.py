@@ -32,6 +32,11 @@ class Hypothesis:
     fitted: Fitted
     penalty: float = 0.0
 
+    @property
+    def effect(self) -> Effect | None:
+        """The effect itself, fitted; None of a hypothesis that names none of its model."""
+        return next((e for e in self.fitted.model.effects if e.identifier == self.identifier), None)
+
     def beyond(self, other: Hypothesis) -> float:
         """By how much its criterion exceeds that of another hypothesis."""
         return self.fitted.criterion_beyond(other.fitted) + self.penalty - other.penalty
@@ -125,25 +130,20 @@ def members_of(
 
 def special_case_of(hypothesis: Hypothesis) -> str | None:
     """Name of the special case of a hypothesis's effect."""
-    effect = _effect(hypothesis)
+    effect = hypothesis.effect
     special = None if effect is None else special_case(effect)
     return None if special is None else special.identifier
 
 
 def _plainer_name(hypothesis: Hypothesis) -> str | None:
     """Name of the next plainer law than a hypothesis's, where that is another one."""
-    effect = _effect(hypothesis)
+    effect = hypothesis.effect
     plainer = None if effect is None else effect.simplified()
     return None if plainer is None or plainer.identifier == hypothesis.identifier else plainer.identifier
 
 
 def _is_finer(hypothesis: Hypothesis, lead: Hypothesis) -> bool:
     """Whether a hypothesis is a finer law than the special case of the likeliest, and no special case itself."""
-    effect, general = _effect(hypothesis), _effect(lead)
+    effect, general = hypothesis.effect, lead.effect
     special = None if general is None else special_case(general)
     return special is not None and type(effect) in type(special).finer_laws
-
-
-def _effect(hypothesis: Hypothesis) -> Effect | None:
-    """The effect of a hypothesis."""
-    return next((e for e in hypothesis.fitted.model.effects if e.identifier == hypothesis.identifier), None)

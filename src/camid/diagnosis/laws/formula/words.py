@@ -146,10 +146,8 @@ def held_by_coefficients(formula: Formula, part: LearnedPart, units: DeclaredUni
     symbol, notation, heights, over = NOTATION[part.variables]
     least = LEAST_HELD * float(np.ptp(formula.values or [0.0]))
     if part.variables in OF_A_COEFFICIENT and abs(constant) > least:
-        shown, law = (
-            plain(constant, 3, units.text(unit_text(heights, over, 0.0))),
-            notation.split(", ")[1].split(" ")[0],
-        )
+        shown = plain(constant, 3, units.text(unit_text(heights, over, 0.0)))
+        law = notation.split(", ")[1].split(" ")[0]
         name = OF_A_COEFFICIENT[part.variables]
         return [f"the plant's {name}, as the coefficients stand, holds {shown} of {law} already".replace(SPACE, " ")]
     if abs(slope) * float(np.ptp(formula.points or [0.0])) <= least:
