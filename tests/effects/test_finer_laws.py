@@ -19,7 +19,7 @@ from camid.effects.extent import Extent
 from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_friction import GradualAsymmetricFriction
 from camid.effects.gradual_saturation import GradualSaturation
-from camid.effects.gravity import PendulumDrivenAcross, PendulumGravity
+from camid.effects.gravity import PendulumAtAnAngle, PendulumDrivenAcross, PendulumGravity
 from camid.effects.harmonics import (
     CoggingWithHarmonic,
     EncoderEccentricityWithHarmonic,
@@ -282,6 +282,7 @@ LAWS = [
     ),
     ("saturation", GradualSaturation(limit=1.0, sharpness=2.5), "sharpness"),
     ("pendulum-gravity", PendulumDrivenAcross(amplitude=3.0), "drive"),
+    ("pendulum-gravity", PendulumAtAnAngle(amplitude=4.0, rest=1.2), "rest"),
     (
         "cogging",
         CoggingWithHarmonic(

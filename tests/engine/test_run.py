@@ -92,6 +92,10 @@ SMOOTH = [
     (drift.ParameterDrift(coefficient="stiffness", rate=0.1), drifting(0.1, stiffness=1.0)),
     (drift.ParameterDrift(coefficient="gain", rate=0.1), drifting(0.1, gain=1.0)),
     (
+        gravity.PendulumAtAnAngle(amplitude=1.5, rest=0.3),
+        {"force": lambda t, y, v, u, m: 1.5 * (sin(y / 1.5 + 0.2) - sin(0.2)) / cos(0.2) - y},
+    ),
+    (
         drift.SettlingDrift(coefficient="gain", rate=0.1, time_constant=2.0),
         {"force": lambda t, y, v, u, m: -0.2 * (1.0 - exp(-t / 2.0)) * u},
     ),

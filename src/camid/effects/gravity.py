@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from math import cos, pi, sin, sqrt
+from math import atan, cos, inf, pi, sin, sqrt, tan
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
+from camid.effects.extent import Extent
 from camid.effects.force_over_position import plant_beside_wave
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import LEAST_FACTOR, static_stiffness
@@ -31,6 +32,8 @@ BIAS, OFFSET = "bias", "offset"
 # motion, angles at half the way of one that has, and how many of them are kept.
 LEAST_TURNED_OVER, FOLLOWED = 0.75, 0.1
 TURNED_ANGLES, BEST = np.arange(2.5, 80.0, 0.5), 2
+# Largest angle in rad at which a pendulum rests.
+LARGEST_ANGLE = 1.5
 
 
 class PendulumGravity(Effect):
@@ -137,3 +140,52 @@ class PendulumDrivenAcross(PendulumGravity):
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
         angle = position / values[0]
         return values[1] * (values[0] * sin(angle) - position) + signal * (1.0 - cos(angle))
+
+
+class PendulumAtAnAngle(PendulumGravity):
+    """A pendulum that does not hang straight down where it rests, as a constant torque or a spring holds it there.
+
+    That is a pendulum and a constant of the input. Where the sensor's zero, or the input's bias, is estimated, that
+    constant moves with it, and the pendulum alone stands at the wrong angle.
+    """
+
+    title = "Gravity on a pendulum that rests at an angle"
+    equation = r"f = k\,(A\,\sin(y/A) - y - A\,(1 - \cos(y/A))\,\tan(y_0/A)),\quad k = 1/G(0)"
+    reference = "Nelson & Olsson (1986), Am. J. Phys. 54, 112-121"
+    parameters = (
+        *PendulumGravity.parameters,
+        Parameter("rest", "y", "displacement y_0 from where it hangs straight down to where it rests", default=0.0),
+    )
+
+    @compiled
+    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
+        angle = position / values[0]
+        return values[1] * (values[0] * (sin(angle) - values[2] * (1.0 - cos(angle))) - position)
+
+    def force_values(self, plant: TransferFunction) -> list[float]:
+        """Amplitude, static stiffness and tangent of the angle at rest."""
+        return [*super().force_values(plant), tan(self.values["rest"] / self.values["amplitude"])]
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether gravity holds it where it rests, which beyond a right angle it does not."""
+        return super().is_plausible(extent) and abs(self.values["rest"]) < LARGEST_ANGLE * self.values["amplitude"]
+
+    def simplified(self) -> PendulumGravity:
+        """The same that hangs straight down."""
+        return PendulumGravity(amplitude=self.values["amplitude"])
+
+    def scaled(self, factor: float) -> PendulumAtAnAngle:
+        """Another amplitude, and the same angle."""
+        return self.with_vector(self.vector / sqrt(max(factor, LEAST_FACTOR)))
+
+
+def pendulum_like(plant: TransferFunction, quadratic: float, cubic: float) -> tuple[Effect, ...]:
+    """The pendulum whose force begins with a softening cube (u/y^3) and a square (u/y^2); none where it hardens."""
+    stiffness = abs(static_stiffness(plant))
+    ratio = -stiffness / (6.0 * cubic or inf)
+    if not 0.0 < ratio < inf:
+        return ()
+    amplitude = sqrt(ratio)
+    if quadratic == 0.0:
+        return (PendulumGravity(amplitude=amplitude),)
+    return (PendulumAtAnAngle(amplitude=amplitude, rest=-amplitude * atan(2.0 * amplitude * quadratic / stiffness)),)

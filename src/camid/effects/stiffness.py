@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import inf, sqrt
+from math import sqrt
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.force_over_position import plant_beside_stops
-from camid.effects.gravity import PendulumGravity
+from camid.effects.gravity import pendulum_like
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, mobility, motion_sign, static_stiffness
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -50,8 +50,7 @@ class CubicStiffness(AgainstMotion):
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """Where it softens, the pendulum whose sine begins with the same cube."""
-        ratio = -abs(static_stiffness(situation.plant)) / (6.0 * self.values["coefficient"] or inf)
-        return (PendulumGravity(amplitude=sqrt(ratio)),) if ratio > 0.0 else ()
+        return pendulum_like(situation.plant, 0.0, self.values["coefficient"])
 
 
 class QuadraticStiffness(AgainstMotion):

@@ -18,6 +18,7 @@ from camid.chain.plant import TransferFunction
 from camid.effects.base import Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.extent import Extent
+from camid.effects.gravity import pendulum_like
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS, AgainstMotion, motion_sign
 from camid.effects.situation import Situation
@@ -64,6 +65,11 @@ class QuadraticStiffnessWithCubic(TwoTermSpring, QuadraticStiffness):
         """Whether the cubic part is the smaller one: else the law has the other's name."""
         return abs(self.values["cubic"]) * TYPICAL_DISPLACEMENT * extent.span <= abs(self.values["coefficient"])
 
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """What a quadratic part alone resembles, and a pendulum that rests at an angle."""
+        pendulums = pendulum_like(situation.plant, self.values["coefficient"], self.values["cubic"])
+        return (*super().relatives(situation), *pendulums)
+
     def simplified(self) -> QuadraticStiffness:
         """The same without the cubic part."""
         return QuadraticStiffness(coefficient=self.values["coefficient"])
@@ -100,6 +106,10 @@ class CubicStiffnessWithQuadratic(TwoTermSpring, CubicStiffness):
     def is_plausible(self, extent: Extent) -> bool:
         """Whether the quadratic part is the smaller one: else the law has the other's name."""
         return abs(self.values["quadratic"]) <= abs(self.values["coefficient"]) * TYPICAL_DISPLACEMENT * extent.span
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """Where it softens, a pendulum that rests at an angle."""
+        return pendulum_like(situation.plant, self.values["quadratic"], self.values["coefficient"])
 
     def simplified(self) -> CubicStiffness:
         """The same without the quadratic part."""
