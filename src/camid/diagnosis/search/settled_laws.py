@@ -20,6 +20,8 @@ from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
 
+# Times that a model's laws are looked through for the detail that they lack.
+PASSES = 2
 # Share of a bound within which a number lies on it.
 AT_BOUND = 1e-3
 
@@ -28,19 +30,33 @@ def finer_in_place(problem: Problem, fitted: Fitted, first: int = 0, *, last: bo
     """The model with more detail in a law that others were found beside, where that is likelier; else the same.
 
     What a law lacks may show only when what hid it is found. In a search that of the ``last`` effect has been tried.
+    The detail of a later one hides that of an earlier one, too, which is looked for again.
     """
     effects = fitted.model.effects[first:]
-    for identifier in [e.identifier for e in (effects if last else effects[:-1])]:
-        index = [e.identifier for e in fitted.model.effects].index(identifier)
-        effect = fitted.model.effects[index]
-        laws = [law for law in finer_of(problem, fitted.model, effect) if law.identifier == identifier]
-        laws += restarts_of(problem, fitted, effect)
-        starts = [fitted.model.replaced(index, law) for law in laws]
-        own = Hypothesis(identifier, fitted, prior_penalty(problem, effect))
-        starts = worth_a_fit(problem, fitted, starts)
-        tried = side_by_side(partial(fitted_in_place, problem, index), starts)
-        fitted = in_order([own, *(h for h in tried if h is not None)])[0].fitted
+    names = [e.identifier for e in (effects if last else effects[:-1])]
+    later = changed = len(names)
+    for _ in range(PASSES):
+        found = fitted
+        for position, identifier in enumerate(names[:later]):
+            index = [e.identifier for e in fitted.model.effects].index(identifier)
+            finer = _finer_at(problem, fitted, index)
+            if finer is not fitted:
+                fitted, changed = finer, position
+        if fitted is found:
+            break
+        later = changed
     return fitted
+
+
+def _finer_at(problem: Problem, fitted: Fitted, index: int) -> Fitted:
+    """The model with more detail in one of its laws, where that is likelier; else the same."""
+    effect = fitted.model.effects[index]
+    laws = [law for law in finer_of(problem, fitted.model, effect) if law.identifier == effect.identifier]
+    laws += restarts_of(problem, fitted, effect)
+    starts = worth_a_fit(problem, fitted, [fitted.model.replaced(index, law) for law in laws])
+    own = Hypothesis(effect.identifier, fitted, prior_penalty(problem, effect))
+    tried = side_by_side(partial(fitted_in_place, problem, index), starts)
+    return in_order([own, *(h for h in tried if h is not None)])[0].fitted
 
 
 def finer_instead(problem: Problem, others: Fitted, first: int) -> list[tuple[Hypothesis, Effect]]:
