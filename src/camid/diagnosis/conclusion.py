@@ -52,10 +52,10 @@ def concluded(
     left, fits = left_by(setting, replace(decision, laws=()), residue)
     beside_laws, named = left, residue
     if decision.laws:
-        residue = residue_of(setting, decision, decision.improved, before)
+        residue = residue_of(setting, decision.improved)
         beside_laws, fits = left_by(setting, decision, residue)
     if held is not decision:
-        residue = residue_of(setting, held, final, before)
+        residue = residue_of(setting, final)
         _, fits = left_by(setting, held, residue)
     without = errors_without(problem, decision, judging)
     found = findings(problem, decision, setting.known, removed_shares(base, decision), without, left, beside_laws)

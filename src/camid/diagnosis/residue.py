@@ -43,25 +43,21 @@ class Residue:
     noise_effects: list[tuple[Effect, Deviations]]
 
 
-def residue_of(setting: Setting, decision: Decision, final: Fitted, before: list[PlaceTest]) -> Residue:
+def residue_of(setting: Setting, final: Fitted) -> Residue:
     """Tests of what a model of a decision leaves, and what changes the noise.
 
     Parameters
     ----------
     setting : Setting
-    decision : Decision
     final : Fitted
         The model: with the decision's names alone, or with its laws.
-    before : list of PlaceTest
-        Of what the re-estimated plant leaves.
     """
     problem, whole = setting.problem, setting.whole
     every = [e.used | v for e, v in zip(whole.experiments, setting.validation, strict=True)]
     declared = [effect for effect in setting.nominal.effects if effect.noise_like]
     found = recognised_noise(whole.with_used(every), problem, final, setting.nominal.effects)
     spread = uneven_spread(problem, final, [*declared, *(r.effect for r in found)])
-    known = spread is None and final is decision.base
-    after = before if known else places(problem, final, spread)
+    after = setting.places_of(final) if spread is None else places(problem, final, spread)
     # A loop, and a lattice, give what is left a colour, too, which is no name and may still be that of a misfit.
     colour = colours(problem, final, {effect.identifier for effect in setting.nominal.effects})
     named = {r.effect.identifier for r in found} | set(colour)

@@ -182,13 +182,13 @@ def _decided(
             before, selected = _searched(setting, first_beginning(setting.problem, setting.base), watch)
         watch.take_stock(NAMES)
     problem, base = setting.problem, setting.base
-    decision, residue = _simplified(setting, selected, before, watch)
+    decision, residue = _simplified(setting, selected, watch)
     coloured = any(known_effects()[f.identifier].colours_noise for f in residue.findings)
     if selected.interrupted and (residue.reasons or coloured) and _leaves_colour(decision):
         # What looked like an inexact law is none, or not all that is missing: names are left to look for.
         further = select_effects(problem, base, watch=watch, searches=setting.searches, beginning=Beginning(selected))
         if _names(further) != _names(selected):
-            other, what_is_left = _simplified(setting, further, before, watch)
+            other, what_is_left = _simplified(setting, further, watch)
             if log_evidence(other) > log_evidence(decision):
                 decision, residue = other, what_is_left
     return setting, decision, before, residue
@@ -199,12 +199,12 @@ def _searched(
 ) -> tuple[list[mismatch_location.PlaceTest], Decision]:
     """Tests of what the re-estimated plant leaves, and the effects that are called for."""
     problem, base = setting.problem, setting.base
-    before = mismatch_location.places(problem, base)
+    before = setting.places_of(base)
     if setting.settled:
         return before, Decision(base, base)
     # Coefficients that leave nothing but noise are not bent, and no fit has to start from the nominal ones.
     start = setting.start if not setting.known and _leaves_structure(setting, before) else None
-    leaves_structure = partial(_effects_leave_structure, setting, before)
+    leaves_structure = partial(_effects_leave_structure, setting)
     return before, select_effects(
         problem,
         base,
@@ -217,9 +217,9 @@ def _searched(
     )
 
 
-def _effects_leave_structure(setting: Setting, before: list[mismatch_location.PlaceTest], found: Decision) -> bool:
+def _effects_leave_structure(setting: Setting, found: Decision) -> bool:
     """Whether the effects of a decision leave more than noise, or one of them only makes up for others' laws."""
-    if residue_of(setting, found, found.fitted, before).reasons:
+    if residue_of(setting, found.fitted).reasons:
         return True
     if all(type(e).is_plausible is Effect.is_plausible for e in found.fitted.model.effects):
         return False
@@ -253,7 +253,6 @@ def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest
 def _simplified(
     setting: Setting,
     decision: Decision,
-    before: list[mismatch_location.PlaceTest],
     watch: Watch,
     replaced: tuple[str, ...] = (),
 ) -> tuple[Decision, Residue]:
@@ -267,7 +266,7 @@ def _simplified(
         watch.say("testing what is left")
         decision = without_weak(problem, decision, setting.known, watch)
         decision = beyond_rounding(problem, decision, setting.known, watch)
-        left = mismatch_location.places(problem, decision.fitted) if decision.rivals else before
+        left = setting.places_of(decision.fitted)
         # What the laws leave of a structure is no noise, and a filter that whitens it no metric to refute them in.
         if not any(test.p_value < STRUCTURE_P_VALUE for test in left):
             decision = in_noise_metric(problem, decision, setting.known)
@@ -275,7 +274,7 @@ def _simplified(
     if decision.rivals and not decision.fitted.weighted:
         again = fit(problem, decision.fitted.model, steps=ALL_STEPS)
         decision = replace(decision, fitted=min((again, decision.fitted), key=lambda each: each.cost))
-    residue = residue_of(setting, decision, decision.fitted, before)
+    residue = residue_of(setting, decision.fitted)
     if setting.settled:
         declared: list[tuple[Effect, Deviations]] = [(e, {}) for e in setting.nominal.effects if e.noise_like]
         return decision, replace(residue, reasons=[], findings=[], noise_effects=declared)
@@ -285,7 +284,7 @@ def _simplified(
         # Laws that are not settled leave structure that no learned law carries.
         settled = _settled(setting, decision, watch, structured=bool(residue.reasons))
         if settled is not decision:
-            decision, residue = settled, residue_of(setting, settled, settled.fitted, before)
+            decision, residue = settled, residue_of(setting, settled.fitted)
         # Of white noise nothing is a correction: other rows may show a value that is not exact, and no law.
         if set(residue.reasons) - {"validation"}:
             decision = simplest(problem, decision, setting.known, residue.places, watch)
@@ -293,12 +292,12 @@ def _simplified(
         fewer, known = _with_fewer(setting, decision, watch, replaced)
         if fewer is not decision:
             if known is not None:
-                return _simplified(setting, fewer, before, watch, known)
-            decision, residue = fewer, residue_of(setting, fewer, fewer.fitted, before)
+                return _simplified(setting, fewer, watch, known)
+            decision, residue = fewer, residue_of(setting, fewer.fitted)
     if not residue.reasons:
-        return decision, residue_of(setting, decision, decision.fitted, before)
+        return decision, residue_of(setting, decision.fitted)
     decision = with_learned_laws(problem, decision, setting.judging, setting.known, watch)
-    return decision, residue_of(setting, decision, decision.fitted, before)
+    return decision, residue_of(setting, decision.fitted)
 
 
 def _settled(setting: Setting, decision: Decision, watch: Watch, *, structured: bool) -> Decision:

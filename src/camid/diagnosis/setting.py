@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.noiseless import ask_for_noise
+from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import spoiled_rows
 from camid.diagnosis.search.decision import Searches
 from camid.diagnosis.search.screening import ScreenedEffect, screen, try_own_effects
@@ -24,6 +25,8 @@ from camid.simulation.model import Simulation
 KNOWN_REMAINDER = 1.1
 # Remainder, as a share of the output's standard deviation, from which a model explains nothing.
 LARGEST_REMAINDER = 0.5
+# Fits of which the tests at every place are kept.
+MOST_TESTED = 4
 # Largest number of evaluations in a fit of the initial states of the simulation as given.
 STATE_STEPS = 40
 
@@ -55,6 +58,8 @@ class Setting:
         Whether an earlier diagnosis has left as much unexplained as the simulation leaves now.
     spoiled : dict of str to int
         How many readings are left out because they look like an effect on the noise, by its identifier.
+    tested : list of (Fitted, list of PlaceTest)
+        Fits that were tested at every place, the last ones.
     """
 
     believed: Simulation
@@ -72,11 +77,22 @@ class Setting:
     searches: Searches
     settled: bool
     spoiled: dict[str, int]
+    tested: list[tuple[Fitted, list[PlaceTest]]] = field(default_factory=list)
 
     @property
     def known(self) -> int:
         """How many effects on the motion the nominal simulation holds already."""
         return len(self.start.effects)
+
+    def places_of(self, fitted: Fitted) -> list[PlaceTest]:
+        """Tests of every place of what a model leaves, done once: a loop is simulated with each of many forces."""
+        for known, tests in self.tested:
+            if known is fitted:
+                return tests
+        tests = places(self.problem, fitted)
+        self.tested[MOST_TESTED - 1 :] = []
+        self.tested.insert(0, (fitted, tests))
+        return tests
 
 
 def prepared(
