@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from camid.effects.learned import LearnedForce
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.learned_law import blank_laws, judged_to_first_order, learn
 from camid.identification.from_recordings import experiments_of
@@ -49,6 +50,20 @@ def test_the_law_is_found_where_it_is(name):
     weights = 1.0 / np.maximum(found.deviations, 0.04 * bend)
     line = np.polyval(np.polyfit(knots[inner], difference[inner], 1, w=weights[inner]), knots)
     assert np.mean(np.abs(difference - line)[inner] * weights[inner] < 2.5) > 0.8
+
+
+def test_a_narrow_law_is_reached_from_the_same_on_fewer_knots():
+    """A seventieth of the velocities wide and as large as the plant's own forces, which no fit from nothing reaches."""
+    grid = np.linspace(-40.0, 40.0, 401)
+    narrow = np.exp(-(((grid - 5.0) / 1.5) ** 2))
+    problem, base = refitted(LearnedForce(variables="velocity", knots=grid.tolist(), values=narrow.tolist()))
+    law = learn(problem, base, blank_laws(problem, base)["velocity"])
+    first = law.fitted.cost
+    assert len(law.fitted.noise.whitening) > 1
+    for _ in range(2):
+        law = learn(problem, base, law.law.refined(), coarser=law)
+    assert law.fitted.cost < 0.05 * first
+    assert np.interp(5.0, law.law.knots, law.law.heights) > 0.8 * np.max(narrow)
 
 
 def test_there_is_no_law_in_noise():

@@ -29,11 +29,12 @@ Array = NDArray[np.float64]
 
 KNOTS = 17
 # Rounds of smoothing and least squares, evaluations in each, and the fall of the sum of squares, as a share, and the
-# gain of log evidence that end them.
-ROUNDS = 2
+# gain of log evidence that end them; of all that was gained the share by which a round is one of a fit that is still
+# far off, and more of them follow.
+ROUNDS, MOST_ROUNDS = 2, 6
 MOST_STEPS = 4
 SETTLED = 1e-5
-LEAST_GAIN = 0.1
+LEAST_GAIN, STILL_FAR = 0.1, 0.02
 # Residual of a simulation that diverged.
 RUNAWAY = 1e12
 # Step of the differences by the law's values, in what they are measured by.
@@ -144,7 +145,14 @@ def judged_to_first_order(
     return found
 
 
-def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients: bool = False) -> LearnedLaw:
+def learn(
+    problem: Problem,
+    fitted: Fitted,
+    law: LearnedEffect,
+    *,
+    coefficients: bool = False,
+    coarser: LearnedLaw | None = None,
+) -> LearnedLaw:
     """Fit a law and everything that the model holds beside it.
 
     Parameters
@@ -157,6 +165,8 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
     coefficients : bool
         Whether the law holds, to first order, nothing that the coefficients do to the output, so that these stay what
         they are; else that holds for the parameters of effects alone.
+    coarser : LearnedLaw, optional
+        The same on fewer knots, where the fit begins: a narrow curve is many steps from none.
 
     Raises
     ------
@@ -167,11 +177,16 @@ def learn(problem: Problem, fitted: Fitted, law: LearnedEffect, *, coefficients:
     start = np.zeros(curve.directions.shape[1])
     step = _Step.about(problem, fitted.model.plus(law), start, curve, fitted.residual).apart(coefficients)
     curve = step.curve
-    for _ in range(ROUNDS):
+    if coarser is not None:
+        heights = np.interp(law.knots, coarser.law.knots, coarser.law.heights)
+        weights = curve.directions.T @ (heights - curve.origin)
+        model = _with_weights(coarser.fitted.model, curve, weights, law)
+        step = _Step.about(problem, model, weights, curve, coarser.fitted.residual)
+    for done in range(1, MOST_ROUNDS + 1):
         following = step.fitted()
-        settled = following.smooth.log_evidence < step.smooth.log_evidence + LEAST_GAIN
+        gained = following.smooth.log_evidence - step.smooth.log_evidence
         step = following
-        if settled:
+        if gained < (LEAST_GAIN if done < ROUNDS else STILL_FAR * (step.smooth.log_evidence - step.smooth.without)):
             break
     deviations = np.sqrt(np.maximum(np.diag(curve.directions @ step.smooth.covariance @ curve.directions.T), 0.0))
     # An earlier law was fitted beside the packed numbers, too.
@@ -382,9 +397,9 @@ def _derivatives(pinned: Problem, model: Model, curve: _Curve, simulated: Array)
     return law_columns(pinned, model, len(model.effects) - 1, curve.directions, size, simulated)
 
 
-def _with_weights(model: Model, curve: _Curve, weights: Array) -> Model:
-    """The model whose last effect is the law of these weights."""
-    law = model.effects[-1]
+def _with_weights(model: Model, curve: _Curve, weights: Array, law: LearnedEffect | None = None) -> Model:
+    """The model whose last effect is the law of these weights, on its knots or those of another."""
+    law = law or model.effects[-1]
     assert isinstance(law, LearnedEffect)
     learned = law.with_heights(curve.origin + curve.directions @ weights)
     return replace(model, effects=(*model.effects[:-1], learned))

@@ -25,7 +25,7 @@ from camid.diagnosis.search.hypothesis_fit import ALL_STEPS
 from camid.diagnosis.search.hypothesis_search import BESIDE_OTHERS, hypotheses
 from camid.diagnosis.search.inexact_laws import LEAST_EVIDENCE
 from camid.diagnosis.search.screening import screen
-from camid.diagnosis.watch import LAWS, NAMES, Watch
+from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
@@ -138,12 +138,15 @@ def _with_another_law(
     if not holds(best, decision):
         return decision
     for _ in range(MOST_REFINED):
-        # What is narrower than the knots are apart shows as structure.
-        watch.take_stock(LAWS, work)
-        if structure_left(problem, best) == 0.0 or watch.no_time_for("a law on more knots"):
+        # What is narrower than the knots are apart shows as structure, or gives what is left a colour: the tests have
+        # no finer curves. A law that is half learned says little, whatever was done before.
+        watch.take_stock(OVERTIME, work)
+        white = len(best.improved.noise.whitening) == 1
+        if (white and structure_left(problem, best) == 0.0) or watch.no_time_for("a law on more knots"):
             break
-        finer = _learned(problem, decision.improved, best.laws[-1].law.refined(), coefficients)
-        if finer is None or finer.log_evidence < best.laws[-1].log_evidence + LEAST_GAIN:
+        coarser, before = best.laws[-1], decision.improved
+        finer = _learned(problem, before, coarser.law.refined(), coefficients, coarser)
+        if finer is None or finer.gain_on(before) < coarser.gain_on(before) + LEAST_GAIN:
             break
         found = replace(decision, laws=(*decision.laws, finer))
         if not holds(found, best):
@@ -171,9 +174,11 @@ def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> LearnedL
     return best if best is not None and best.gain_on(fitted) >= LEAST_EVIDENCE else None
 
 
-def _learned(problem: Problem, fitted: Fitted, law: LearnedEffect, coefficients: bool) -> LearnedLaw | None:
+def _learned(
+    problem: Problem, fitted: Fitted, law: LearnedEffect, coefficients: bool, coarser: LearnedLaw | None = None
+) -> LearnedLaw | None:
     try:
-        return learn(problem, fitted, law, coefficients=coefficients)
+        return learn(problem, fitted, law, coefficients=coefficients, coarser=coarser)
     except (ValueError, ArithmeticError):
         return None
 
