@@ -81,6 +81,7 @@ def test_every_effect_of_the_catalogue_has_a_picture_of_its_own(identifier):
         ("quantisation", "recorded against simulated output"),
         ("dropped-frames", "residual against the way since the last frame"),
         ("timestamp-jitter", "spread of the residual against the rate of the output"),
+        ("multiplicative-noise", "spread of the residual against the reading"),
         ("coloured-noise", "correlation of the residual with its past"),
     ],
 )

@@ -31,8 +31,8 @@ disturbance periodic-disturbance amplitude frequency phase; step-disturbance siz
 sensor exposure exposure; delay delay; rolling-shutter time_per_unit; clock-skew skew; timestamp-jitter std;
  lens-distortion k1; clipping low high; quantisation step; sensor-offset offset; sensor-drift rate;
  dropped-frames fraction; outliers fraction; absolute-value; speed-weighted-centroid;
- encoder-eccentricity amplitude period phase
-noise coloured-noise spectrum
+ encoder-eccentricity amplitude period phase; late-command lead; input-pickup coefficient
+noise coloured-noise spectrum; multiplicative-noise share
 """
 
 
@@ -230,6 +230,8 @@ def spoil(given, identifier, generator):
         residual[where] += 12.0 * spread * generator.choice([-1.0, 1.0], 8)
     elif identifier == "timestamp-jitter":
         residual += given.velocity * 0.004 * generator.standard_normal(len(residual))
+    elif identifier == "multiplicative-noise":
+        residual += given.position * 0.05 * generator.standard_normal(len(residual))
     elif identifier == "quantisation":
         step = 4.0 * spread
         recorded = step * np.round(recorded / step)
@@ -297,6 +299,8 @@ def test_noise_parameters_are_right():
     assert found["quantisation"].effect.values["step"] == pytest.approx(4.0 * np.std(given.residual))
     jitter = found["timestamp-jitter"]
     assert abs(jitter.effect.values["std"] - 0.004) < 4.0 * jitter.standard_deviations["std"]
+    proportional = found["multiplicative-noise"]
+    assert abs(proportional.effect.values["share"] - 0.05) < 4.0 * proportional.standard_deviations["share"]
 
 
 @pytest.mark.parametrize(("far", "stands_out"), [((60.0,), True), ((60.0, 45.0, 31.0, 22.0, 16.0, 11.0), False)])

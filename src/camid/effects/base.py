@@ -266,3 +266,7 @@ class Effect(EffectValues, SearchHooks):
     def observe(self, output: Array, time: Array) -> Array:
         """What becomes of the sensor's samples, shape (N,), at the recorded times."""
         return output
+
+    def picked_up(self, signal: Array) -> Array | None:
+        """What the recorded input, shape (N,), adds to the samples of its rows; None where it adds nothing."""
+        return None

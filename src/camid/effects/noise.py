@@ -160,7 +160,7 @@ def _repeats_where_still(values: Array, repeated: NDArray[np.bool_]) -> bool:
     return bool(share > REPEATED_IN_MOTION and ratio < log(LEAST_RATIO_OF_LOSS))
 
 
-def _repeated(situation: Situation) -> NDArray[np.bool_]:
+def repeated_rows(situation: Situation) -> NDArray[np.bool_]:
     """Rows that repeat the last frame, where that is recognised."""
     found = DroppedFrames.recognise(situation)
     return (
@@ -216,7 +216,7 @@ class Outliers(Effect):
         """Isolated residuals far outside of the robust spread of the others."""
         # Neither a repeated frame nor the wide noise of a jittering clock at high speed, or of a sensor whose noise
         # grows with its reading, is an outlier.
-        usable = situation.used & ~_repeated(situation)
+        usable = situation.used & ~repeated_rows(situation)
         known = situation.residual[usable]
         if len(known) < FEWEST_ROWS:
             return None
@@ -282,7 +282,7 @@ class TimestampJitter(Effect):
     @classmethod
     def recognise(cls, situation: Situation) -> Recognition | None:
         """The residual's variance grows with the square of the speed, and not rather with that of the position."""
-        usable = situation.used & ~_repeated(situation)
+        usable = situation.used & ~repeated_rows(situation)
         if np.sum(usable) < FEWEST_ROWS:
             return None
         square = situation.residual[usable] ** 2
@@ -297,7 +297,7 @@ class TimestampJitter(Effect):
 
     def is_refuted(self, situation: Situation) -> bool:
         """Whether the residual's variance grows less with the speed than these times would make it."""
-        usable = situation.used & ~_repeated(situation)
+        usable = situation.used & ~repeated_rows(situation)
         if np.sum(usable) < FEWEST_ROWS:
             return False
         _, slope, deviation, _ = variance_regression(situation.residual[usable] ** 2, situation.velocity[usable] ** 2)

@@ -26,7 +26,7 @@ COMPILED = ("force", "friction_level", "memory_after", "switch", "actuated")
 # Methods of which an effect that changes the motion overrides at least one.
 HOOKS = (
     *("force", "friction_level", "impulses", "limited_state", "declare", "before_plant", "beside_plant"),
-    *("after_plant", "transform", "carry", "windows", "measure", "observe"),
+    *("after_plant", "transform", "carry", "windows", "measure", "observe", "picked_up"),
 )
 MOST_DECORATORS = 8
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*\Z")

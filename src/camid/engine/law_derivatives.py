@@ -83,7 +83,7 @@ def _by_reading(
 
     def sampled(heights: Array) -> Array:
         effects = (*chain.effects[:index], law.with_heights(heights), *chain.effects[index + 1 :])
-        return after_sensor(replace(chain, effects=effects), output, time)
+        return after_sensor(replace(chain, effects=effects), output, time, signal)
 
     here = sampled(law.heights)
     return np.column_stack([(sampled(law.heights + size * way) - here) / size for way in ways.T])
@@ -129,11 +129,12 @@ def _by_motion(
         )
         if reader is None:
             assert motion is not None
-            columns.append(_of_windows(chain, motion, changes, time, size))
+            columns.append(_of_windows(chain, motion, changes, time, signal, size))
         elif motion is None:
             columns.append(chain.weight * reader.mean(changes))
         else:
-            columns.append(_of_reading(chain, read(chain, motion, time, acquisition), reader.mean(changes), time, size))
+            reading = read(chain, motion, time, acquisition)
+            columns.append(_of_reading(chain, reading, reader.mean(changes), time, signal, size))
     return np.hstack(columns)[:, : ways.shape[1]]
 
 
@@ -216,15 +217,16 @@ def _law_of(chain: Chain, law: LearnedForce, index: int, ways: Array, size: floa
     )
 
 
-def _of_reading(chain: Chain, output: Array, changes: Array, time: Array, size: float) -> Array:
+def _of_reading(chain: Chain, output: Array, changes: Array, time: Array, signal: Array, size: float) -> Array:
     """Derivatives of the samples by changes of what the sensor makes of the motion, shape (N, c)."""
-    here = after_sensor(chain, output, time)
-    return np.column_stack([(after_sensor(chain, output + size * each, time) - here) / size for each in changes.T])
+    here = after_sensor(chain, output, time, signal)
+    found = [(after_sensor(chain, output + size * each, time, signal) - here) / size for each in changes.T]
+    return np.column_stack(found)
 
 
-def _of_windows(chain: Chain, motion: Motion, changes: Changes, time: Array, size: float) -> Array:
+def _of_windows(chain: Chain, motion: Motion, changes: Changes, time: Array, signal: Array, size: float) -> Array:
     """Derivatives of the samples by changes of the motion, where the sensor is not linear in it, shape (N, c)."""
-    here, found = observed(chain, motion, time), []
+    here, found = observed(chain, motion, time, signal), []
     rows = (np.ascontiguousarray(each.T) for each in changes)
     for position, velocity, integral in zip(*rows, strict=True):
         beside = replace(
@@ -234,5 +236,5 @@ def _of_windows(chain: Chain, motion: Motion, changes: Changes, time: Array, siz
             integral=motion.integral + size * integral,
             velocity_end=motion.velocity_end + size * velocity[1:],
         )
-        found.append((observed(chain, beside, time) - here) / size)
+        found.append((observed(chain, beside, time, signal) - here) / size)
     return np.column_stack(found)

@@ -92,20 +92,22 @@ def run(chain: Chain, signal: Array, time: Array, *, moved: Callable[[], Motion]
         motion = move(chain, signal, time, acquisition) if moved is None else moved()
         if motion.control is not None:
             return motion.control
-        return observed(chain, motion, time)
-    return after_sensor(chain, output, time)
+        return observed(chain, motion, time, signal)
+    return after_sensor(chain, output, time, signal)
 
 
-def after_sensor(chain: Chain, output: Array, time: Array) -> Array:
-    """What effects on the reading make of it, weighted."""
+def after_sensor(chain: Chain, output: Array, time: Array, signal: Array) -> Array:
+    """What effects on the reading make of it beside the recorded input, weighted."""
     for effect in chain.effects:
         output = effect.observe(output, time)
+        picked_up = effect.picked_up(signal)
+        output = output if picked_up is None else output + picked_up
     return output if chain.weight == 1.0 else chain.weight * output
 
 
-def observed(chain: Chain, motion: Motion, time: Array) -> Array:
-    """Samples of the sensor, shape (N,), of a motion at the recorded times."""
-    return after_sensor(chain, read(chain, motion, time, chain.declared()), time)
+def observed(chain: Chain, motion: Motion, time: Array, signal: Array) -> Array:
+    """Samples of the sensor, shape (N,), of a motion at the recorded times, beside the recorded input."""
+    return after_sensor(chain, read(chain, motion, time, chain.declared()), time, signal)
 
 
 # Hooks that say what the sensor makes of a motion.

@@ -399,9 +399,9 @@ def _derivatives(pinned: Problem, model: Model, curve: _Curve, simulated: Array)
 
 def _with_weights(model: Model, curve: _Curve, weights: Array, law: LearnedEffect | None = None) -> Model:
     """The model whose last effect is the law of these weights, on its knots or those of another."""
-    law = law or model.effects[-1]
-    assert isinstance(law, LearnedEffect)
-    learned = law.with_heights(curve.origin + curve.directions @ weights)
+    on = law or model.effects[-1]
+    assert isinstance(on, LearnedEffect)
+    learned = on.with_heights(curve.origin + curve.directions @ weights)
     return replace(model, effects=(*model.effects[:-1], learned))
 
 

@@ -83,30 +83,40 @@ def _logarithmic(axes: Axes, low: float, high: float) -> None:
 
 
 def _spread_over_rate(diagnosis: Diagnosis, finding: Finding, output: str) -> tuple[Axes, str]:
+    rate = np.gradient(diagnosis.signals.improved, diagnosis.period)
+    axes = _spread_over(rate, diagnosis, finding.parameters["std"].value)
+    axes.set(xlabel=f"rate of the output, {output}/s", ylabel=f"residual, {output}")
+    return axes, "A frame at an uncertain time is wrong in proportion to the rate: what is left fans out on both sides."
+
+
+def _spread_over_reading(diagnosis: Diagnosis, finding: Finding, output: str) -> tuple[Axes, str]:
+    axes = _spread_over(diagnosis.signals.improved, diagnosis, finding.parameters["share"].value)
+    axes.set(xlabel=f"simulated reading, {output}", ylabel=f"residual, {output}")
+    return axes, "Noise in proportion to the reading: what is left fans out away from zero."
+
+
+def _spread_over(measure: Array, diagnosis: Diagnosis, deviation: object) -> Axes:
+    """The residual against what its spread grows with, and the law: so much for a unit of it."""
     from camid import plotting as style
 
-    signals = diagnosis.signals
-    rate = np.gradient(signals.improved, diagnosis.period)
-    residual = signals.recorded - signals.improved
-    good = np.isfinite(residual) & np.isfinite(rate)
-    rate, residual = rate[good], residual[good]
+    residual = diagnosis.signals.recorded - diagnosis.signals.improved
+    good = np.isfinite(residual) & np.isfinite(measure)
+    measure, residual = measure[good], residual[good]
     axes = new_panel(top=28.0)
-    draw_dots(axes, rate, residual)
-    centres, quartiles = quartiles_of_bins(rate, residual, SPREAD_BINS)
+    draw_dots(axes, measure, residual)
+    centres, quartiles = quartiles_of_bins(measure, residual, SPREAD_BINS)
     for column, label in ((0, "quartiles of the recording"), (2, "_")):
         axes.plot(centres, quartiles[:, column], "-o", color=style.BLUE, markersize=4.0, label=label)
-    deviation = finding.parameters["std"].value
     if isinstance(deviation, float):
-        rest = float(np.mean(np.square(residual)) - deviation**2 * np.mean(np.square(rate)))
-        grid = np.linspace(float(rate.min()), float(rate.max()), 101)
+        rest = float(np.mean(np.square(residual)) - deviation**2 * np.mean(np.square(measure)))
+        grid = np.linspace(float(measure.min()), float(measure.max()), 101)
         half = 0.6745 * np.sqrt(max(rest, 0.0) + (deviation * grid) ** 2)
         for sign, label in ((1.0, "law"), (-1.0, "_")):
             axes.plot(grid, sign * half, "--", color=style.VERMILION, linewidth=2.0, label=label, zorder=4)
     axes.axhline(0.0, color=style.BLACK, linewidth=0.8)
-    axes.set(xlim=range_of_nearly_all(rate, share=0.0), ylim=range_of_nearly_all(residual))
-    axes.set(xlabel=f"rate of the output, {output}/s", ylabel=f"residual, {output}")
+    axes.set(xlim=range_of_nearly_all(measure, share=0.0), ylim=range_of_nearly_all(residual))
     legend_above(axes, 2)
-    return axes, "A frame at an uncertain time is wrong in proportion to the rate: what is left fans out on both sides."
+    return axes
 
 
 def _repetition(diagnosis: Diagnosis, finding: Finding, output: str) -> tuple[Axes, str]:
@@ -198,6 +208,7 @@ def _correlation(coefficients: list[float], lags: NDArray[np.int_]) -> Array:
 TITLES: dict[str, tuple[str, Callable[[Diagnosis, Finding, str], tuple[Axes, str]]]] = {
     "histogram": ("histogram of the residual", _histogram),
     "spread over the rate": ("spread of the residual against the rate of the output", _spread_over_rate),
+    "spread over the reading": ("spread of the residual against the reading", _spread_over_reading),
     "repetition": ("residual against the way since the last frame", _repetition),
     "lattice": ("recorded against simulated output", _lattice),
     "past": ("correlation of the residual with its past", _past),

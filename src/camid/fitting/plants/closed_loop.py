@@ -64,7 +64,8 @@ class ClosedLoop(HeldPlant):
     def output_and_control(self, chain: Chain, signal: Array, time: Array) -> tuple[Array, Array | None]:
         """Samples of the sensor, and what the controller puts out."""
         motion = move(chain, signal, time)
-        return observed(chain, motion, time), motion.control
+        put_out = signal if motion.control is None else motion.control
+        return observed(chain, motion, time, put_out), motion.control
 
     def compared(self, experiments: list[Experiment]) -> list[Experiment]:
         """Experiments whose outputs are what the controller put out."""

@@ -162,9 +162,9 @@ def multiplicative_noise(generator: np.random.Generator, context: Context, alter
     return Effect(
         "multiplicative-noise",
         "noise",
-        "multiplicative-noise",
+        "catalogue",
         apply,
-        lambda g: {"relative_std": g},
+        lambda g: {"share": g},
         0.03,
         0.5,
         repeatable=False,

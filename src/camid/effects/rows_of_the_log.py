@@ -1,0 +1,126 @@
+"""What becomes of input and reading where both are logged: rows that do not belong together, and wires that couple."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from camid.chain.acquisition import Acquisition
+from camid.effects.base import Array, Effect
+from camid.effects.parameter import Parameter
+from camid.effects.plant_force import GUESS
+from camid.effects.separating_experiment import SeparatingExperiment
+from camid.effects.situation import Situation
+
+if TYPE_CHECKING:
+    from camid.chain.motion import Motion
+
+# Least and most periods by which a command is logged late: less is an exposure or a hold of the input, and more
+# another recording.
+FEWEST_PERIODS, MOST_PERIODS = 0.6, 20.0
+# Prior odds beside linear dynamics that do nearly the same: most logs are right, and most wires are screened.
+ODDS = 1.0 / 3.0
+
+
+class LateCommand(Effect):
+    """A log whose rows hold a command of some rows before, so that the output answers it early.
+
+    A reading that is stamped late looks the same. No delay of a plant or of a sensor does so.
+    """
+
+    identifier = "late-command"
+    place = "sensor"
+    title = "Command that is logged late"
+    drawn_against = "time shift"
+    equation = r"w_k = w(t_k + \theta)"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1 (input and output that are not aligned)"
+    parameters = (Parameter("lead", "s", "time θ by which the output is ahead of the logged command", 0.0),)
+    linear_dynamics = True
+    separated_by = (SeparatingExperiment.FASTER_CAMERA,)
+    prior_odds = ODDS
+    strength = "lead"
+
+    def bounds(self, acquisition: Acquisition) -> list[tuple[float, float]]:
+        """About a row at least: what is ahead by half of one is sampled or held otherwise than is said."""
+        return [(FEWEST_PERIODS * acquisition.period, MOST_PERIODS * acquisition.period)]
+
+    def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:
+        """Exposures at the times of the command's rows."""
+        lead = self.values["lead"]
+        return start + lead, end + lead
+
+    def ahead(self, time: Array) -> float:
+        """The lead itself."""
+        return float(self.values["lead"])
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """A few rows."""
+        for rows in (1.0, 2.0, 4.0):
+            yield cls(lead=rows * situation.acquisition.period)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """Without input there is nothing that is early, and in a loop the reading comes before the command."""
+        if situation.controlled:
+            return "in a declared loop the command follows from the reading"
+        return None if np.any(situation.all_signals) else "without input nothing is logged late"
+
+
+class InputPickup(Effect):
+    """A share of the command in the reading: pick-up of a drive in the sensor's wire, or a mount that yields to it."""
+
+    identifier = "input-pickup"
+    place = "sensor"
+    title = "Pick-up of the input in the reading"
+    drawn_against = "input"
+    equation = r"w_k = w + c\,u_k"
+    reference = "Ott (2009), Electromagnetic Compatibility Engineering, chapter 2"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("coefficient", "y/u", "reading c for a unit of the input"),
+    )
+    linear_dynamics = True
+    separated_by = (SeparatingExperiment.HELD_POSITIONS,)
+    prior_odds = ODDS
+    strength = "coefficient"
+
+    def picked_up(self, signal: Array) -> Array | None:
+        """In proportion to the command of the same row."""
+        return np.asarray(self.values["coefficient"] * signal)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """Small: the effect is proportional to it."""
+        coefficient = GUESS * situation.largest("position") / situation.largest("signal")
+        for law in (InputPickup, InputPickupOfRowBefore):
+            yield law(coefficient=coefficient)
+
+    @classmethod
+    def invisible(cls, situation: Situation) -> str | None:
+        """A camera has no wire, and a controller's input is no reading."""
+        if situation.acquisition.sensor == "camera":
+            return "a camera reads no wire beside that of the drive"
+        if situation.controlled:
+            return "in a declared loop the controller reads the position itself"
+        return None if np.any(situation.all_signals) else "without input nothing is picked up"
+
+
+class InputPickupOfRowBefore(InputPickup):
+    """The same of a sensor that is read before the next command is put out."""
+
+    equation = r"w_k = w + c\,u_{k-1}"
+    parameters = (
+        *InputPickup.parameters,
+        Parameter("row", "", "which command is picked up", choices=("before",), default="before"),
+    )
+
+    def picked_up(self, signal: Array) -> Array | None:
+        """In proportion to the command of the row before; none before the first."""
+        return np.asarray(self.values["coefficient"] * np.concatenate([[0.0], signal[:-1]]))
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """The same size."""
+        yield cls(**values)
