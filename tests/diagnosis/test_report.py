@@ -37,6 +37,15 @@ def test_every_verdict_has_its_sections(pages, verdict):
     assert "0.0041 u s²/y²" in page.text
 
 
+@pytest.mark.parametrize("verdict", summary.VERDICT_WORDS)
+def test_every_row_of_a_table_has_the_cells_of_its_head(pages, verdict):
+    tables = re.findall(r"<table.*?</table>", pages[verdict], re.DOTALL)
+    assert tables
+    for table in tables:
+        head, *rows = (re.findall(r"<t[hd][ >]", row) for row in re.findall(r"<tr>.*?</tr>", table, re.DOTALL))
+        assert rows and {len(row) for row in rows} == {len(head)}
+
+
 def test_a_page_of_doubtful_names_speaks_of_no_structure():
     doubtful = written_diagnoses.diagnosis("partly-explained", structured=False)
     told, structured = (

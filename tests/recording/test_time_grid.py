@@ -143,6 +143,15 @@ def test_regular_and_rounded_times_stay_as_they_are():
         assert found.held(values, "zoh") is values
 
 
+@pytest.mark.parametrize("digits", [6, 9])
+def test_times_of_so_many_significant_digits_stay_as_they_are(digits):
+    """As printf writes them with %g: the larger they are, the fewer decimals."""
+    written = np.array([float(f"{k / 60.0:.{digits}g}") for k in range(2400)])
+    grid = grid_of(written, str)
+    assert grid.regular
+    assert grid.period == pytest.approx(1.0 / 60.0, abs=2.0 * grid.uncertainty)
+
+
 def test_too_irregular():
     time = PERIOD * np.arange(100)
     time[50] = time[49] + 0.03 * PERIOD

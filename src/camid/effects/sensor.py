@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # Exposures below this share of the period are an instant.
 INSTANT = 1e-6
+# Rounds of the fixed point of a rolling shutter, and the change of the shift, in periods, that ends them.
+MOST_ROUNDS, SETTLED_SHIFT = 60, 1e-6
 # Delays beyond this many periods are not a latency but another recording.
 LONGEST_DELAY = 1000.0
 
@@ -110,10 +112,15 @@ class RollingShutter(Effect):
     def windows(self, motion: Motion, start: Array, end: Array) -> tuple[Array, Array]:
         """Exposures shifted by where the marker is then: a fixed point."""
         first, last = start, end
-        limit = 4.0 * float(np.median(np.diff(end)))
-        for _ in range(3):
-            shift = np.clip(self.values["time_per_unit"] * motion.mean(start, end), -limit, limit)
-            start, end = first + shift, last + shift
+        period = float(np.median(np.diff(end)))
+        shift = np.zeros(len(end))
+        # Where the marker passes a row in nearly the time in which that is read, each round leaves much of the error.
+        for _ in range(MOST_ROUNDS):
+            found = np.clip(self.values["time_per_unit"] * motion.mean(start, end), -4.0 * period, 4.0 * period)
+            settled = np.max(np.abs(found - shift), initial=0.0) < SETTLED_SHIFT * period
+            shift, start, end = found, first + found, last + found
+            if settled:
+                break
         return start, end
 
     @classmethod

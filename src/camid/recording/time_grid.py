@@ -272,12 +272,22 @@ def _deviation(time: Array, count: Array) -> float:
 
 
 def _resolutions(time: Array) -> list[float]:
-    """Seconds to which the times may be rounded: by the floating point of large offsets, and by their decimals."""
+    """Seconds to which the times may be rounded: by the floating point of large offsets, and by their decimals.
+
+    Of times that are written with so many significant digits the largest have the fewest decimals.
+    """
     largest = float(np.max(np.abs(time)))
     rounding = 4.0 * float(np.spacing(largest))
+    decade = 10.0 ** np.floor(np.log10(largest)) if largest > 0.0 else 0.0
+    written = (_decimals(each, rounding) for each in (time, time[np.abs(time) >= decade]))
+    return [rounding, *(rounding + 10.0**-decimals for decimals in written if decimals is not None)]
+
+
+def _decimals(time: Array, rounding: float) -> int | None:
+    """Decimals with which times are written; None where they have all."""
     for decimals in range(16):
         if 10.0**-decimals <= rounding:
             break
-        if np.max(np.abs(np.round(time, decimals) - time)) <= rounding:
-            return [rounding, rounding + 10.0**-decimals]
-    return [rounding]
+        if np.max(np.abs(np.round(time, decimals) - time), initial=0.0) <= rounding:
+            return decimals
+    return None
