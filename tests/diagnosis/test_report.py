@@ -43,7 +43,8 @@ def test_every_row_of_a_table_has_the_cells_of_its_head(pages, verdict):
     assert tables
     for table in tables:
         head, *rows = (re.findall(r"<t[hd][ >]", row) for row in re.findall(r"<tr>.*?</tr>", table, re.DOTALL))
-        assert rows and {len(row) for row in rows} == {len(head)}
+        assert rows
+        assert {len(row) for row in rows} == {len(head)}
 
 
 def test_a_page_of_doubtful_names_speaks_of_no_structure():

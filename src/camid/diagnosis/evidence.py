@@ -129,8 +129,8 @@ def tests_of(
     after: Sequence[PlaceTest],
 ) -> list[StructureTest]:
     """Tests of whiteness and of every place, before and after."""
-    white = problem.whiteness(base.residual, base.sensitivities)
-    still = white if final is base else problem.whiteness(final.residual, final.sensitivities)
+    white = problem.whiteness(base.residual, base.moving_sensitivities)
+    still = white if final is base else problem.whiteness(final.residual, final.moving_sensitivities)
     rows = [StructureTest("whiteness", "Does the residual depend on its own past?", white, still)]
     rows += [StructureTest(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
     return rows

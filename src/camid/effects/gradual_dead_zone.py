@@ -22,6 +22,9 @@ from camid.effects.gradual_saturation import (
 from camid.effects.parameter import Parameter
 from camid.effects.situation import Situation
 
+# Sharpness from which there are edges: at one, where it ends, the curve is a square and then a straight line.
+LEAST_SHARPNESS = 1.02
+
 
 class GradualDeadZone(DeadZone):
     """A zone in which little of the command arrives, as with valves whose edges overlap and leak.
@@ -48,8 +51,9 @@ class GradualDeadZone(DeadZone):
         return start - lost[0], end - lost[1]
 
     def is_plausible(self, extent: Extent) -> bool:
-        """Whether a command leaves it: else it is a curve that starts flat, as a power of the command does."""
-        return bool(self.values["half_width"] <= extent.signal) and super().is_plausible(extent)
+        """Whether a command leaves it and it has edges: else it is a curve that starts flat, as a power does."""
+        has_edges = self.values["half_width"] <= extent.signal and self.values["sharpness"] > LEAST_SHARPNESS
+        return bool(has_edges) and super().is_plausible(extent)
 
     def simplified(self) -> DeadZone:
         """The same width with sharp edges."""

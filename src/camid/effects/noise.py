@@ -36,6 +36,9 @@ STILL = 3.0
 REPEATED_IN_MOTION, LEAST_RATIO_OF_LOSS = 0.05, 0.1
 # Residuals beyond this many robust standard deviations count as these in a regression of the variance.
 MOST_DEVIATIONS = 6.0
+# Rows of a stretch whose spread is looked at, such stretches at most, and the ratio of the largest spread to the least
+# from which the noise is louder for a while: by chance the median of a hundred rows is off by an eighth.
+FEWEST_IN_BLOCK, MOST_BLOCKS, LOUDER = 100, 20, 2.0
 # Standard deviations from which a recording refutes what another one seems to show.
 REFUTING = 3.0
 # Probability below which another effect on the noise counts as there, before outliers or jitter are looked for.
@@ -187,6 +190,16 @@ def _relative_spread(residual: Array, motion: Sequence[Array]) -> Array:
     return np.asarray(np.sqrt((base + slope * size) / (base + slope * float(np.median(size)))))
 
 
+def _spread_over_time(residual: Array) -> Array:
+    """Relative robust spread of each row: one, or that of a noise that is louder for a while where it is."""
+    blocks = np.array_split(np.arange(len(residual)), max(min(len(residual) // FEWEST_IN_BLOCK, MOST_BLOCKS), 1))
+    spreads = np.array([np.median(np.abs(residual[rows])) for rows in blocks])
+    if np.min(spreads) <= 0.0 or np.max(spreads) < LOUDER * np.min(spreads):
+        return np.ones(len(residual))
+    centres = [float(np.mean(rows)) for rows in blocks]
+    return np.asarray(np.interp(np.arange(len(residual)), centres, spreads) / np.median(spreads))
+
+
 def _at_an_edge(situation: Situation, rows: NDArray[np.bool_]) -> int:
     """How many rows are read at an end of what is ever read, and expected beyond: a clipping, no outlier."""
     low, high = np.quantile(situation.recorded[situation.used], [EDGE, 1.0 - EDGE])
@@ -223,6 +236,7 @@ class Outliers(Effect):
         residual = np.where(usable, situation.residual - np.median(known), 0.0)
         motion = (situation.velocity[usable], situation.position[usable])
         residual[usable] /= _relative_spread(residual[usable], motion)
+        residual[usable] /= _spread_over_time(residual[usable])
         spread = 1.4826 * float(np.median(np.abs(residual[usable])))
         if spread <= 0.0:
             return None

@@ -20,6 +20,8 @@ from camid.identification.autoregression import coloured
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-7
+# Distance from a bound, in what a number is measured by, within which it lies there.
+AT_BOUND = 1e-6
 # A simulation with fine steps that leaves this much more than one with few has shown that few mislead.
 MISLED = 1.1
 # Evaluations with fine steps behind a fit with few ones, as a share of all, and at least.
@@ -62,6 +64,18 @@ class Fitted:
         vector = self.packing.pack(self.model)
         simulated = self.problem.output - self.residual
         return sensitivities(self.problem, self.packing, vector, simulated) / self.packing.units
+
+    @property
+    def moving_sensitivities(self) -> Array:
+        """Those by numbers that the fit could move, shape (M, q): not by one at a bound that it would go beyond.
+
+        What such a number does, the residual still has in it, and it is none that was fitted.
+        """
+        vector, packing = self.packing.pack(self.model), self.packing
+        pull = self.residual @ self.sensitivities
+        reach = AT_BOUND * np.maximum(np.abs(vector), 1.0)
+        held = ((vector <= packing.lower + reach) & (pull < 0.0)) | ((vector >= packing.upper - reach) & (pull > 0.0))
+        return self.sensitivities[:, ~held] if np.any(held) else self.sensitivities
 
     @property
     def cost(self) -> float:

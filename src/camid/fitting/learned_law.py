@@ -104,15 +104,21 @@ def blank_laws(problem: Problem, fitted: Fitted) -> dict[str, LearnedEffect]:
             continue
         if len(np.unique(seen[over][:FEW_ROWS])) < FEWEST_VALUES:
             continue
-        knots = np.linspace(low, high, KNOTS).tolist()
+        knots = _knots(seen[over]).tolist()
         law: LearnedEffect
         if name in FORCES:
-            law = LearnedForce(variables=name, knots=knots, values=[0.0] * KNOTS)
+            law = LearnedForce(variables=name, knots=knots, values=[0.0] * len(knots))
         else:
             law = LearnedCurve(variables=name, knots=knots, values=knots)
         if law.place not in problem.kind.hidden_places:
             found[name] = law
     return found
+
+
+def _knots(seen: Array) -> Array:
+    """Over what is visited, evenly; of a command of few levels these themselves, as nothing tells of those between."""
+    levels = np.unique(seen)
+    return levels if len(levels) <= KNOTS else np.linspace(levels[0], levels[-1], KNOTS)
 
 
 def judged_to_first_order(
@@ -200,17 +206,17 @@ def _curve(problem: Problem, fitted: Fitted, law: LearnedEffect) -> _Curve:
     name, knots = str(law.values["variables"]), law.knots
     over, times = FORCES.get(name, (name, None))
     seen = visited(problem, fitted)
-    edges = np.concatenate([[-np.inf], 0.5 * (knots[1:] + knots[:-1]), [np.inf]])
-    counts = np.histogram(seen[over], edges, weights=None if times is None else seen[times] ** 2)[0].astype(float)
-    counts /= max(float(counts.sum()), 1e-300)
+    often = np.ones(len(seen[over])) if times is None else seen[times] ** 2
+    often /= max(float(often.sum()), 1e-300)
+    counts = _at_knots(knots, seen[over], often)
     constraints = []
     if times is None:
         middle = np.array([np.interp(0.0, knots, row) for row in np.eye(len(knots))])
-        constraints.append(middle if knots[0] < 0.0 < knots[-1] else counts)
+        constraints.append(middle if knots[0] <= 0.0 <= knots[-1] else counts)
     if coefficient_is_free(problem, name):
         # What a coefficient does is a straight line through zero, or where the law multiplies a signal a constant.
-        spread = knots - float(counts @ knots) if times is None else np.ones(len(knots))
-        constraints.append(counts * spread / max(float(counts @ spread**2), 1e-300))
+        spread = seen[over] - float(often @ seen[over]) if times is None else np.ones(len(often))
+        constraints.append(_at_knots(knots, seen[over], often * spread) / max(float(often @ spread**2), 1e-300))
     directions = _null_space(np.array(constraints)) if constraints else np.eye(len(knots))
     second = np.diff(np.eye(len(knots)), 2, axis=0) @ directions
     roughness = second.T @ second
@@ -219,6 +225,19 @@ def _curve(problem: Problem, fitted: Fitted, law: LearnedEffect) -> _Curve:
     if times is not None:
         unit /= float(np.max(np.abs(seen[times])))
     return _Curve(directions, roughness, law.heights, unit)
+
+
+def _at_knots(knots: Array, seen: Array, weights: Array) -> Array:
+    """Weights of a law's values at its knots in the sum of what it is where it is visited, shape (k,).
+
+    With the nearest knot of each a law might swing between the levels of a command, and do what a gain does.
+    """
+    right = np.clip(np.searchsorted(knots, seen), 1, len(knots) - 1)
+    share = np.clip((seen - knots[right - 1]) / (knots[right] - knots[right - 1]), 0.0, 1.0)
+    count = len(knots)
+    return np.asarray(
+        np.bincount(right - 1, weights * (1.0 - share), count) + np.bincount(right, weights * share, count)
+    )
 
 
 def largest_force(signal: Array, problem: Problem, fitted: Fitted) -> float:

@@ -80,7 +80,7 @@ def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: 
     for identifier in () if rounding else colours(problem, final, known):
         effect = known_effects()[identifier]
         if problem.kind.unseen(effect) is None:
-            p_value = problem.whiteness(final.residual, final.sensitivities)
+            p_value = problem.whiteness(final.residual, final.moving_sensitivities)
             found.append(_coloured(effect, problem, final, p_value))
     return found
 
@@ -98,7 +98,7 @@ def colours(problem: Problem, final: Fitted, known: Collection[str]) -> list[str
     if len(final.noise.whitening) == 1:
         return []
     kinds = [i for i, effect in sorted(known_effects().items()) if effect.colours_noise and i not in known]
-    return kinds if kinds and problem.whiteness(final.residual, final.sensitivities) < LARGEST_P_VALUE else []
+    return kinds if kinds and problem.whiteness(final.residual, final.moving_sensitivities) < LARGEST_P_VALUE else []
 
 
 def _where_motion_is_finite(situation: Situation) -> Situation:

@@ -223,7 +223,8 @@ class Metric:
         """Metric of a fitted model; columns ``beside`` it, shape (M, c), are no sign of anything either."""
         rows = 1.0 if spread is None else spread
         # What a learned law could do is no sign of anything else, either.
-        table = base.sensitivities if base.nuisance is None else np.hstack([base.sensitivities, base.nuisance])
+        table = base.moving_sensitivities
+        table = table if base.nuisance is None else np.hstack([table, base.nuisance])
         table = table if beside is None else np.hstack([table, beside])
         basis = projector(problem.whitened(table if spread is None else table / spread[:, None], whitening))
         residual = problem.whitened(base.residual / rows, whitening)
