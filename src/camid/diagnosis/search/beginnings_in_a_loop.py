@@ -41,8 +41,8 @@ from camid.side_by_side import side_by_side
 # Forces that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
 # one leaves alone for others not to be looked for beside it yet.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
-# Pairs of effects that are followed to the end.
-MOST_FOLLOWED = 2
+# Pairs of effects that are followed to the end, and single ones beside them that leave hardly more than the best one.
+MOST_FOLLOWED, MOST_ALONE, NEARLY_AS_GOOD = 2, 3, 1.25
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
 ONSETS = np.linspace(0.02, 0.98, 49)
 # Quantiles of the command's sizes that a curve of it may have its edge at, and the highest edge in the largest size.
@@ -102,6 +102,9 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         least = min((each.left for each in alone), default=1.0)
         pairs = [each for each in found if len(each.laws) >= TOGETHER and each.left < least and least > ENOUGH_ALONE]
         starts = _likeliest(problem, [start for each in pairs for start in _starts(problem, known, each)])
+        # With the noise of a loop in it the equation prefers two laws to one, and a law of the command to the right one.
+        near = [each for each in alone if each.left <= NEARLY_AS_GOOD * least and least <= MOST_LEFT] if pairs else []
+        starts += [start for each in near[:MOST_ALONE] for start in _starts(problem, known, each)[:1]]
         fitted = [each for each in side_by_side(partial(_fitted, problem), starts) if each is not None]
         if fitted:
             best = finer_in_place(problem, in_order(fitted)[0].fitted, len(base.model.effects), last=True)
