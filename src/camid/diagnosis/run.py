@@ -154,7 +154,8 @@ def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
     try:
         with with_a_copy(problem, nominal, aside):
             pulled = prepared(believed, problem, nominal, setting.validation, setting.chosen, aside)
-            found, undriven = _investigated(pulled, Beginning(), aside), undriven_error(pulled)
+            found = _investigated(pulled, first_beginning(pulled.problem, pulled.base, held=True), aside)
+            undriven = undriven_error(pulled)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # it diverges all the same
         return None
     if takes_input_away(problem, found.improved):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,9 @@ MOST_LEFT_INSTEAD, MOST_INSTEAD = 2.0, 2
 # What a curve of the command, and a delay of it, leaves of what is left without it, at most: forces beside a curve may
 # be most of that, and a command that is held is late by half a period anyway. Rounds in which each is chosen anew.
 MOST_LEFT_BY_CURVE, MOST_LEFT_BY_DELAY, ROUNDS = 0.95, 0.8, 3
+# First steps from a guess of a period, as a share of it, and of a phase in rad; and when the search for both ends.
+NEXT_PERIOD, WIDEST_TURN = 0.003, 0.1
+SIMPLEX = {"maxfev": 120, "xatol": 0.01, "fatol": 1e-6}
 # What all laws leave at most where a rate or a delay is among them: these smooth any command, which explains some.
 MOST_LEFT_IF_LATE = 0.1
 
@@ -201,12 +205,57 @@ def _with_sizes(
     equation: EquationOfMotion, laws: Sequence[Effect], columns: Array, left: float, situation: Situation
 ) -> PlantBesideLaws | None:
     """The plant and the laws, in the sizes that fit the equation; None where these are impossible."""
+    laws, columns, left = _sharpened(equation, laws, columns, left, situation)
     found = equation.solved(columns, situation.plant.monic)
     if found is None:
         return None
     plant, bias, sizes = found
     in_sizes = _in_sizes(laws, sizes)
     return PlantBesideLaws(plant, bias, in_sizes, left) if in_sizes or not laws else None
+
+
+def _sharpened(
+    equation: EquationOfMotion, laws: Sequence[Effect], columns: Array, left: float, situation: Situation
+) -> tuple[Sequence[Effect], Array, float]:
+    """The laws with periods between those of a grid, their forces, and what they leave.
+
+    A period that is off by a third of a percent is half a pole off at the end of a way of many, and a motor that stops
+    there is pulled to another one.
+    """
+    from scipy.optimize import minimize
+
+    places = [i for i, law in enumerate(laws) if law.trials == "frequencies"]
+    if not places:
+        return laws, columns, left
+    plain = equation.solved(columns, situation.plant.monic)
+    plant = situation.plant if plain is None else plain[0]
+    moved = [[j for j, p in enumerate(laws[i].numeric()) if p.name != laws[i].strength] for i in places]
+    starts = [laws[i].vector[which] for i, which in zip(places, moved, strict=True)]
+    steps = np.concatenate(
+        [
+            [WIDEST_TURN if laws[i].numeric()[j].scale == "one" else NEXT_PERIOD * laws[i].vector[j] for j in which]
+            for i, which in zip(places, moved, strict=True)
+        ]
+    )
+
+    def at(change: Array) -> tuple[list[Effect], Array]:
+        values, found, forces = change * steps, list(laws), columns.copy()
+        for i, which, start in zip(places, moved, starts, strict=True):
+            own, values = values[: len(which)], values[len(which) :]
+            vector = laws[i].vector.copy()
+            vector[which] = start + own
+            found[i] = laws[i].with_vector(vector)
+            forces[:, i] = -force_along(found[i], plant, equation.motion)
+        return found, forces
+
+    def left_at(change: Array) -> float:
+        forces = at(change)[1]
+        return equation.left_by_sets(forces, [range(forces.shape[1])])[0] if np.all(np.isfinite(forces)) else np.inf
+
+    simplex = np.vstack([np.zeros(len(steps)), np.eye(len(steps))])
+    options: Any = SIMPLEX | {"initial_simplex": simplex}
+    best = minimize(left_at, np.zeros(len(steps)), method="Nelder-Mead", options=options)
+    return (*at(best.x), float(best.fun)) if best.fun < left else (laws, columns, left)
 
 
 def _pursued(

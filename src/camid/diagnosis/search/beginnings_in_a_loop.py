@@ -41,6 +41,9 @@ from camid.side_by_side import side_by_side
 # Forces that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
 # one leaves alone for others not to be looked for beside it yet.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
+# What they leave of the equation's rest, at most, where no simulation with them follows the recordings, for the plant to
+# run away with the right ones, too: poles that a motor may be drawn to either side of.
+SHOWN = 0.25
 # Pairs of effects that are followed to the end, and single ones beside them that leave hardly more than the best one.
 MOST_FOLLOWED, MOST_ALONE, NEARLY_AS_GOOD = 2, 3, 1.25
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
@@ -74,9 +77,12 @@ class Beginning:
     runs_away: bool = False
 
 
-def first_beginning(problem: Problem, base: Fitted) -> Beginning:
-    """What a search begins with: what the plant's equation shows where the base is far off the recordings."""
-    return beginning_in_a_loop(problem, base) if is_far_off(problem, base) else Beginning()
+def first_beginning(problem: Problem, base: Fitted, *, held: bool = False) -> Beginning:
+    """What a search begins with: what the plant's equation shows where the base is far off the recordings.
+
+    One that an observer has ``held`` beside them is never far off, and its coefficients are bent all the same.
+    """
+    return beginning_in_a_loop(problem, base) if held or is_far_off(problem, base) else Beginning()
 
 
 def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
@@ -102,7 +108,7 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         least = min((each.left for each in alone), default=1.0)
         pairs = [each for each in found if len(each.laws) >= TOGETHER and each.left < least and least > ENOUGH_ALONE]
         starts = _likeliest(problem, [start for each in pairs for start in _starts(problem, known, each)])
-        # With the noise of a loop in it the equation prefers two laws to one, and a law of the command to the right one.
+        # With the noise of a loop in it the equation prefers two laws to one, and one of the command to the right one.
         near = [each for each in alone if each.left <= NEARLY_AS_GOOD * least and least <= MOST_LEFT] if pairs else []
         starts += [start for each in near[:MOST_ALONE] for start in _starts(problem, known, each)[:1]]
         fitted = [each for each in side_by_side(partial(_fitted, problem), starts) if each is not None]
@@ -113,7 +119,8 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
                 return Beginning(decision)
         single = _starts(problem, known, alone[0])[:1] if alone and least <= MOST_LEFT else []
         models = tuple(_as_far_as_it_follows(problem, start) for start in single)
-        runs_away = found[0].left <= ENOUGH_ALONE and not any(_follows(problem, model) for model in models)
+        tried = (*models, *(each.fitted.model for each in fitted))
+        runs_away = found[0].left <= SHOWN and not any(_follows(problem, model) for model in tried)
         return Beginning(None, models, runs_away)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()
