@@ -134,15 +134,18 @@ def test_frames_that_are_left_out_one_by_one_do_not_pull_and_those_that_judge_do
 
 
 @pytest.mark.parametrize(
-    ("error", "structured", "named", "astray"),
+    ("error", "noise", "structured", "named", "astray"),
     [
-        (0.2, True, (), True),
-        (0.2, False, (), False),  # noise alone, however much
-        (0.2, False, ("coloured-noise",), True),  # what runs away looks like that, too
-        (0.02, True, (), False),
+        (0.2, 0.1, True, (), True),
+        (0.2, 0.1, False, (), False),  # noise alone, however much
+        (0.2, 0.1, False, ("coloured-noise",), True),  # what runs away looks like that, too
+        (0.02, 0.01, True, (), False),
+        (0.02, 0.001, True, (), True),
+        (0.002, 0.0001, True, (), False),
     ],
 )
-def test_what_leaves_noise_alone_follows_the_recording(error, structured, named, astray):
+def test_what_leaves_noise_alone_follows_the_recording(error, noise, structured, named, astray):
     findings = [SimpleNamespace(identifier=name) for name in named]
-    diagnosis = SimpleNamespace(fit=SimpleNamespace(improved=error), structured=structured, findings=findings)
+    fit = SimpleNamespace(improved=error, noise_floor=noise)
+    diagnosis = SimpleNamespace(fit=fit, structured=structured, findings=findings)
     assert is_astray(diagnosis) == astray

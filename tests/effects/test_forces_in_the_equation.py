@@ -1,5 +1,6 @@
 """Plants beside a force over the position, by their equation at the recorded positions."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,6 +16,7 @@ from camid.effects.damping import QuadraticDrag
 from camid.effects.force_over_position import plant_beside_stops
 from camid.effects.friction import CoulombFriction
 from camid.effects.gradual_friction import GradualCoulombFriction
+from camid.effects.periodic_in_position import Cogging
 from camid.effects.pursued_forces import plants_beside_laws
 from camid.effects.sensor import Delay
 from camid.effects.situation import Situation
@@ -168,3 +170,25 @@ def test_friction_of_an_axis_may_grow_with_the_load():
     assert [law.identifier for law in CoulombFriction(force=20.0).relatives(axis)] == ["dead-zone"]
     gradual = GradualCoulombFriction(force=0.2, transition=0.1)
     assert [law.identifier for law in gradual.relatives(axis)] == ["dead-zone"]
+
+
+def test_a_period_is_found_between_those_that_are_guessed():
+    """Over thirty poles: a guess that is a little off is a good part of a pole off at the end."""
+    generator, period = np.random.default_rng(9), 3.2
+    time, parts = 0.01 * np.arange(ROWS), 20
+    command = 20.0 * np.repeat(generator.choice([-1.0, -0.6, 0.7, 1.0], ROWS // 60), 60)
+    stroke, position, velocity = np.zeros(ROWS), 0.0, 0.0
+    for k, held in enumerate(command):
+        stroke[k] = position
+        for _ in range(parts):
+            pole = 6.0 * np.sin(2.0 * np.pi * position / period + 0.4)
+            velocity += 0.01 / parts * (2.0 * (held - pole) - 3.0 * velocity)
+            position += 0.01 / parts * velocity
+    given = situation(
+        time, command, stroke + 1e-4 * generator.normal(size=ROWS), TransferFunction((1.5,), (1.0, 4.0, 0.0))
+    )
+    given = replace(given, acquisition=Acquisition(0.01, sensor="instant"))
+    ((law,),) = [each.laws for each in plants_beside_laws(given, [Cogging(amplitude=6.0, period=3.21, phase=0.4)], 1)]
+    assert law.values["period"] == pytest.approx(period, rel=1e-3)
+    assert law.values["phase"] == pytest.approx(0.4, abs=0.1)
+    assert law.values["amplitude"] == pytest.approx(6.0, rel=0.05)

@@ -27,6 +27,8 @@ from camid.simulation.model import Simulation
 
 # Error of the best simulation, as a share of the output's spread, above which it does not follow the recording.
 ASTRAY = 0.05
+# The same above which it does not where it is so many times the noise, too.
+NEARLY_ASTRAY, FAR_FROM_NOISE = 0.005, 10.0
 # The same of a pulled one, as a share of that without effects, up to which it tells what they are, and so much that
 # nothing else is looked for.
 TELLS, TELLS_ALL = 0.25, 0.05
@@ -73,8 +75,10 @@ def with_observer(believed: Simulation, problem: Problem, nominal: Model) -> tup
 
 def is_astray(diagnosis: Diagnosis) -> bool:
     """Whether the best simulation of a diagnosis does not follow the recording: it errs, and by more than noise."""
+    fits = diagnosis.fit
     coloured = any(known_effects()[f.identifier].colours_noise for f in diagnosis.findings)
-    return diagnosis.fit.improved > ASTRAY and (diagnosis.structured or coloured)
+    far = fits.improved > ASTRAY or fits.improved > max(NEARLY_ASTRAY, FAR_FROM_NOISE * fits.noise_floor)
+    return far and (diagnosis.structured or coloured)
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ from camid.side_by_side import side_by_side
 # Forces that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
 # one leaves alone for others not to be looked for beside it yet.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
-# What they leave of the equation's rest, at most, where no simulation with them follows the recordings, for the plant to
+# What they leave of the equation's rest at most where no simulation with them follows the recordings, for the plant to
 # run away with the right ones, too: poles that a motor may be drawn to either side of.
 SHOWN = 0.25
 # Pairs of effects that are followed to the end, and single ones beside them that leave hardly more than the best one.
