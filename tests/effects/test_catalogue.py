@@ -25,6 +25,7 @@ plant coulomb-friction force; stribeck-friction coulomb breakaway velocity; quad
  hysteresis strength shape; extra-mode natural_frequency damping; parameter-drift coefficient rate;
  asymmetric-friction forward backward; position-dependent-friction force gradient;
  load-dependent-friction force coefficient; amplitude-dependent-damping coefficient;
+ asymmetric-damping coefficient;
  cogging amplitude period phase; parallel-mode gain natural_frequency damping;
  square-root-outflow coefficient below; overflow height share below
 disturbance periodic-disturbance amplitude frequency phase; step-disturbance size time; impulse-disturbance size time

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.residual.uneven_noise import (
+    FEWEST_AT_A_LIMIT,
     LARGEST_P_VALUE,
+    at_a_limit,
     longest_first,
     standard_deviation,
     with_rate_of_reading,
@@ -29,8 +31,8 @@ SUSPECT_P_VALUE = 1e-2
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE_RATIO = 4.0
 SAME_RESONANCE = 0.2
-# Share of the variance that is left from which it is that of a lattice, and readings that a limit has to recur in.
-MOSTLY_ROUNDING, FEWEST_AT_A_LIMIT = 0.5, 5
+# Share of the variance that is left from which it is that of a lattice.
+MOSTLY_ROUNDING = 0.5
 
 
 def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bool_]]]:
@@ -174,22 +176,13 @@ def depends_on_position(problem: Problem, final: Fitted) -> float:
     """
     situation = problem.situation(final.model)
     compared = situation.signal if situation.controlled else situation.recorded
-    rows = situation.used & ~_at_a_limit(compared, situation.used)
+    rows = situation.used & ~at_a_limit(compared, situation.used)
     if np.count_nonzero(rows) < FEWEST_AT_A_LIMIT:
         return 1.0
     squares = (situation.residual[rows] ** 2, situation.position[rows] ** 2)
     residual, position = (np.argsort(np.argsort(s, kind="stable"), kind="stable") for s in squares)
     correlation = float(np.corrcoef(residual, position)[0, 1])
     return min(2.0 * tail(abs(correlation) * np.sqrt(len(residual) - 1.0)), 1.0)
-
-
-def _at_a_limit(recorded: Array, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Readings at a limit of what reads them, shape (N,): the largest or least where it recurs. They have no noise."""
-    rows = np.zeros(len(recorded), bool)
-    for end in (np.min(recorded[used], initial=np.inf), np.max(recorded[used], initial=-np.inf)):
-        here = used & (recorded == end)
-        rows |= here & (np.count_nonzero(here) >= FEWEST_AT_A_LIMIT)
-    return rows
 
 
 def force_like(problem: Problem, final: Fitted) -> bool:

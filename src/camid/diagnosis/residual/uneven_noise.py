@@ -30,6 +30,8 @@ RATE_STEP = 0.05
 LEAST_EVEN = 0.05
 # Share of the variance of what is left that has to change from frame to frame: the rest is structure, or a colour.
 LEAST_FROM_FRAME_TO_FRAME = 0.5
+# Readings that a limit has to recur in.
+FEWEST_AT_A_LIMIT = 5
 # Ratio of what rows say over their noise to what they say when all weigh alike from which they are compared over it.
 WORTH_WEIGHING = 1.5
 # Sum of squares, in variances of the noise, of what times that scatter do to the mean of the readings, up to which that
@@ -50,7 +52,7 @@ def with_rate_of_reading(problem: Problem, model: Model, index: int) -> Situatio
     delivered nearly a period later is that of a time just behind. A force that jumps with a frame may bend the reading
     there, so that the rate before and that behind are taken as their root mean square: noise has its mean variance.
     """
-    situation = problem.situation(model, index)
+    situation = _beside_limits(problem.situation(model, index))
     reading = problem.simulate_one(model, index)
     # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
     if problem.kind.loop(index) is not None or not np.array_equal(reading, situation.position):
@@ -61,6 +63,20 @@ def with_rate_of_reading(problem: Problem, model: Model, index: int) -> Situatio
     before = (reading - earlier) / step
     behind = np.append((later[1:] - reading[:-1]) / step, before[-1])
     return replace(situation, velocity=np.copysign(np.sqrt(0.5 * (before**2 + behind**2)), before + behind))
+
+
+def _beside_limits(situation: Situation) -> Situation:
+    """Without readings at a limit, which have no noise: that of the others would seem to grow with speed or reading."""
+    return replace(situation, used=situation.used & ~at_a_limit(situation.recorded, situation.used))
+
+
+def at_a_limit(recorded: Array, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Readings at a limit of what reads them, shape (N,): the largest or least where it recurs. They have no noise."""
+    rows = np.zeros(len(recorded), bool)
+    for end in (np.min(recorded[used], initial=np.inf), np.max(recorded[used], initial=-np.inf)):
+        here = used & (recorded == end)
+        rows |= here & (np.count_nonzero(here) >= FEWEST_AT_A_LIMIT)
+    return rows
 
 
 def standard_deviation(effects: Sequence[Effect], situation: Situation) -> Array | None:
