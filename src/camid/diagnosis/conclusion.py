@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from camid.diagnosis.detection_limits import undetectable
-from camid.diagnosis.diagnosis import Diagnosis
+from camid.diagnosis.diagnosis import Coefficient, Diagnosis
 from camid.diagnosis.effect_signals import effect_signals
 from camid.diagnosis.evidence import coefficients_of, errors_without, removed_shares, signals_of, tests_of
 from camid.diagnosis.explanation import explained, within_sentence
@@ -19,12 +19,14 @@ from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residue import Residue, left_by, residue_of
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
+from camid.diagnosis.time_unit import said_of_time_unit
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
 from camid.fitting.covariance import effect_deviations
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
+from camid.simulation.model import Simulation
 
 
 def concluded(
@@ -73,6 +75,7 @@ def concluded(
     first, *further = signals_of(problem, setting.in_place, base, final, setting.validation)
     remainder = remainder_of(bool(found or learned), bool(named.reasons), believed, problem, final, judging)
     conditions = conditions_of(problem, final)
+    coefficients = coefficients_of(problem, believed, setting.nominal, base, final)
     diagnosis = Diagnosis(
         verdict,
         "",
@@ -80,7 +83,7 @@ def concluded(
         found,
         fits,
         undetectable(problem, final, setting.screened, names),
-        coefficients_of(problem, believed, setting.nominal, base, final),
+        coefficients,
         tests_of(problem, base, final, before, residue.places),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
@@ -95,9 +98,15 @@ def concluded(
         conditions=conditions,
         effect_signals=effect_signals(problem, final, [f.identifier for f in found] + [p.identifier for p in learned]),
         refitted=problem.kind.written_back(believed, problem.structure, base),
-        warnings=_left_out(setting, found),
+        warnings=[*_left_out(setting, found), *_of_time(believed, coefficients)],
     )
     return replace(diagnosis, explanation=explained(diagnosis))
+
+
+def _of_time(believed: Simulation, coefficients: list[Coefficient]) -> list[str]:
+    """That times seem to be in a unit that is not declared."""
+    declared = believed.reading.time.unit is not None or believed.reading.period is not None
+    return said_of_time_unit(coefficients, believed.time_column, declared=declared)
 
 
 def _left_out(setting: Setting, found: list[Finding]) -> list[str]:

@@ -24,7 +24,7 @@ from camid.effects.separating_experiment import advice
 from camid.effects.special_cases import same_in_place
 from camid.engine.work import Work
 from camid.fitting.covariance import effect_deviations
-from camid.fitting.learned_law import over_of, visited
+from camid.fitting.possible_laws import over_of, visited
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]

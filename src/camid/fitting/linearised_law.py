@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from camid.effects.learned import FORCES, LearnedCurve, LearnedEffect
 from camid.fitting.fit import Fitted
 from camid.fitting.law_columns import law_columns
-from camid.fitting.learned_law import DIFFERENCE, coefficient_is_free, largest_force, orthonormal, visited
+from camid.fitting.learned_law import DIFFERENCE, orthonormal
 from camid.fitting.output_error import sensitivities
 from camid.fitting.packing import Packing
+from camid.fitting.possible_laws import coefficient_is_free, largest_force, visited
 from camid.fitting.problem import Problem
 
 Array = NDArray[np.float64]

@@ -15,7 +15,8 @@ from camid.diagnosis.report.panel import look_of_the_project
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.watch import Watch
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
-from camid.fitting.learned_law import blank_laws, learn
+from camid.fitting.learned_law import learn
+from camid.fitting.possible_laws import blank_laws
 from camid.identification.from_recordings import experiments_of
 from camid.simulation.file import load_simulation, write_simulation
 from tests.diagnosis.test_learned_laws import believed, rig

@@ -28,13 +28,16 @@ from camid.diagnosis.search.screening import screen
 from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
 from camid.effects.learned import LearnedEffect
 from camid.fitting.fit import Fitted, fit
-from camid.fitting.learned_law import LearnedLaw, blank_laws, judged_to_first_order, learn
+from camid.fitting.learned_law import LearnedLaw, judged_to_first_order, learn
+from camid.fitting.possible_laws import blank_laws
 from camid.fitting.problem import Problem
 from camid.side_by_side import side_by_side
 
 # Laws that are fitted, of those that first order says are likeliest, and how much less evidence they may have there.
 MOST_FITTED = 2
 GAP = 0.1
+# Share of the best one's evidence from which another law, on few knots, may be the better one on more.
+TIE = 0.7
 # How often the knots may be doubled, and the gain of log evidence that each time has to bring.
 MOST_REFINED = 2
 LEAST_GAIN = 1.0
@@ -130,29 +133,34 @@ def _with_another_law(
     watch.say("learning a law without a name")
     coefficients = _coefficients_hold(decision)
     begun = watch.done
-    law = _likeliest(problem, decision.improved, coefficients)
-    if law is None:
-        return decision
+    laws = _likeliest(problem, decision.improved, coefficients)
     work = watch.done - begun
-    best = replace(decision, laws=(*decision.laws, law))
-    if not holds(best, decision):
-        return decision
+    found = [_refined(problem, decision, law, coefficients, watch, work) for law in laws]
+    for law in sorted(found, key=lambda each: -each.gain_on(decision.improved)):
+        best = replace(decision, laws=(*decision.laws, law))
+        if holds(best, decision):
+            return best
+    return decision
+
+
+def _refined(
+    problem: Problem, decision: Decision, law: LearnedLaw, coefficients: bool, watch: Watch, work: float
+) -> LearnedLaw:
+    """A law on as many knots as it has evidence for; ``work`` is what one of them may take."""
+    before = decision.improved
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure, or gives what is left a colour: the tests have
         # no finer curves. A law that is half learned says little, whatever was done before.
         watch.take_stock(OVERTIME, work)
-        white = len(best.improved.noise.whitening) == 1
-        if (white and structure_left(problem, best) == 0.0) or watch.no_time_for("a law on more knots"):
+        white = len(law.fitted.noise.whitening) == 1
+        found = replace(decision, laws=(*decision.laws, law))
+        if (white and structure_left(problem, found) == 0.0) or watch.no_time_for("a law on more knots"):
             break
-        coarser, before = best.laws[-1], decision.improved
-        finer = _learned(problem, before, coarser.law.refined(), coefficients, coarser)
-        if finer is None or finer.gain_on(before) < coarser.gain_on(before) + LEAST_GAIN:
+        finer = _on_more_knots(problem, before, law, coefficients)
+        if finer is None or finer.gain_on(before) < law.gain_on(before) + LEAST_GAIN:
             break
-        found = replace(decision, laws=(*decision.laws, finer))
-        if not holds(found, best):
-            break
-        best = found
-    return best
+        law = finer
+    return law
 
 
 def _coefficients_hold(decision: Decision) -> bool:
@@ -160,18 +168,29 @@ def _coefficients_hold(decision: Decision) -> bool:
     return bool(decision.rivals) and decision.fitted.cost <= LEAST_LEFT * decision.base.cost
 
 
-def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> LearnedLaw | None:
-    """The law of most evidence beside a model; None where none has enough."""
+def _likeliest(problem: Problem, fitted: Fitted, coefficients: bool) -> list[LearnedLaw]:
+    """The laws of most evidence beside a model, the best first, and what may be as good on more knots."""
     blank = blank_laws(problem, fitted)
     gains = judged_to_first_order(problem, fitted, blank, coefficients=coefficients)
     ordered = sorted(gains, key=lambda name: -gains[name])
     if not ordered or gains[ordered[0]] < LEAST_EVIDENCE:
-        return None
+        return []
     likely = [name for name in ordered[:MOST_FITTED] if gains[name] >= (1.0 - GAP) * gains[ordered[0]]]
     learned = partial(_learned, problem, fitted, coefficients=coefficients)
-    found = side_by_side(learned, [blank[name] for name in likely])
-    best = max((law for law in found if law is not None), key=lambda law: law.log_evidence, default=None)
-    return best if best is not None and best.gain_on(fitted) >= LEAST_EVIDENCE else None
+    found = [law for law in side_by_side(learned, [blank[name] for name in likely]) if law is not None]
+    found.sort(key=lambda law: -law.gain_on(fitted))
+    best = found[0].gain_on(fitted) if found else 0.0
+    white = bool(found) and len(found[0].fitted.noise.whitening) == 1
+    return (
+        [] if best < LEAST_EVIDENCE else [law for law in found if law.gain_on(fitted) >= (1.0 if white else TIE) * best]
+    )
+
+
+def _on_more_knots(problem: Problem, before: Fitted, coarser: LearnedLaw, coefficients: bool) -> LearnedLaw | None:
+    """The law on twice as many knots: begun from the coarser one, and from none, as either may end too early."""
+    learned = partial(_learned, problem, before, coarser.law.refined(), coefficients)
+    found = [law for law in side_by_side(learned, [coarser, None]) if law is not None]
+    return max(found, key=lambda law: law.gain_on(before), default=None)
 
 
 def _learned(

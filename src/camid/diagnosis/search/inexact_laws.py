@@ -14,7 +14,8 @@ import numpy as np
 
 from camid.diagnosis.search.screening import ScreenedEffect
 from camid.fitting.fit import Fitted
-from camid.fitting.learned_law import blank_laws, judged_to_first_order
+from camid.fitting.learned_law import judged_to_first_order
+from camid.fitting.possible_laws import blank_laws
 from camid.fitting.problem import Problem
 
 # Natural logarithm of the evidence for a law against none from which it is learned: a thousand and more to one, beyond
