@@ -372,3 +372,12 @@ def test_a_force_that_repeats_with_the_step_of_a_coarse_sensor_is_its_rounding()
     periods, finer = ([e.values["period"] for e in known_effects()["cogging"].candidates(s)] for s in (coarse, fine))
     assert min(finer) < 1.3 * step
     assert all(period > 2.0 * step for period in periods)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_a_command_that_may_answer_the_noise_of_the_reading_is_not_picked_up_by_it(noise):
+    """A controller puts a share of that noise into its command: the same relation, the other way round."""
+    given = replace(situation(), acquisition=Acquisition(PERIOD, sensor="instant"))
+    random = np.random.default_rng(3).standard_normal(len(given.signal))
+    given = replace(given, signal=given.signal + noise * np.std(given.signal) * random)
+    assert (known_effects()["input-pickup"].invisible(given) is None) == (noise == 0.0)

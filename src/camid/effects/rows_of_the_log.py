@@ -9,6 +9,7 @@ import numpy as np
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Array, Effect
+from camid.effects.noise import noise_beside_motion
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 # Least and most periods by which a command is logged late: less is an exposure or a hold of the input, and more
 # another recording.
 FEWEST_PERIODS, MOST_PERIODS = 0.6, 20.0
+# Noise of a command, from row to row, over its spread, from which it may be a controller's.
+NOISY_COMMAND = 0.01
 # Prior odds beside linear dynamics that do nearly the same: most logs are right, and most wires are screened.
 ODDS = 1.0 / 3.0
 
@@ -104,6 +107,9 @@ class InputPickup(Effect):
             return "a camera reads no wire beside that of the drive"
         if situation.controlled:
             return "in a declared loop the controller reads the position itself"
+        # A controller that answers the noise of a reading puts a share of it into the command: the same, the other way.
+        if noise_beside_motion(situation.signal) > NOISY_COMMAND * float(np.std(situation.signal)):
+            return "the command is as noisy as one that a controller puts out, which answers the noise of the reading"
         return None if np.any(situation.all_signals) else "without input nothing is picked up"
 
 

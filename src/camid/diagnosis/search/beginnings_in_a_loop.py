@@ -41,9 +41,6 @@ from camid.side_by_side import side_by_side
 # Forces that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
 # one leaves alone for others not to be looked for beside it yet.
 TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
-# What they leave of the equation's rest at most where no simulation with them follows the recordings, for the plant to
-# run away with the right ones, too: poles that a motor may be drawn to either side of.
-SHOWN = 0.25
 # Pairs of effects that are followed to the end, and single ones beside them that leave hardly more than the best one.
 MOST_FOLLOWED, MOST_ALONE, NEARLY_AS_GOOD = 2, 3, 1.25
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
@@ -119,8 +116,7 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
                 return Beginning(decision)
         single = _starts(problem, known, alone[0])[:1] if alone and least <= MOST_LEFT else []
         models = tuple(_as_far_as_it_follows(problem, start) for start in single)
-        tried = (*models, *(each.fitted.model for each in fitted))
-        runs_away = found[0].left <= SHOWN and not any(_follows(problem, model) for model in tried)
+        runs_away = found[0].left <= ENOUGH_ALONE and not any(_follows(problem, model) for model in models)
         return Beginning(None, models, runs_away)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return Beginning()
