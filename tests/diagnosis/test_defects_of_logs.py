@@ -1,0 +1,82 @@
+"""What goes wrong where input and reading are logged: rows that do not belong together, wires that couple, gains that
+flicker, and times that are printed."""
+
+import numpy as np
+import pytest
+
+import camid
+from tests.support.mass_on_spring import PERIOD, record, simulation
+
+INSTANT = {"column": "y", "kind": "instant"}
+
+
+def diagnosed(table):
+    return camid.diagnose(table, simulation(sensor=INSTANT))
+
+
+def parameter_of(diagnosis, identifier):
+    """The only parameter of the only finding."""
+    (finding,) = diagnosis.findings
+    assert finding.identifier == identifier
+    (value,) = finding.parameters.values()
+    return value
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_a_command_that_is_logged_late_is_told_from_a_mode(rows):
+    table = record(noise=0.002, sensor="instant")
+    signal = table["u"].to_numpy()
+    late = table.assign(u=np.concatenate([np.zeros(rows), signal[:-rows]]))
+    found = diagnosed(late)
+    lead = parameter_of(found, "late-command")
+    assert abs(lead.value - rows * PERIOD) < 4.0 * lead.standard_deviation
+    # The improved simulation knows how late.
+    assert camid.diagnose(late, found.improved.to_mapping()).verdict == "adequate"
+
+
+@pytest.mark.parametrize("before", [0, 1])
+def test_a_command_that_couples_into_the_reading_is_told_from_the_plant(before):
+    table = record(noise=0.002, sensor="instant")
+    picked = 0.08 * np.concatenate([np.zeros(before), table["u"].to_numpy()])[: len(table)]
+    found = diagnosed(table.assign(y=table["y"] + picked))
+    (finding,) = found.findings
+    assert finding.identifier == "input-pickup"
+    coefficient = finding.parameters["coefficient"]
+    assert abs(coefficient.value - 0.08) < 4.0 * coefficient.standard_deviation
+    assert ("row" in finding.parameters) == (before == 1)
+
+
+def test_noise_in_proportion_to_the_reading_is_no_physics():
+    table = record(noise=0.0, sensor="instant", count=1500)
+    random = np.random.default_rng(8)
+    reading = 1.5 + table["y"].to_numpy().copy()
+    found = diagnosed(table.assign(y=reading * (1.0 + 0.02 * random.standard_normal(len(reading)))))
+    share = parameter_of(found, "multiplicative-noise")
+    assert abs(share.value - 0.02) < 4.0 * share.standard_deviation
+    assert found.verdict == "explained"
+    assert not found.structured
+
+
+def test_noise_that_becomes_louder_strikes_no_outliers():
+    table = record(noise=0.0, sensor="instant", count=1500)
+    random = np.random.default_rng(9)
+    spread = np.where(table["t"] < 0.5 * table["t"].iloc[-1], 0.003, 0.015)
+    louder = table.assign(y=table["y"] + spread * random.standard_normal(len(table)))
+    assert diagnosed(louder).findings == []
+    struck = louder["y"].to_numpy().copy()
+    struck[50:700:60] += 0.2
+    assert [f.identifier for f in diagnosed(louder.assign(y=struck)).findings] == ["outliers"]
+
+
+def test_frames_that_repeat_are_found_among_times_of_nine_digits():
+    """Such times are not exactly even, and readings that were interpolated would not repeat."""
+    table = record(noise=0.003, sensor="instant", count=1200)
+    random = np.random.default_rng(10)
+    reading = table["y"].to_numpy().copy()
+    for row in np.flatnonzero(random.random(len(table)) < 0.05)[1:]:
+        reading[row] = reading[row - 1]
+    scale = 0.05 / 3.0 / PERIOD  # sixty frames a second
+    table = table.assign(y=reading, t=[float(f"{scale * t:.9g}") for t in table["t"]])
+    found = camid.diagnose(table, simulation(sensor=INSTANT))
+    assert "dropped-frames" in {f.identifier for f in found.findings}
+    assert "outliers" not in {f.identifier for f in found.findings}
