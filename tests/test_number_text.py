@@ -144,7 +144,7 @@ def test_numbers_and_units():
     assert span((0.5, 2.0), "Hz") == f"0.5 to 2{SPACE}Hz"
     assert span((2.961e-10, 10.98), "s") == f"0 to 10.98{SPACE}s"
     assert span((1000.012, 1000.034), "s") == f"1000.012 to 1000.034{SPACE}s"
-    assert span((3.0, 3.0), "") == "3 to 3"
+    assert span((3.0, 3.0), "") == "about 3"
     assert percentage(None) == "–"
 
 
