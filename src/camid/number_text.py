@@ -120,7 +120,7 @@ def interval(value: float, deviation: float | None) -> str:
 
 
 def span(limits: tuple[float, float], unit: str) -> str:
-    """Two limits and their unit, or where they are: with digits that tell them apart, rounding errors of zero as zero."""
+    """Two limits and their unit: with digits that tell them apart, and rounding errors of zero as zero."""
     width = abs(limits[1] - limits[0])
     if width == 0.0:
         return f"about {plain(limits[0], 4, unit)}"
