@@ -15,6 +15,9 @@ from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 from camid.effects.variance_regression import FEWEST_ROWS, scatters_from_frame_to_frame, variance_regression
 
+# Noise whose variance changes a little with the position is common in images, and has no other cause than they.
+UNEVEN_IN_IMAGES = 1e-8
+
 
 class MultiplicativeNoise(Effect):
     """Noise in proportion to the reading, beside noise that is the same everywhere."""
@@ -44,13 +47,14 @@ class MultiplicativeNoise(Effect):
         over_reading = replace(situation, velocity=situation.position)
         if slope <= 0.0 or other[0] > gain or not scatters_from_frame_to_frame(over_reading, usable):
             return None
+        p_value = 2.0 * tail(score)
+        if p_value >= UNEVEN_IN_IMAGES:
+            return None
         share = sqrt(slope)
         spoiled = np.zeros(len(situation.time), bool)
         # One number more, of which as much was known beforehand as a row says (Kass & Wasserman 1995).
         evidence = gain - 0.5 * log(len(square))
-        return Recognition(
-            cls(share=share), {"share": 0.5 * deviation / share}, min(2.0 * tail(score), 1.0), spoiled, evidence
-        )
+        return Recognition(cls(share=share), {"share": 0.5 * deviation / share}, p_value, spoiled, evidence)
 
     def is_refuted(self, situation: Situation) -> bool:
         """Whether the residual's variance grows less with the reading than this noise would make it."""
