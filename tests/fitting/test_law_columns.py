@@ -5,7 +5,7 @@ import pytest
 
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
 from camid.fitting.law_columns import by_differences, law_columns
-from camid.fitting.learned_law import blank_laws
+from camid.fitting.possible_laws import blank_laws
 from camid.identification.from_recordings import experiments_of
 from camid.simulation.file import load_simulation
 from tests.support.mass_on_spring import effect, record, simulation
