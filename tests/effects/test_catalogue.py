@@ -25,7 +25,6 @@ plant coulomb-friction force; stribeck-friction coulomb breakaway velocity; quad
  hysteresis strength shape; extra-mode natural_frequency damping; parameter-drift coefficient rate;
  asymmetric-friction forward backward; position-dependent-friction force gradient;
  load-dependent-friction force coefficient; amplitude-dependent-damping coefficient;
- asymmetric-damping coefficient;
  cogging amplitude period phase; parallel-mode gain natural_frequency damping;
  square-root-outflow coefficient below; overflow height share below
 disturbance periodic-disturbance amplitude frequency phase; step-disturbance size time; impulse-disturbance size time
@@ -245,6 +244,7 @@ def spoil(given, identifier, generator):
     return replace(given, residual=residual, recorded=given.position + residual)
 
 
+INSTANT = Acquisition(PERIOD, sensor="instant")
 RECOGNISED = [name for name, _ in NOISE if name != "coloured-noise"]
 
 
@@ -253,7 +253,7 @@ def test_white_gaussian_noise_is_nothing_else(identifier):
     effect = known_effects()[identifier]
     alarms = 0
     for seed in range(300):
-        found = effect.recognise(situation(seed=seed))
+        found = effect.recognise(situation(seed=seed, acquisition=INSTANT))
         alarms += found is not None and found.p_value < 1e-4
     assert alarms == 0
 
@@ -263,7 +263,7 @@ def test_noise_is_recognised_for_what_it_is(identifier):
     hits = dict.fromkeys(RECOGNISED, 0)
     for seed in range(20):
         generator = np.random.default_rng(np.random.SeedSequence([seed, 1]))
-        given = spoil(situation(seed=seed, count=1000), identifier, generator)
+        given = spoil(situation(seed=seed, count=1000, acquisition=INSTANT), identifier, generator)
         for other in RECOGNISED:
             found = known_effects()[other].recognise(given)
             if found is not None and found.named and found.p_value < 1e-4:
@@ -293,13 +293,15 @@ def test_significant_digits_repeat_by_chance_where_numbers_are_large(seed):
 
 def test_noise_parameters_are_right():
     generator = np.random.default_rng(5)
-    given = situation(count=2000, seed=4)
+    given = situation(count=2000, seed=4, acquisition=INSTANT)
     found = {i: known_effects()[i].recognise(spoil(given, i, generator)) for i in RECOGNISED}
     assert found["outliers"].effect.values["fraction"] == pytest.approx(8 / 2000)
     assert found["dropped-frames"].effect.values["fraction"] == pytest.approx(12 / 2000, rel=0.2)
     assert found["quantisation"].effect.values["step"] == pytest.approx(4.0 * np.std(given.residual))
     jitter = found["timestamp-jitter"]
     assert abs(jitter.effect.values["std"] - 0.004) < 4.0 * jitter.standard_deviations["std"]
+    filmed = replace(given, acquisition=Acquisition(PERIOD))
+    assert known_effects()["multiplicative-noise"].recognise(spoil(filmed, "multiplicative-noise", generator)) is None
     proportional = found["multiplicative-noise"]
     assert abs(proportional.effect.values["share"] - 0.05) < 4.0 * proportional.standard_deviations["share"]
 

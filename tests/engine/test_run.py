@@ -120,10 +120,6 @@ VELOCITY = [
         )
         for c in (0.01, 0.2)
     ),
-    (
-        damping.AsymmetricDamping(coefficient=0.01),
-        {"force": lambda t, y, v, u, m: 0.01 * abs(v), "kinks": (lambda t, y, v: v,)},
-    ),
 ]
 EVENTS = [
     *((stiffness.EndStop(position=p, stiffness=k), stop(p, k)) for p, k in ((0.6, 1.0), (0.6, 100.0), (-0.5, 10.0))),

@@ -63,31 +63,3 @@ class AmplitudeDependentDamping(AgainstMotion):
         size = situation.largest("position") ** 2 * situation.largest("velocity")
         for share in (GUESS, 0.3):
             yield cls(coefficient=share * situation.largest("signal") / size)
-
-
-class AsymmetricDamping(AgainstMotion):
-    """Damping that differs between the directions, as of a shock absorber that resists rebound more than bump."""
-
-    identifier = "asymmetric-damping"
-    place = "plant"
-    title = "Damping that differs between the directions"
-    equation = r"f = c\,|\dot y|"
-    reference = "Dixon (2007), The Shock Absorber Handbook, 2nd ed., chapter 6"
-    parameters = (Parameter("coefficient", "u s/y", "half of what the damping for ẏ > 0 exceeds that for ẏ < 0 by"),)
-    separated_by = (SeparatingExperiment.FREE_DECAY, SeparatingExperiment.REVERSED_INPUT)
-    strength = "coefficient"
-    uses_velocity = True
-
-    @compiled
-    def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return values[0] * abs(velocity)
-
-    @compiled
-    def switch(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
-        return velocity
-
-    @classmethod
-    def candidates(cls, situation: Situation) -> Iterator[Effect]:
-        """Small: the effect is proportional to it."""
-        for share in (GUESS, 0.3, -0.3):
-            yield cls(coefficient=share * situation.largest("signal") / situation.largest("velocity"))

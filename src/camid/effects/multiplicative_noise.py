@@ -15,8 +15,8 @@ from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 from camid.effects.variance_regression import FEWEST_ROWS, scatters_from_frame_to_frame, variance_regression
 
-# Noise whose variance changes a little with the position is common in images, and has no other cause than they.
-UNEVEN_IN_IMAGES = 1e-8
+# Probability below which chance alone does not make the variance grow so with the reading.
+UNEVEN = 1e-8
 
 
 class MultiplicativeNoise(Effect):
@@ -37,8 +37,10 @@ class MultiplicativeNoise(Effect):
     def recognise(cls, situation: Situation) -> Recognition | None:
         """The residual's variance grows with the square of the reading, and not rather with that of the speed."""
         usable = situation.used & ~repeated_rows(situation)
-        # What a controller put out is compared in a loop, and no reading.
-        if situation.controlled or np.sum(usable) < FEWEST_ROWS:
+        # In images noise that changes with the position is common, and has no other cause than they; in a loop what a
+        # controller put out is compared, and no reading.
+        no_reading = situation.controlled or situation.acquisition.sensor == "camera"
+        if no_reading or np.sum(usable) < FEWEST_ROWS:
             return None
         square = situation.residual[usable] ** 2
         reading, speed = situation.position[usable] ** 2, situation.velocity[usable] ** 2
@@ -48,7 +50,7 @@ class MultiplicativeNoise(Effect):
         if slope <= 0.0 or other[0] > gain or not scatters_from_frame_to_frame(over_reading, usable):
             return None
         p_value = 2.0 * tail(score)
-        if p_value >= UNEVEN_IN_IMAGES:
+        if p_value >= UNEVEN:
             return None
         share = sqrt(slope)
         spoiled = np.zeros(len(situation.time), bool)

@@ -99,13 +99,14 @@ CATALOGUE: dict[str, Family] = {
     "absolute-value": Family(reading_laws.absolute_value, "sensor"),
     "speed-weighted-centroid": Family(sensor_laws.speed_weighted_centroid, "sensor"),
     "coloured-noise": Family(reading_laws.coloured_noise, "noise"),
-    "multiplicative-noise": Family(reading_laws.multiplicative_noise, "noise", False),
 }
 
 OUTSIDE: dict[str, Family] = {
     "play-in-joint": Family(outside_laws.play_in_joint, "plant", False, False),
     "nonlinear-hidden-mass": Family(outside_laws.nonlinear_hidden_mass, "plant", False, False),
     "pulse-width-modulation": Family(outside_laws.pulse_width_modulation, "actuator", False, True, MANY_LEVELS),
+    # In images noise that changes with the position is common, and has no name.
+    "multiplicative-noise": Family(reading_laws.multiplicative_noise, "noise", False),
     "saturating-back-electromotive-force": Family(outside_laws.back_electromotive_force, "actuator", False, False),
     "viscoelastic-damping": Family(outside_laws.viscoelastic_damping, "plant", False, False),
     "force-ripple": Family(outside_laws.force_ripple, "actuator", False, False),

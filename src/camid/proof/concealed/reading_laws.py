@@ -162,9 +162,9 @@ def multiplicative_noise(generator: np.random.Generator, context: Context, alter
     return Effect(
         "multiplicative-noise",
         "noise",
-        "catalogue",
+        "multiplicative-noise",
         apply,
-        lambda g: {"share": g},
+        lambda g: {"relative_std": g},
         0.03,
         0.5,
         repeatable=False,
