@@ -231,7 +231,7 @@ def spoil(given, identifier, generator):
     elif identifier == "timestamp-jitter":
         residual += given.velocity * 0.004 * generator.standard_normal(len(residual))
     elif identifier == "multiplicative-noise":
-        residual += given.position * 0.05 * generator.standard_normal(len(residual))
+        residual += given.position * 0.08 * generator.standard_normal(len(residual))
     elif identifier == "quantisation":
         step = 4.0 * spread
         recorded = step * np.round(recorded / step)
@@ -303,7 +303,7 @@ def test_noise_parameters_are_right():
     filmed = replace(given, acquisition=Acquisition(PERIOD))
     assert known_effects()["multiplicative-noise"].recognise(spoil(filmed, "multiplicative-noise", generator)) is None
     proportional = found["multiplicative-noise"]
-    assert abs(proportional.effect.values["share"] - 0.05) < 4.0 * proportional.standard_deviations["share"]
+    assert abs(proportional.effect.values["share"] - 0.08) < 4.0 * proportional.standard_deviations["share"]
 
 
 @pytest.mark.parametrize(("far", "stands_out"), [((60.0,), True), ((60.0, 45.0, 31.0, 22.0, 16.0, 11.0), False)])
