@@ -135,7 +135,7 @@ def _with_another_law(
     begun = watch.done
     laws = _likeliest(problem, decision.improved, coefficients)
     work = watch.done - begun
-    found = [_refined(problem, decision, law, coefficients, watch, work) for law in laws]
+    found = [_refined(problem, decision, law, holds, watch, work) for law in laws]
     for law in sorted(found, key=lambda each: -each.gain_on(decision.improved)):
         best = replace(decision, laws=(*decision.laws, law))
         if holds(best, decision):
@@ -144,10 +144,15 @@ def _with_another_law(
 
 
 def _refined(
-    problem: Problem, decision: Decision, law: LearnedLaw, coefficients: bool, watch: Watch, work: float
+    problem: Problem,
+    decision: Decision,
+    law: LearnedLaw,
+    holds: Callable[[Decision, Decision], bool],
+    watch: Watch,
+    work: float,
 ) -> LearnedLaw:
-    """A law on as many knots as it has evidence for; ``work`` is what one of them may take."""
-    before = decision.improved
+    """A law on as many knots as it has evidence for and holds with; ``work`` is what one of them may take."""
+    before, coefficients = decision.improved, _coefficients_hold(decision)
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure, or gives what is left a colour: the tests have
         # no finer curves. A law that is half learned says little, whatever was done before.
@@ -158,6 +163,8 @@ def _refined(
             break
         finer = _on_more_knots(problem, before, law, coefficients)
         if finer is None or finer.gain_on(before) < law.gain_on(before) + LEAST_GAIN:
+            break
+        if not holds(replace(decision, laws=(*decision.laws, finer)), found):
             break
         law = finer
     return law
