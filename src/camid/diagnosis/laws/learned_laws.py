@@ -153,21 +153,25 @@ def _refined(
 ) -> LearnedLaw:
     """A law on as many knots as it has evidence for and holds with; ``work`` is what one of them may take."""
     before, coefficients = decision.improved, _coefficients_hold(decision)
+
+    def with_it(law: LearnedLaw) -> Decision:
+        return replace(decision, laws=(*decision.laws, law))
+
+    held = law
     for _ in range(MOST_REFINED):
         # What is narrower than the knots are apart shows as structure, or gives what is left a colour: the tests have
         # no finer curves. A law that is half learned says little, whatever was done before.
         watch.take_stock(OVERTIME, work)
         white = len(law.fitted.noise.whitening) == 1
-        found = replace(decision, laws=(*decision.laws, law))
-        if (white and structure_left(problem, found) == 0.0) or watch.no_time_for("a law on more knots"):
+        if (white and structure_left(problem, with_it(law)) == 0.0) or watch.no_time_for("a law on more knots"):
             break
         finer = _on_more_knots(problem, before, law, coefficients)
         if finer is None or finer.gain_on(before) < law.gain_on(before) + LEAST_GAIN:
             break
-        if not holds(replace(decision, laws=(*decision.laws, finer)), found):
-            break
         law = finer
-    return law
+        # On the way to enough of them more knots may err more.
+        held = law if holds(with_it(law), with_it(held)) else held
+    return held
 
 
 def _coefficients_hold(decision: Decision) -> bool:
