@@ -35,6 +35,8 @@ ROUNDS, MOST_ROUNDS = 2, 6
 MOST_STEPS = 4
 SETTLED = 1e-5
 LEAST_GAIN, STILL_FAR = 0.1, 0.02
+# Sum of squares of what a law changes, as a share of what there is without it, up to which it does nothing.
+LEAST_CHANGE = 1e-9
 # Residual of a simulation that diverged.
 RUNAWAY = 1e12
 # Step of the differences by the law's values, in what they are measured by.
@@ -73,10 +75,14 @@ class LearnedLaw:
         """Logarithm of the evidence for the law against a model without it that was fitted itself.
 
         Where the noise has a colour, or more than this law is missing, a direction in which it varies more says less.
+        None of a law that a fit has left doing nothing.
         """
+        change = fitted.residual - self.fitted.residual
+        if float(change @ change) <= LEAST_CHANGE * fitted.cost:
+            return 0.0
         freedom = len(fitted.residual) - len(fitted.packing.names)
         gain = self.log_evidence + 0.5 * freedom * float(np.log(max(fitted.cost, 1e-300)))
-        return gain / self.fitted.inflation(fitted.residual - self.fitted.residual)
+        return gain / self.fitted.inflation(change)
 
 
 def judged_to_first_order(
