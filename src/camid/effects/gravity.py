@@ -174,10 +174,6 @@ class PendulumAtAnAngle(PendulumGravity):
         """The same that hangs straight down."""
         return PendulumGravity(amplitude=self.values["amplitude"])
 
-    def scaled(self, factor: float) -> PendulumAtAnAngle:
-        """Another amplitude, and the same angle."""
-        return self.with_vector(self.vector / sqrt(max(factor, LEAST_FACTOR)))
-
 
 def pendulum_like(plant: TransferFunction, quadratic: float, cubic: float) -> tuple[Effect, ...]:
     """The pendulum whose force begins with a softening cube (u/y^3) and a square (u/y^2); none where it hardens."""

@@ -8,7 +8,7 @@ from math import log, sqrt
 import numpy as np
 
 from camid.effects.base import Array, Effect
-from camid.effects.noise import REFUTING, repeated_rows, tail
+from camid.effects.noise import grows_less, repeated_rows, tail
 from camid.effects.parameter import Parameter
 from camid.effects.recognition import Recognition
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -60,11 +60,7 @@ class MultiplicativeNoise(Effect):
 
     def is_refuted(self, situation: Situation) -> bool:
         """Whether the residual's variance grows less with the reading than this noise would make it."""
-        usable = situation.used & ~repeated_rows(situation)
-        if np.sum(usable) < FEWEST_ROWS:
-            return False
-        _, slope, deviation, _ = variance_regression(situation.residual[usable] ** 2, situation.position[usable] ** 2)
-        return slope + REFUTING * deviation < self.values["share"] ** 2
+        return grows_less(situation, situation.position, self.values["share"])
 
     def added_variance(self, situation: Situation) -> Array:
         """In proportion to the square of the reading."""

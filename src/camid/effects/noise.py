@@ -280,6 +280,15 @@ def _stands_out(residual: Array, far: NDArray[np.bool_], usable: NDArray[np.bool
     return bool(np.min(alone[far]) > STANDING_OUT * np.max(alone[usable & ~far], initial=0.0))
 
 
+def grows_less(situation: Situation, measure: Array, size: float) -> bool:
+    """Whether the residual's spread grows less with a measure of each row, shape (N,), than by ``size`` for a unit."""
+    usable = situation.used & ~repeated_rows(situation)
+    if np.sum(usable) < FEWEST_ROWS:
+        return False
+    _, slope, deviation, _ = variance_regression(situation.residual[usable] ** 2, measure[usable] ** 2)
+    return slope + REFUTING * deviation < size**2
+
+
 class TimestampJitter(Effect):
     """Frames are exposed a little earlier or later than their time stamps say."""
 
@@ -311,11 +320,7 @@ class TimestampJitter(Effect):
 
     def is_refuted(self, situation: Situation) -> bool:
         """Whether the residual's variance grows less with the speed than these times would make it."""
-        usable = situation.used & ~repeated_rows(situation)
-        if np.sum(usable) < FEWEST_ROWS:
-            return False
-        _, slope, deviation, _ = variance_regression(situation.residual[usable] ** 2, situation.velocity[usable] ** 2)
-        return slope + REFUTING * deviation < self.values["std"] ** 2
+        return grows_less(situation, situation.velocity, self.values["std"])
 
     def added_variance(self, situation: Situation) -> Array:
         """What passes in the time by which a frame is early or late, squared; in second order, where motion turns."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -38,7 +38,7 @@ class LateCommand(Effect):
     title = "Command that is logged late"
     drawn_against = "time shift"
     equation = r"w_k = w(t_k + \theta)"
-    reference = "Ljung (1999), System Identification, 2nd ed., section 14.1 (input and output that are not aligned)"
+    reference = "Ljung (1999), System Identification, 2nd ed., section 4.2 (a delay n_k, here below zero)"
     parameters = (Parameter("lead", "s", "time θ by which the output is ahead of the logged command", 0.0),)
     linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
@@ -125,8 +125,3 @@ class InputPickupOfRowBefore(InputPickup):
     def picked_up(self, signal: Array) -> Array | None:
         """In proportion to the command of the row before; none before the first."""
         return np.asarray(self.values["coefficient"] * np.concatenate([[0.0], signal[:-1]]))
-
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """The same size."""
-        yield cls(**values)

@@ -22,7 +22,18 @@ LEAST_ROUGHNESS = 1e-6
 
 @dataclass(frozen=True)
 class PossibleLaws:
-    """Which laws are possible: heights = origin + directions · c."""
+    """Which laws are possible: heights = origin + directions · c.
+
+    Attributes
+    ----------
+    directions : ndarray, shape (k, m)
+        Of k heights, those that no coefficient imitates.
+    roughness : ndarray, shape (m, m)
+        Precision of the weights c that a smooth curve has beforehand, positive definite.
+    origin : ndarray, shape (k,)
+    unit : float
+        What heights are measured by, in theirs.
+    """
 
     directions: Array
     roughness: Array
