@@ -24,6 +24,7 @@ from camid.effects.harmonics import (
     CoggingWithHarmonic,
     EncoderEccentricityWithHarmonic,
     PeriodicDisturbanceWithHarmonic,
+    SensorOscillationWithHarmonic,
 )
 from camid.effects.hertz_contact import HertzEndStop
 from camid.effects.lens_distortion import LensDistortion, LensDistortionOfFourthOrder
@@ -31,6 +32,7 @@ from camid.effects.modes import ExtraMode, ModeDampedBetween
 from camid.effects.periodic_in_position import Cogging, EncoderEccentricity
 from camid.effects.rate_limited_lag import RateLimitedLag
 from camid.effects.sensor_drift import SettlingSensorDrift
+from camid.effects.sensor_oscillation import SensorOscillation
 from camid.effects.sensor_reading import GradedSpeedWeightedCentroid, SpeedWeightedCentroid
 from camid.effects.stiffness import CubicStiffness, EndStop, QuadraticStiffness
 from camid.effects.two_term_springs import (
@@ -92,6 +94,13 @@ def test_a_harmonic_is_a_wave_of_its_own(harmonic, order):
         PeriodicDisturbance(amplitude=0.1, frequency=8.0 * order, phase=1.1),
     )
     np.testing.assert_allclose(output(force), output(*waves), atol=1e-7)
+
+    hum = SensorOscillationWithHarmonic(amplitude=0.2, frequency=8.0, **shape)
+    waves = (
+        SensorOscillation(amplitude=0.2, frequency=8.0, phase=0.4),
+        SensorOscillation(amplitude=0.1, frequency=8.0 * order, phase=1.1),
+    )
+    np.testing.assert_allclose(output(hum), output(*waves), atol=1e-12)
 
     detent = CoggingWithHarmonic(amplitude=0.2, period=0.5, **shape)
     waves = Cogging(amplitude=0.2, period=0.5, phase=0.4), Cogging(amplitude=0.1, period=0.5 / order, phase=1.1)

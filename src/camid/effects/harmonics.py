@@ -29,6 +29,7 @@ from camid.effects.periodic_in_position import (
     WaveRegression,
 )
 from camid.effects.plant_force import mobility
+from camid.effects.sensor_oscillation import SensorOscillation, oscillation_at
 from camid.effects.situation import Situation
 
 if TYPE_CHECKING:
@@ -110,6 +111,27 @@ class PeriodicDisturbanceWithHarmonic(WithHarmonic, PeriodicDisturbance):
         """From what the residual shows at each harmonic."""
         for harmonic, order in ORDERS.items():
             seen = force_at(situation, order * values["frequency"])
+            shape = {"harmonic_amplitude": seen["amplitude"], "harmonic_phase": seen["phase"]}
+            yield cls(**{"harmonic": harmonic, **shape, **values})
+
+
+class SensorOscillationWithHarmonic(WithHarmonic, SensorOscillation):
+    """A hum that is no sine, as that of a rectifier is none."""
+
+    title = "Oscillation of the measurement with a harmonic"
+    equation = SensorOscillation.equation + r" + h\,\sin(k\omega t + \psi)"
+    parameters = (*SensorOscillation.parameters, *_harmonic_of("y"))
+
+    def observe(self, output: Array, time: Array) -> Array:
+        """Add both."""
+        amplitude, order, phase = self.harmonic
+        return super().observe(output, time) + amplitude * np.sin(order * self.values["frequency"] * time + phase)
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From what the residual shows at each harmonic."""
+        for harmonic, order in ORDERS.items():
+            seen = oscillation_at(situation, order * values["frequency"])
             shape = {"harmonic_amplitude": seen["amplitude"], "harmonic_phase": seen["phase"]}
             yield cls(**{"harmonic": harmonic, **shape, **values})
 

@@ -25,6 +25,14 @@ LINES = 3
 ODDS = 1.0 / 3.0
 
 
+def oscillation_at(situation: Situation, angular: float) -> dict[str, float]:
+    """Amplitude and phase at time zero of the sinusoid that the residual shows at an angular frequency in rad/s."""
+    window = np.hanning(len(situation.residual))
+    turned = np.exp(-1j * angular * situation.time) * window
+    phasor = 2j * (situation.residual @ turned) / np.sum(window)
+    return {"amplitude": float(abs(phasor)), "phase": float(np.angle(phasor))}
+
+
 class SensorOscillation(Effect):
     """A sinusoid that is added to the reading, and moves nothing."""
 
@@ -48,7 +56,7 @@ class SensorOscillation(Effect):
 
     def observe(self, output: Array, time: Array) -> Array:
         """Add it."""
-        amplitude, angular, phase = self.vector
+        amplitude, angular, phase = self.vector[:3]
         return output + amplitude * np.sin(angular * time + phase)
 
     def is_plausible(self, extent: Extent) -> bool:
@@ -58,8 +66,5 @@ class SensorOscillation(Effect):
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
         """The highest lines of the residual's spectrum."""
-        window = np.hanning(len(situation.residual))
         for angular in highest_lines(situation, LINES):
-            turned = np.exp(-1j * angular * situation.time) * window
-            phasor = 2j * (situation.residual @ turned) / np.sum(window)
-            yield cls(amplitude=float(abs(phasor)), frequency=angular, phase=float(np.angle(phasor)))
+            yield cls(frequency=angular, **oscillation_at(situation, angular))
