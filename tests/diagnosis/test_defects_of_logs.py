@@ -46,6 +46,26 @@ def test_a_command_that_couples_into_the_reading_is_told_from_the_plant(before):
     assert ("row" in finding.parameters) == (before == 1)
 
 
+def test_a_sequence_of_few_levels_may_be_picked_up_however_often_it_switches():
+    """What switches in every row is no controller's answer to noise."""
+    random = np.random.default_rng(12)
+    command = random.choice([-1.0, -0.4, 0.3, 0.9], 1200)
+    table = record(noise=0.002, sensor="instant", count=1200, signal=command)
+    coefficient = parameter_of(diagnosed(table.assign(y=table["y"] + 0.03 * table["u"])), "input-pickup")
+    assert abs(coefficient.value - 0.03) < 4.0 * coefficient.standard_deviation
+
+
+def test_a_hum_that_is_no_sine_is_one_hum():
+    table = record(noise=0.002, sensor="instant", count=1500)
+    time = table["t"].to_numpy()
+    hum = 0.05 * np.sin(21.0 * time + 0.4) + 0.012 * np.sin(42.0 * time + 2.0)
+    (finding,) = diagnosed(table.assign(y=table["y"] + hum)).findings
+    assert finding.identifier == "sensor-oscillation"
+    for name, true in (("amplitude", 0.05), ("frequency", 21.0), ("harmonic_amplitude", 0.012)):
+        found = finding.parameters[name]
+        assert abs(found.value - true) < 4.0 * found.standard_deviation
+
+
 def test_noise_in_proportion_to_the_reading_is_no_physics():
     table = record(noise=0.0, sensor="instant", count=1500)
     random = np.random.default_rng(8)

@@ -9,7 +9,6 @@ import numpy as np
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Array, Effect
-from camid.effects.noise import noise_beside_motion
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -21,10 +20,34 @@ if TYPE_CHECKING:
 # Least and most periods by which a command is logged late: less is an exposure or a hold of the input, and more
 # another recording.
 FEWEST_PERIODS, MOST_PERIODS = 0.6, 20.0
-# Noise of a command, from row to row, over its spread, from which it may be a controller's.
+# Noise of a command over its spread from which it may be a controller's: what an autoregression of so many rows, fitted
+# to so many, does not predict of it. Commands of few levels are no controller's.
 NOISY_COMMAND = 0.01
+REGRESSION_ROWS, WINDOW_ROWS = 16, 128
+FEW_LEVELS = 16
 # Prior odds beside linear dynamics that do nearly the same: most logs are right, and most wires are screened.
 ODDS = 1.0 / 3.0
+
+
+def noise_of_command(signal: Array) -> float:
+    """Standard deviation of what the rows before do not tell of a command; zero where it has few levels.
+
+    Steps are left out by the median, and a sweep or a few sines are told by an autoregression.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N,)
+        Input in its units.
+    """
+    windows = len(signal) // WINDOW_ROWS
+    if windows == 0 or len(np.unique(signal)) <= FEW_LEVELS:
+        return 0.0
+    rows = np.lib.stride_tricks.sliding_window_view(signal, REGRESSION_ROWS + 1)
+    left = []
+    for block in np.array_split(rows, windows):
+        before, now = block[:, :-1], block[:, -1]
+        left.append(now - before @ np.linalg.lstsq(before, now)[0])
+    return 1.4826 * float(np.median(np.abs(np.concatenate(left))))
 
 
 class LateCommand(Effect):
@@ -108,7 +131,7 @@ class InputPickup(Effect):
         if situation.controlled:
             return "in a declared loop the controller reads the position itself"
         # A controller that answers the noise of a reading puts a share of it into the command: the same, the other way.
-        if noise_beside_motion(situation.signal) > NOISY_COMMAND * float(np.std(situation.signal)):
+        if noise_of_command(situation.signal) > NOISY_COMMAND * float(np.std(situation.signal)):
             return "the command is as noisy as one that a controller puts out, which answers the noise of the reading"
         return None if np.any(situation.all_signals) else "without input nothing is picked up"
 
