@@ -52,7 +52,7 @@ LAWS = [
     ("end-stop", "hertz"),
     ("hysteresis", "catalogue"),
     ("hysteresis", "iwan"),
-    ("play-in-joint", "play-in-joint"),
+    ("end-stop", "play-in-joint"),
     ("rate-limit", "catalogue"),
     ("backlash", "catalogue"),
     ("impulse-disturbance", "half-sine"),

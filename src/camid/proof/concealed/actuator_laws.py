@@ -7,9 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from camid.proof.concealed import vector_layout as s
-from camid.proof.concealed.input_path import Curve, curve, play, slew
+from camid.proof.concealed.input_path import Curve, curve, play, pulses_of_width, slew
 from camid.proof.concealed.plant_laws import Parameters, built_in
 from camid.proof.concealed.rig_setup import Context, Effect, Setup
+
+PULSES = 6  # of a modulated command in a frame
+FULL_VOLTAGE = 2.5  # of the pulses, over the largest command
 
 
 def _static(
@@ -163,10 +166,16 @@ def input_hold(generator: np.random.Generator, context: Context, alternative: bo
 
 
 def input_quantisation(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A command rounded to few levels."""
+    """A command rounded to few levels; or given as pulses of the full voltage that have few widths."""
     peak = context.peak
 
-    def maps(strength: float) -> Curve:
+    def rounded(strength: float) -> Curve:
         return lambda u: strength * peak * np.rint(u / (strength * peak))
 
-    return _static("input-quantisation", "catalogue", maps, lambda g: {"step": g * peak}, 0.1, 1.5)
+    def apply(setup: Setup, strength: float) -> None:
+        setup.input_maps.append(curve(rounded(strength)))
+        if alternative:
+            setup.input_maps.append(pulses_of_width(FULL_VOLTAGE * peak, PULSES))
+
+    law = "pulse-width-modulation" if alternative else "catalogue"
+    return Effect("input-quantisation", "actuator", law, apply, lambda g: {"step": g * peak}, 0.1, 1.5)

@@ -100,9 +100,10 @@ def motion(setup: Setup, command: Array, refinement: int = 1) -> Trajectory:
         If the motion leaves every bound.
     """
     segments = input_path(setup, command)
-    return integrate(
+    moved = integrate(
         setup.parameters, segments, setup.period, -setup.lead, setup.frames + TAIL, refinement * setup.refinement
     )
+    return replace(moved, command=command[setup.first : setup.first + setup.frames])
 
 
 def readings(setup: Setup, trajectory: Trajectory, jitter: Array | None = None) -> Array:
@@ -132,6 +133,8 @@ def readings(setup: Setup, trajectory: Trajectory, jitter: Array | None = None) 
             before, values = values, _averages(signal, end + setup.rolling * values, setup.exposure)
             if np.max(np.abs(values - before)) < 1e-9 * np.max(np.abs(values)):
                 break
+    if setup.pickup and trajectory.command is not None:
+        values = values + setup.pickup * trajectory.command
     return values
 
 

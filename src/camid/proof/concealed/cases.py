@@ -37,6 +37,8 @@ class Family:
         Whether it can be put into machines of any order, not only into a mass on a spring.
     storage : bool
         Whether it belongs to a machine of first order.
+    instant : bool
+        Whether it belongs to a sensor that is no camera.
     excitations : tuple of str
         Inputs that show it.
     """
@@ -47,6 +49,7 @@ class Family:
     any_order: bool = True
     excitations: tuple[str, ...] = KINDS
     storage: bool = False
+    instant: bool = False
 
 
 CATALOGUE: dict[str, Family] = {
@@ -58,7 +61,7 @@ CATALOGUE: dict[str, Family] = {
     "gain-asymmetry": Family(actuator_laws.gain_asymmetry, "actuator", alternatives=False),
     "input-hold": Family(actuator_laws.input_hold, "actuator"),
     "input-bias": Family(actuator_laws.input_bias, "actuator", alternatives=False),
-    "input-quantisation": Family(actuator_laws.input_quantisation, "actuator", False, excitations=MANY_LEVELS),
+    "input-quantisation": Family(actuator_laws.input_quantisation, "actuator", excitations=MANY_LEVELS),
     "position-dependent-gain": Family(way_laws.position_dependent_gain, "actuator", False, False),
     "coulomb-friction": Family(plant_laws.coulomb_friction, "plant", any_order=False),
     "stribeck-friction": Family(plant_laws.stribeck_friction, "plant", any_order=False),
@@ -98,15 +101,16 @@ CATALOGUE: dict[str, Family] = {
     "outliers": Family(reading_laws.outliers, "sensor"),
     "absolute-value": Family(reading_laws.absolute_value, "sensor"),
     "speed-weighted-centroid": Family(sensor_laws.speed_weighted_centroid, "sensor"),
+    "sensor-oscillation": Family(reading_laws.sensor_oscillation, "sensor"),
+    "late-command": Family(sensor_laws.late_command, "sensor", alternatives=False),
+    "input-pickup": Family(reading_laws.input_pickup, "sensor", alternatives=False, instant=True),
     "coloured-noise": Family(reading_laws.coloured_noise, "noise"),
+    # In images noise that changes with the position is common, and has no name.
+    "multiplicative-noise": Family(reading_laws.multiplicative_noise, "noise", alternatives=False, instant=True),
 }
 
 OUTSIDE: dict[str, Family] = {
-    "play-in-joint": Family(outside_laws.play_in_joint, "plant", False, False),
     "nonlinear-hidden-mass": Family(outside_laws.nonlinear_hidden_mass, "plant", False, False),
-    "pulse-width-modulation": Family(outside_laws.pulse_width_modulation, "actuator", False, True, MANY_LEVELS),
-    # In images noise that changes with the position is common, and has no name.
-    "multiplicative-noise": Family(reading_laws.multiplicative_noise, "noise", False),
     "saturating-back-electromotive-force": Family(outside_laws.back_electromotive_force, "actuator", False, False),
     "viscoelastic-damping": Family(outside_laws.viscoelastic_damping, "plant", False, False),
     "force-ripple": Family(outside_laws.force_ripple, "actuator", False, False),
@@ -116,6 +120,10 @@ OUTSIDE: dict[str, Family] = {
 # stops and edges that are out of reach.
 INVISIBLE = ("dead-zone", "saturation", "backlash", "end-stop", "clipping")
 TWO_LEVELS_HIDE = ("dead-zone", "saturation", "backlash")
+
+# What shares the input's or the camera's timing with others, or needs a sensor of its own, is not put together with them.
+ALONE = {"absolute-value", "speed-weighted-centroid", "input-hold", "late-command", "input-pickup"}
+ALONE |= {"coloured-noise", "multiplicative-noise"}
 
 # Shares of the kinds in percent; what is left are single effects.
 SHARES = {"none": 40.0, "several": 15.0, "outside-20": 8.0, "outside-40": 8.0, "invisible": 4.0}
@@ -189,10 +197,7 @@ def _spread(generator: np.random.Generator, names: tuple[str, ...], count: int) 
 
 def _several(generator: np.random.Generator, number: int) -> tuple[str, ...]:
     """Two effects, or every fourth time three, of different places; every fifth time coloured noise and another."""
-    # What shares the input's or the camera's timing with others is not put together with them.
-    names = [
-        n for n in CATALOGUE if n not in {"absolute-value", "speed-weighted-centroid", "input-hold", "coloured-noise"}
-    ]
+    names = [name for name in CATALOGUE if name not in ALONE]
     if number % 5 == 4:
         return (str(generator.choice(np.array(names))), "coloured-noise")
     chosen: list[str] = []

@@ -14,7 +14,7 @@ from camid.proof.concealed.detectability import Belief, multiple, strength_for
 from camid.proof.concealed.excitations import KINDS, TWO_LEVEL, Excitation, draw_excitation
 from camid.proof.concealed.machine_integrator import DivergedError
 from camid.proof.concealed.rig import Rig, draw_rig
-from camid.proof.concealed.rig_setup import MOVING_LEAD, Context, Effect, Setup
+from camid.proof.concealed.rig_setup import Context, Effect, Setup
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,7 @@ class DrawnRecording:
 
     def recorded(self, command: Array) -> Array:
         """The samples of a command that are recorded."""
-        first = MOVING_LEAD if self.setup.moving else 0
-        return command[first : first + self.setup.frames]
+        return command[self.setup.first : self.setup.first + self.setup.frames]
 
     def setup_with(self, built: list[Built]) -> Setup:
         """The rig with effects."""
@@ -142,7 +141,7 @@ def draw_recording(case: Case, draws: np.random.Generator) -> DrawnRecording:
     frames = int(draws.integers(300, 501)) if images else int(np.clip(draws.normal(2000.0, 300.0), 1000, 2500))
     choice = draws.random()
     needs_exposure = {"exposure", "speed-weighted-centroid", "dropped-frames"} & set(case.effects)
-    camera = bool(images or needs_exposure or choice < 0.8)
+    camera = bool(images or needs_exposure or (choice < 0.8 and not any(f.instant for f in families)))
     exposure = (1.0 if choice < 0.5 else float(draws.uniform(0.3, 0.9))) * period if camera else 0.0
     latency = 0.0 if draws.random() < 0.75 else float(draws.uniform(0.1, 1.5)) * period
 

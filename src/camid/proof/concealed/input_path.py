@@ -84,6 +84,24 @@ def play(half_width: float, share: float) -> Callable[[Segments, float], Segment
     return apply
 
 
+def pulses_of_width(full: float, pulses: int) -> Callable[[Segments, float], Segments]:
+    """Each held value as pulses of the full voltage in V that have the same area, so many in each piece."""
+
+    def apply(segments: Segments, period: float) -> Segments:
+        fine = refined(segments, period)
+        length = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2]) / pulses
+        rise = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
+        level = np.repeat(fine.value, pulses)
+        duty = np.clip(np.abs(level) / full, 0.0, 0.999)
+        start = np.stack((rise, rise + duty * np.repeat(length, pulses)), axis=1)
+        value = np.stack((full * np.sign(level), np.zeros(len(duty))), axis=1)
+        kept = np.ones_like(start, dtype=bool)
+        kept[:, 0] = duty > 0.0
+        return held(start[kept], value[kept])
+
+    return apply
+
+
 @njit
 def _slew(start: Array, target: Array, rate: float) -> tuple[Array, Array, Array]:
     times, values, slopes = np.empty(2 * len(start)), np.empty(2 * len(start)), np.zeros(2 * len(start))

@@ -63,6 +63,8 @@ class Trajectory:
         m, and m s from the first node.
     velocity_after, velocity_before : ndarray, shape (n,)
         Velocity in m/s at the start and at the end of each interval between nodes.
+    command : ndarray, shape (N,), optional
+        In V at the frames, of a motion that is recorded.
     """
 
     start: float
@@ -71,6 +73,7 @@ class Trajectory:
     integral: Array
     velocity_after: Array
     velocity_before: Array
+    command: Array | None = None
 
 
 @kernel

@@ -5,25 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camid.proof.concealed import vector_layout as s
-from camid.proof.concealed.input_path import Curve, curve, held, refined
-from camid.proof.concealed.machine_integrator import Segments
 from camid.proof.concealed.plant_laws import built_in
-from camid.proof.concealed.rig_setup import Context, Effect, InputMap, Setup
-
-PULSES = 6  # of the modulated command in a frame
-
-
-def play_in_joint(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A spring that does nothing within a gap."""
-    return built_in(
-        "play-in-joint",
-        "play-in-joint",
-        lambda g: {s.GAP: g * context.stroke},
-        lambda g: {"half_width": g * context.stroke * context.rig.output_scale},
-        0.05,
-        1.5,
-        refinement=5,
-    )
+from camid.proof.concealed.rig_setup import Context, Effect
 
 
 def nonlinear_hidden_mass(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
@@ -44,40 +27,6 @@ def nonlinear_hidden_mass(generator: np.random.Generator, context: Context, alte
     return built_in(
         "nonlinear-hidden-mass", "nonlinear-hidden-mass", values, lambda g: {"mass_ratio": g}, 0.02, 1.0, refinement=4
     )
-
-
-def pulse_width_modulation(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A command that is given as pulses of the full voltage, whose number of widths is limited."""
-
-    def apply(setup: Setup, strength: float) -> None:
-        step = strength * context.peak
-
-        def rounded(u: np.ndarray) -> np.ndarray:
-            return step * np.rint(u / step)
-
-        function: Curve = rounded
-        setup.input_maps += [curve(function), _pulse_width(2.5 * context.peak, PULSES)]
-
-    law = "pulse-width-modulation"
-    return Effect(law, "actuator", law, apply, lambda g: {"step": g * context.peak}, 0.1, 1.5)
-
-
-def _pulse_width(full: float, pulses: int) -> InputMap:
-    """Each held value as pulses of the full voltage that have the same area."""
-
-    def apply(segments: Segments, period: float) -> Segments:
-        fine = refined(segments, period)
-        length = np.diff(fine.start, append=2.0 * fine.start[-1] - fine.start[-2]) / pulses
-        rise = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
-        level = np.repeat(fine.value, pulses)
-        duty = np.clip(np.abs(level) / full, 0.0, 0.999)
-        start = np.stack((rise, rise + duty * np.repeat(length, pulses)), axis=1)
-        value = np.stack((full * np.sign(level), np.zeros(len(duty))), axis=1)
-        kept = np.ones_like(start, dtype=bool)
-        kept[:, 0] = duty > 0.0
-        return held(start[kept], value[kept])
-
-    return apply
 
 
 def force_ripple(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:

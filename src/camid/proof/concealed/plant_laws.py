@@ -205,14 +205,19 @@ def pendulum_gravity(generator: np.random.Generator, context: Context, alternati
 
 
 def end_stop(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
-    """A spring on one side that the motion runs into; or a ball (Hertz), or rubber (Kelvin–Voigt) that never pulls."""
+    """A spring on one side that the motion runs into; or a ball (Hertz), or rubber (Kelvin–Voigt) that never pulls.
+
+    Or a joint with play: the mount's spring does nothing within a gap, and is a stop on either side of it.
+    """
     rig, scale = context.rig, context.rig.output_scale
     motion = context.output / scale
     side = generator.choice([-1.0, 1.0])
     # A stop at rest or beyond would push from the start.
     edge = max(float(np.max(side * motion)), 0.05 * context.reach)
     stiffness = rig.stiffness * float(np.exp(generator.uniform(np.log(0.5), np.log(15.0))))
-    law = ("catalogue", "hertz", "kelvin-voigt")[int(generator.integers(1, 3)) if alternative else 0]
+    law = ("catalogue", "hertz", "kelvin-voigt", "play-in-joint")[int(generator.integers(1, 4)) if alternative else 0]
+    if law == "play-in-joint":
+        return _play_in_joint(context)
     exponent = 1.5 if law == "hertz" else 1.0
     damping = 0.3 * np.sqrt(stiffness * rig.mass) if law == "kelvin-voigt" else 0.0
     return built_in(
@@ -231,6 +236,19 @@ def end_stop(generator: np.random.Generator, context: Context, alternative: bool
         },
         0.1,
         0.95,
+    )
+
+
+def _play_in_joint(context: Context) -> Effect:
+    """The mount's spring with a gap."""
+    return built_in(
+        "end-stop",
+        "play-in-joint",
+        lambda g: {s.GAP: g * context.stroke},
+        lambda g: {"half_width": g * context.stroke * context.rig.output_scale},
+        0.05,
+        1.5,
+        refinement=5,
     )
 
 

@@ -74,6 +74,42 @@ def sensor_drift(generator: np.random.Generator, context: Context, alternative: 
     return Effect("sensor-drift", "sensor", "catalogue", apply, lambda g: {"rate": g * unit}, 0.1, 10.0)
 
 
+def sensor_oscillation(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A hum of the reading: the mains in its cable, or a camera that sways; or with a weak second harmonic."""
+    unit = float(np.std(context.output))
+    low, high = 2.0 * np.pi * 5.0 / context.duration, 0.45 * np.pi / context.period
+    frequency = float(np.exp(generator.uniform(np.log(low), np.log(high))))
+    phase, other = generator.uniform(-np.pi, np.pi, 2)
+    harmonic = generator.uniform(0.15, 0.35) if alternative else 0.0
+
+    def apply(setup: Setup, strength: float) -> None:
+        def add(w: Array, t: Array, random: np.random.Generator | None) -> Array:
+            hum = np.sin(frequency * t + phase) + harmonic * np.sin(2.0 * frequency * t + other)
+            return w + strength * unit * hum
+
+        setup.before_noise.append(add)
+
+    return Effect(
+        "sensor-oscillation",
+        "sensor",
+        "with-harmonic" if alternative else "catalogue",
+        apply,
+        lambda g: {"amplitude": g * unit, "frequency": frequency, "phase": float(phase)},
+        0.03,
+        3.0,
+    )
+
+
+def input_pickup(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A wire of the drive beside that of the sensor, which carries a share of the command to the reading."""
+    unit = generator.choice([-1.0, 1.0]) * float(np.std(context.output)) / context.peak
+
+    def apply(setup: Setup, strength: float) -> None:
+        setup.pickup = strength * unit
+
+    return Effect("input-pickup", "sensor", "catalogue", apply, lambda g: {"coefficient": g * unit}, 0.03, 1.0)
+
+
 def absolute_value(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """A reading that has lost its sign; or a position that is seen mirrored at every instant."""
 
@@ -162,9 +198,9 @@ def multiplicative_noise(generator: np.random.Generator, context: Context, alter
     return Effect(
         "multiplicative-noise",
         "noise",
-        "multiplicative-noise",
+        "catalogue",
         apply,
-        lambda g: {"relative_std": g},
+        lambda g: {"share": g},
         0.03,
         0.5,
         repeatable=False,

@@ -37,7 +37,7 @@ class Setup:
         s.
     frames : int
     exposure, latency : float
-        True ones in s; an exposure of zero is an instant sensor.
+        True ones in s; an exposure of zero is an instant sensor, and a latency below zero one whose command is late.
     moving : bool
         Whether an input acted before the first frame.
     parameters : ndarray
@@ -60,6 +60,8 @@ class Setup:
         Applied to the frame values.
     colour : callable, optional
         Draws noise of unit variance; white without it.
+    pickup : float
+        Of the command in the reading, in the output's units per V.
     partial_repeats : float
         Fraction of frames that are cut short and then delivered twice.
     refinement : int
@@ -86,8 +88,14 @@ class Setup:
     before_noise: list[FrameMap] = field(default_factory=list)
     after_noise: list[FrameMap] = field(default_factory=list)
     colour: NoiseColour | None = None
+    pickup: float = 0.0
     partial_repeats: float = 0.0
     refinement: int = 1
+
+    @property
+    def first(self) -> int:
+        """The first of a command's samples that is recorded."""
+        return MOVING_LEAD if self.moving else 0
 
     def copy(self) -> Setup:
         """A setup that can be changed without changing this one."""

@@ -154,6 +154,16 @@ def encoder_eccentricity(generator: np.random.Generator, context: Context, alter
     )
 
 
+def late_command(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
+    """A log that writes each command some rows late, so that the reading is ahead of it."""
+    lead = int(generator.integers(1, 4)) * context.period
+
+    def apply(setup: Setup, strength: float) -> None:
+        setup.latency -= lead
+
+    return Effect("late-command", "sensor", "catalogue", apply, lambda g: {"lead": lead}, fixed=True)
+
+
 def speed_weighted_centroid(generator: np.random.Generator, context: Context, alternative: bool) -> Effect:
     """Positions weighted with the speed (paper equation (2)); or with a gradient that saturates at high speed."""
     typical = context.speed * context.rig.output_scale
