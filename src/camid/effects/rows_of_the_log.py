@@ -9,6 +9,7 @@ import numpy as np
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Array, Effect
+from camid.effects.noise import noise_beside_motion
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS
 from camid.effects.separating_experiment import SeparatingExperiment
@@ -21,33 +22,37 @@ if TYPE_CHECKING:
 # another recording.
 FEWEST_PERIODS, MOST_PERIODS = 0.6, 20.0
 # Noise of a command over its spread from which it may be a controller's: what an autoregression of so many rows, fitted
-# to so many, does not predict of it. Commands of few levels are no controller's.
+# to so many, does not predict of it (at so many places of a long one). Commands of few levels are no controller's.
 NOISY_COMMAND = 0.01
-REGRESSION_ROWS, WINDOW_ROWS = 16, 128
+REGRESSION_ROWS, WINDOW_ROWS, MOST_WINDOWS = 16, 128, 64
 FEW_LEVELS = 16
 # Prior odds beside linear dynamics that do nearly the same: most logs are right, and most wires are screened.
 ODDS = 1.0 / 3.0
 
 
 def noise_of_command(signal: Array) -> float:
-    """Standard deviation of what the rows before do not tell of a command; zero where it has few levels.
+    """Standard deviation of what nothing before tells of a command; zero where it has few levels.
 
-    Steps are left out by the median, and a sweep or a few sines are told by an autoregression.
+    The smaller of what third differences say, which steps do not disturb, and of what an autoregression leaves, which
+    tells a sweep and a few sines.
 
     Parameters
     ----------
     signal : ndarray, shape (N,)
         Input in its units.
     """
-    windows = len(signal) // WINDOW_ROWS
-    if windows == 0 or len(np.unique(signal)) <= FEW_LEVELS:
+    if len(np.unique(signal)) <= FEW_LEVELS:
         return 0.0
+    left = noise_beside_motion(signal)
+    if len(signal) < 2 * WINDOW_ROWS:
+        return left
     rows = np.lib.stride_tricks.sliding_window_view(signal, REGRESSION_ROWS + 1)
-    left = []
-    for block in np.array_split(rows, windows):
-        before, now = block[:, :-1], block[:, -1]
-        left.append(now - before @ np.linalg.lstsq(before, now)[0])
-    return 1.4826 * float(np.median(np.abs(np.concatenate(left))))
+    windows = np.array_split(rows, len(rows) // WINDOW_ROWS)
+    residuals = []
+    for window in windows[:: max(len(windows) // MOST_WINDOWS, 1)]:
+        before, now = window[:, :-1], window[:, -1]
+        residuals.append(now - before @ np.linalg.lstsq(before, now)[0])
+    return min(left, 1.4826 * float(np.median(np.abs(np.concatenate(residuals)))))
 
 
 class LateCommand(Effect):
