@@ -121,7 +121,7 @@ OUTSIDE: dict[str, Family] = {
 INVISIBLE = ("dead-zone", "saturation", "backlash", "end-stop", "clipping")
 TWO_LEVELS_HIDE = ("dead-zone", "saturation", "backlash")
 
-# What shares the input's or the camera's timing with others, or needs a sensor of its own, is not put together with them.
+# What shares the input's or the camera's timing with others, or needs a sensor of its own, is concealed alone.
 ALONE = {"absolute-value", "speed-weighted-centroid", "input-hold", "late-command", "input-pickup"}
 ALONE |= {"coloured-noise", "multiplicative-noise"}
 
