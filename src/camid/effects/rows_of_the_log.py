@@ -9,9 +9,11 @@ import numpy as np
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Array, Effect
+from camid.effects.extent import Extent
 from camid.effects.noise import noise_beside_motion
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import GUESS
+from camid.effects.sensor import Delay
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -24,7 +26,7 @@ FEWEST_PERIODS, MOST_PERIODS = 0.6, 20.0
 # Noise of a command over its spread from which it may be a controller's: what an autoregression of so many rows, fitted
 # to so many, does not predict of it (at so many places of a long one). Commands of few levels are no controller's.
 NOISY_COMMAND = 0.01
-REGRESSION_ROWS, WINDOW_ROWS, MOST_WINDOWS = 16, 128, 64
+REGRESSION_ROWS, WINDOW_ROWS, MOST_WINDOWS = 64, 512, 16
 FEW_LEVELS = 16
 # Prior odds beside linear dynamics that do nearly the same: most logs are right, and most wires are screened.
 ODDS = 1.0 / 3.0
@@ -34,7 +36,7 @@ def noise_of_command(signal: Array) -> float:
     """Standard deviation of what nothing before tells of a command; zero where it has few levels.
 
     The smaller of what third differences say, which steps do not disturb, and of what an autoregression leaves, which
-    tells a sweep and a few sines.
+    tells a sweep and some tens of sines.
 
     Parameters
     ----------
@@ -44,7 +46,7 @@ def noise_of_command(signal: Array) -> float:
     if len(np.unique(signal)) <= FEW_LEVELS:
         return 0.0
     left = noise_beside_motion(signal)
-    if len(signal) < 2 * WINDOW_ROWS:
+    if len(signal) < WINDOW_ROWS or left <= NOISY_COMMAND * float(np.std(signal)):
         return left
     rows = np.lib.stride_tricks.sliding_window_view(signal, REGRESSION_ROWS + 1)
     windows = np.array_split(rows, len(rows) // WINDOW_ROWS)
@@ -85,6 +87,10 @@ class LateCommand(Effect):
     def ahead(self, time: Array) -> float:
         """The lead itself."""
         return float(self.values["lead"])
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Only the difference of a lead and a delay shows."""
+        return Delay.identifier not in extent.beside
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:

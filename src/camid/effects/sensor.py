@@ -10,6 +10,7 @@ import numpy as np
 
 from camid.chain.acquisition import Acquisition
 from camid.effects.base import Array, Effect
+from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -81,6 +82,10 @@ class Delay(Effect):
         if abs(self.values["delay"]) > LONGEST_DELAY * acquisition.period:
             raise ValueError(f"a delay of more than {LONGEST_DELAY:g} periods")
         return replace(acquisition, latency=max(acquisition.latency + self.values["delay"], 0.0))
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Only the difference of a delay and a lead shows."""
+        return "late-command" not in extent.beside
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
