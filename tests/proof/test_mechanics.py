@@ -57,6 +57,11 @@ LAWS = [
     ("backlash", "catalogue"),
     ("impulse-disturbance", "half-sine"),
     ("speed-weighted-centroid", "catalogue"),
+    ("heating-winding", "heating-winding"),
+    ("reluctance-force", "reluctance-force"),
+    ("travelling-wave", "travelling-wave"),
+    ("swinging-stiffness", "swinging-stiffness"),
+    ("sagging-supply", "sagging-supply"),
 ]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from camid.proof.concealed import (
     actuator_laws,
+    changing_laws,
     disturbance_laws,
     outside_laws,
     plant_laws,
@@ -114,6 +115,12 @@ OUTSIDE: dict[str, Family] = {
     "saturating-back-electromotive-force": Family(outside_laws.back_electromotive_force, "actuator", False, False),
     "viscoelastic-damping": Family(outside_laws.viscoelastic_damping, "plant", False, False),
     "force-ripple": Family(outside_laws.force_ripple, "actuator", False, False),
+    # A command of two levels is always as hot, and as hungry.
+    "heating-winding": Family(changing_laws.heating_winding, "actuator", False, True, MANY_LEVELS),
+    "reluctance-force": Family(changing_laws.reluctance_force, "actuator", False, False, MANY_LEVELS),
+    "travelling-wave": Family(changing_laws.travelling_wave, "plant", False, False),
+    "swinging-stiffness": Family(changing_laws.swinging_stiffness, "plant", False, False),
+    "sagging-supply": Family(changing_laws.sagging_supply, "sensor", False, True, MANY_LEVELS),
 }
 
 # Present in the machine, but this recording does not show it: levels that a two-level input never tells from a gain,

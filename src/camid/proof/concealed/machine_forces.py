@@ -2,7 +2,8 @@
 
 Sources: Canudas de Wit et al. (1995), IEEE Transactions on Automatic Control 40(3) (LuGre); Dahl (1976), AIAA Journal
 14(12); Wen (1976), Journal of the Engineering Mechanics Division 102(2) (hysteresis); Iwan (1966), Journal of Applied
-Mechanics 33(4) (Jenkins elements); Johnson (1985), Contact Mechanics, ch. 4 (Hertz).
+Mechanics 33(4) (Jenkins elements); Johnson (1985), Contact Mechanics, ch. 4 (Hertz). Those of what no catalogue has
+stand in :mod:`camid.proof.concealed.outside_laws` and :mod:`camid.proof.concealed.changing_laws`.
 """
 
 from __future__ import annotations
@@ -71,6 +72,10 @@ def bristle_rate(p: Array, z: float, v: float) -> float:
 def spring_force(p: Array, x: float, t: float) -> float:
     """Restoring force in N of the mount and of what is fixed beside it."""
     stiffness = p[s.STIFFNESS] * drift(p, 1, t)
+    if p[s.STIFFNESS_SWING] != 0.0:
+        stiffness *= 1.0 + p[s.STIFFNESS_SWING] * np.sin(
+            p[s.STIFFNESS_SWING_FREQUENCY] * t + p[s.STIFFNESS_SWING_PHASE]
+        )
     stretch = x
     if p[s.GAP] != 0.0:
         stretch = x - min(max(x, -p[s.GAP]), p[s.GAP])
@@ -106,12 +111,16 @@ def motor_force(p: Array, x: float, v: float, command: float, t: float) -> float
         force *= 1.0 + p[s.RIPPLE] * np.sin(2.0 * np.pi * x / p[s.RIPPLE_PITCH] + p[s.RIPPLE_PHASE])
     if p[s.HORIZONTAL_FORCE] != 0.0:
         force *= np.cos(x / p[s.PENDULUM])
+    if p[s.RELUCTANCE] != 0.0:
+        force -= p[s.RELUCTANCE] * command * command * x
     return force
 
 
 @kernel
 def reaching(p: Array, state: Array, command: float) -> float:
-    """Command in V behind the actuator's lags."""
+    """Command in V behind the actuator's lags, less what a warm winding takes away."""
+    if p[s.WINDING_HEATING] != 0.0:
+        return command / (1.0 + state[s.WARMTH])
     if p[s.LAG] != 0.0 or p[s.SOFT_SLEW] != 0.0:
         return state[s.SECOND_ACTUATOR] if p[s.SECOND_LAG] != 0.0 else state[s.ACTUATOR]
     return command
@@ -147,6 +156,8 @@ def net_force(p: Array, state: Array, memory: Array, command: float, t: float, d
         force -= hidden_pull(p, state)
     if p[s.MAXWELL_STIFFNESS] != 0.0:
         force -= state[s.MAXWELL] + state[s.MAXWELL + 1] + state[s.MAXWELL + 2]
+    if p[s.WAVE] != 0.0 and memory[s.WITHIN] > 0.0:
+        force += p[s.WAVE] * np.sin(p[s.WAVE_FREQUENCY] * t - 2.0 * np.pi * x / p[s.WAVE_LENGTH])
     return force
 
 
@@ -177,6 +188,22 @@ def _follow_command(p: Array, state: Array, command: float, rate: Array) -> None
     if p[s.SOFT_SLEW] != 0.0:
         gap = (command - state[s.ACTUATOR]) / (p[s.SOFT_SLEW] * p[s.SOFT_SLEW_TIME])
         rate[s.ACTUATOR] = p[s.SOFT_SLEW] * np.tanh(gap)
+
+
+@kernel
+def _follow_current(p: Array, state: Array, command: float, rate: Array) -> None:
+    """Rates of what remembers the currents that commands in V have drawn: a winding's warmth, a supply's sag."""
+    if p[s.WINDING_HEATING] != 0.0:
+        heat = p[s.WINDING_HEATING] * command * command / (1.0 + state[s.WARMTH])
+        rate[s.WARMTH] = (heat - state[s.WARMTH]) / p[s.WINDING_TIME]
+    if p[s.SUPPLY_SAG] != 0.0:
+        rate[s.DRAWN] = (abs(command) - state[s.DRAWN]) / p[s.SUPPLY_TIME]
+
+
+@kernel
+def scale_of_reading(p: Array, state: Array) -> float:
+    """Factor of a reading that is given in shares of a supply, which sags."""
+    return 1.0 - p[s.SUPPLY_SAG] * state[s.DRAWN]
 
 
 @kernel
@@ -220,6 +247,8 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
         pull -= 2.0 * p[s.SECOND_SERIES_DAMPING] * state[s.SECOND_SERIES_RATE]
         rate[s.SECOND_SERIES_RATE] = omega * pull
         measured = state[s.SECOND_SERIES]
+    if p[s.SUPPLY_SAG] != 0.0:
+        measured *= scale_of_reading(p, state)
     rate[s.INTEGRAL] = measured
     if p[s.HIDDEN_MASS] != 0.0:
         rate[s.HIDDEN] = state[s.HIDDEN_RATE]
@@ -236,6 +265,7 @@ def derivative(  # noqa: PLR0912, PLR0915 - a branch for every part that a machi
             rate[s.MAXWELL + i] = p[s.MAXWELL_STIFFNESS] / 3.0 * v - state[s.MAXWELL + i] / time
             time *= p[s.MAXWELL_RATIO]
     _follow_command(p, state, command, rate)
+    _follow_current(p, state, command, rate)
 
 
 @kernel

@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from camid.compiled import kernel, njit
 from camid.proof.concealed import vector_layout as s
-from camid.proof.concealed.machine_forces import contact, derivative, jenkins, net_force, resting_level
+from camid.proof.concealed.machine_forces import (
+    contact,
+    derivative,
+    jenkins,
+    net_force,
+    resting_level,
+    scale_of_reading,
+)
 
 Array = NDArray[np.float64]
 
@@ -243,6 +250,16 @@ def _direction(p: Array, state: Array, direction: int) -> int:
 
 @kernel
 def _measured_velocity(p: Array, state: Array, rate: Array) -> float:
+    """Velocity in m/s that the sensor reads."""
+    velocity = _seen_velocity(p, state, rate)
+    if p[s.SUPPLY_SAG] != 0.0:
+        scale = scale_of_reading(p, state)
+        velocity = scale * velocity - p[s.SUPPLY_SAG] * rate[s.DRAWN] * rate[s.INTEGRAL] / scale
+    return velocity
+
+
+@kernel
+def _seen_velocity(p: Array, state: Array, rate: Array) -> float:
     """Velocity in m/s of the point that the camera sees."""
     if p[s.SECOND_SERIES_FREQUENCY] != 0.0:
         return rate[s.SECOND_SERIES]
@@ -255,7 +272,11 @@ def steps_per_frame(parameters: Array, period: float) -> int:
     """Nodes in a frame that resolve the fastest motion of the machine."""
     p = parameters
     rates = [p[s.SERIES_FREQUENCY], p[s.SECOND_SERIES_FREQUENCY], p[s.BESIDE_FREQUENCY]]
-    decays = [1.0 / p[i] for i in (s.LAG, s.SECOND_LAG, s.SERIES_LAG, s.SOFT_SLEW_TIME) if p[i] > 0.0]
+    decays = [
+        1.0 / p[i]
+        for i in (s.LAG, s.SECOND_LAG, s.SERIES_LAG, s.SOFT_SLEW_TIME, s.WINDING_TIME, s.SUPPLY_TIME)
+        if p[i] > 0.0
+    ]
     if p[s.MASS] > 0.0:
         stiffness = p[s.STIFFNESS] + p[s.BRISTLE_STIFFNESS] + p[s.JENKINS_STIFFNESS] + p[s.MAXWELL_STIFFNESS]
         # A contact or a spring that hardens may be a few times as stiff as the mount.

@@ -54,15 +54,27 @@ EDGE_WEIR = 82  # N/m^1.5 of what flows over the edge; zero holds the level exac
 BESIDE_COMPLIANCE, BESIDE_FREQUENCY, BESIDE_DAMPING = 83, 84, 85
 # Whether the sensor sees the hidden mass.
 HIDDEN_IS_SEEN = 86
-PARAMETERS = 87
+# A winding that warms up: relative loss of the force at rest temperature for a V² that is kept up [1/V²], and s.
+WINDING_HEATING, WINDING_TIME = 87, 88
+# Force of the reluctance for a V² and a unit of the distance from the middle of the coil, in N/(V² m).
+RELUCTANCE = 89
+# Wave that travels along the way: force in N, length in m and frequency in rad/s.
+WAVE, WAVE_LENGTH, WAVE_FREQUENCY = 90, 91, 92
+# Stiffness that swings in time: share of the mount's, rad/s and rad.
+STIFFNESS_SWING, STIFFNESS_SWING_FREQUENCY, STIFFNESS_SWING_PHASE = 93, 94, 95
+# Supply that sags under the actuator's current: relative loss of the reading for a V [1/V], and s.
+SUPPLY_SAG, SUPPLY_TIME = 96, 97
+PARAMETERS = 98
 
 # State: position, velocity, the series element's two, a second one's two, the hidden mass's two, bristle deflection or
-# Bouc–Wen variable, Maxwell forces, the actuator's two, the time integral of the measured position, and the two of the
-# mode beside the machine.
+# Bouc–Wen variable, Maxwell forces, the actuator's two, the time integral of the measured position, the two of the
+# mode beside the machine, the relative rise of a winding's resistance, and the voltage in V whose current a supply has
+# followed.
 POSITION, VELOCITY, SERIES, SERIES_RATE, SECOND_SERIES, SECOND_SERIES_RATE = 0, 1, 2, 3, 4, 5
 HIDDEN, HIDDEN_RATE, BRISTLE, LOOP, MAXWELL, ACTUATOR, SECOND_ACTUATOR, INTEGRAL = 6, 7, 8, 9, 10, 13, 14, 15
 BESIDE, BESIDE_RATE = 16, 17
-STATES = 18
+WARMTH, DRAWN = 18, 19
+STATES = 20
 # Memory: forces of the Jenkins elements, the position they belong to, whether the stop is touched, and a time in s
 # within the step, which says what acts during all of it.
 JENKINS_ELEMENTS = 6
