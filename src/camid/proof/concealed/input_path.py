@@ -85,7 +85,10 @@ def play(half_width: float, share: float) -> Callable[[Segments, float], Segment
 
 
 def pulses_of_width(full: float, pulses: int) -> Callable[[Segments, float], Segments]:
-    """Each held value as pulses of the full voltage in V that have the same area, so many in each piece."""
+    """Each held value as pulses of the full voltage in V that have the same area, so many in each piece.
+
+    They are in the middle of their share of the time, as those of a symmetric carrier, so that nothing comes early.
+    """
 
     def apply(segments: Segments, period: float) -> Segments:
         fine = refined(segments, period)
@@ -93,10 +96,12 @@ def pulses_of_width(full: float, pulses: int) -> Callable[[Segments, float], Seg
         rise = (fine.start[:, None] + length[:, None] * np.arange(pulses)).ravel()
         level = np.repeat(fine.value, pulses)
         duty = np.clip(np.abs(level) / full, 0.0, 0.999)
-        start = np.stack((rise, rise + duty * np.repeat(length, pulses)), axis=1)
-        value = np.stack((full * np.sign(level), np.zeros(len(duty))), axis=1)
+        room = np.repeat(length, pulses)
+        start = np.stack((rise, rise + 0.5 * (1.0 - duty) * room, rise + 0.5 * (1.0 + duty) * room), axis=1)
+        none = np.zeros(len(duty))
+        value = np.stack((none, full * np.sign(level), none), axis=1)
         kept = np.ones_like(start, dtype=bool)
-        kept[:, 0] = duty > 0.0
+        kept[:, 1:] = duty[:, None] > 0.0
         return held(start[kept], value[kept])
 
     return apply
