@@ -73,7 +73,7 @@ def concluded(
     deviations += [{"values": part.standard_deviations} for part in learned]
     effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
     first, *further = signals_of(problem, setting.in_place, base, final, setting.validation)
-    remainder = remainder_of(bool(found or learned), bool(named.reasons), believed, problem, final, judging)
+    remainder = remainder_of(bool(found or learned), bool(residue.reasons), believed, problem, final, judging)
     conditions = conditions_of(problem, final)
     coefficients = coefficients_of(problem, believed, setting.nominal, base, final)
     diagnosis = Diagnosis(

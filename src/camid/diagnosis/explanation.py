@@ -122,7 +122,10 @@ def explanation(
             f"Remove the key remainder to have that looked into again."
         )
     sentences = []
-    names_noise = all(known_effects()[f.identifier].noise_like for f in found)
+    noise = [f for f in found if known_effects()[f.identifier].noise_like]
+    motion = [f for f in found if f not in noise]
+    names_noise = not motion
+    held = any(f.simulated for f in motion)
     if fit.explains_nothing:
         sentences.append(
             f"The simulation explains hardly anything of the output: at its best it leaves {_share(fit.improved)} of "
@@ -139,7 +142,7 @@ def explanation(
         )
     elif found and names_noise and not learned:
         sentences += _of_noise_alone(found, fit, coefficients)
-    elif found and not names_noise:
+    elif held:
         sentences.append(_named(found, fit))
     else:
         sentences.append(
@@ -149,8 +152,8 @@ def explanation(
     if location.place and verdict != "adequate":
         sentences.append(_sits(location.place, of_noise=bool(found) and names_noise and not learned))
     if learned:
-        sentences.append(_held([] if names_noise else found, learned))
-        sentences += _beside_laws(found if names_noise else [], structured=structured)
+        sentences.append(_held(motion, learned))
+        sentences += _beside_laws([] if held else noise, structured=structured)
     elif structured and verdict == "partly-explained":
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
     elif verdict == "partly-explained" and fit.carries_over:

@@ -64,7 +64,7 @@ def remainder_of(
 ) -> float | None:
     """What the improved simulation says is left unexplained: root mean square, on fitted or validation rows.
 
-    ``modelled`` says whether anything is, with or without a name, and ``structured`` whether what has one leaves more
+    ``modelled`` says whether anything is, with or without a name, and ``structured`` whether all that is leaves more
     than noise.
     """
     if not structured:
