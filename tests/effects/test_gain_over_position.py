@@ -35,7 +35,7 @@ def recording(gain, levels=(-2.0, -1.0, 0.5, 1.0, 2.0)):
 @pytest.mark.parametrize(
     ("gain", "truth"),
     [
-        (lambda y: 1.0 + 0.12 * y, {"slope": 0.12}),
+        pytest.param(lambda y: 1.0 + 0.12 * y, {"slope": 0.12}, marks=pytest.mark.slow),
         (lambda y: 1.0 + 0.03 * y - 0.04 * y * y, {"slope": 0.03, "curvature": -0.04}),
     ],
 )

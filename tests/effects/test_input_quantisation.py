@@ -72,7 +72,7 @@ def test_smaller_steps_do_less_in_proportion():
     np.testing.assert_allclose(errors, 0.4 / np.sqrt(12.0), rtol=0.05)
 
 
-@pytest.mark.parametrize(("seed", "step"), [(1, 0.25), (2, 0.6), (3, 1.7)])
+@pytest.mark.parametrize(("seed", "step"), [(1, 0.25), (2, 0.6), pytest.param(3, 1.7, marks=pytest.mark.slow)])
 def test_steps_of_a_command_are_found(seed, step):
     diagnosis = camid.diagnose(recording(seed, step), BELIEVED)
     (found,) = diagnosis.findings
@@ -100,7 +100,7 @@ def axis(seed, step):
     return pd.DataFrame({"t": time, "u": signal, "y": output + noise})
 
 
-@pytest.mark.parametrize(("seed", "share"), [(1, 60), (3, 80)])
+@pytest.mark.parametrize(("seed", "share"), [pytest.param(1, 60, marks=pytest.mark.slow), (3, 80)])
 def test_small_steps_are_found_where_what_they_do_adds_up(seed, share):
     step = 4.0 / share
     plant = {"transfer_function": {"numerator": [120.0], "denominator": [1.0, 1.8, 0.0]}}
@@ -122,7 +122,7 @@ def slow_lag(seed, share):
     return step, pd.DataFrame({"t": PERIOD * np.arange(ROWS), "u": signal, "y": output + noise})
 
 
-@pytest.mark.parametrize(("seed", "share"), [(1, 47), (2, 83)])
+@pytest.mark.parametrize(("seed", "share"), [pytest.param(1, 47, marks=pytest.mark.slow), (2, 83)])
 def test_small_steps_are_found_by_what_they_do_in_their_own_size(seed, share):
     """Steps of other sizes do the same in another size, which is not theirs."""
     step, recorded = slow_lag(seed, share)

@@ -67,7 +67,7 @@ def filmed(image, noise, count=1500):
     return pd.DataFrame({"t": PERIOD * np.arange(count), "u": signal, "y": reading})
 
 
-@pytest.mark.parametrize(("k1", "centre"), [(-0.03, 0.8), (0.04, -1.6)])
+@pytest.mark.parametrize(("k1", "centre"), [pytest.param(-0.03, 0.8, marks=pytest.mark.slow), (0.04, -1.6)])
 def test_it_is_found_by_way_of_an_oblique_view(k1, centre):
     recording = filmed(lambda y: (y - centre) * (1.0 + k1 * (y - centre) ** 2) + 3.0, noise=0.002)
     believed = simulation(sensor={"column": "y", "kind": "instant"})
