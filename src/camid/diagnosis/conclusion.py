@@ -16,6 +16,8 @@ from camid.diagnosis.laws.laws_alone import with_laws
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual import mismatch_location
+from camid.diagnosis.residual.residual_structure import SWING
+from camid.diagnosis.residual.swinging_coefficient import sits_at
 from camid.diagnosis.residue import Residue, left_by, residue_of
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
@@ -89,6 +91,7 @@ def concluded(
         improved_simulation(believed, problem, final, effects, remainder),
         learned=learned,
         structured=bool(residue.reasons),
+        swing=residue.swing if SWING in residue.reasons else None,
         rows_fitted=int(sum(e.used.sum() for e in problem.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
@@ -152,5 +155,7 @@ def _location(
         for part in learned:
             shares[part.sits_at] = shares.get(part.sits_at, 0.0) + part.share
         return mismatch_location.locate(problem, base, max(shares, key=lambda name: shares[name]), shares)
+    if SWING in residue.reasons and residue.swing is not None:
+        return mismatch_location.locate(problem, base, sits_at(residue.swing), shares)
     strongest = max(shares, key=lambda place: shares[place])
     return mismatch_location.locate(problem, base, "noise" if residue.reasons == ["variance"] else strongest, shares)

@@ -13,6 +13,7 @@ from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.provenance import Provenance
+from camid.diagnosis.residual.swinging_coefficient import Swing
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 
@@ -234,6 +235,8 @@ class Diagnosis:
         Laws of the improved simulation that have no name.
     structured : bool
         Whether what the improved simulation leaves is more than noise.
+    swing : Swing or None
+        A coefficient that swings in time, where what names leave shows one.
     own_titles : dict of str to str
         What a user's own effects are called, by identifier.
     own_files : list of str
@@ -272,6 +275,7 @@ class Diagnosis:
     further_signals: list[Signals] = field(default_factory=list)
     learned: list[LearnedPart] = field(default_factory=list)
     structured: bool = False
+    swing: Swing | None = None
     own_titles: dict[str, str] = field(default_factory=dict)
     own_files: list[str] = field(default_factory=list)
     hypotheses: list[RemainingHypothesis] = field(default_factory=list)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.diagnosis import Coefficient, Signals, StructureTest
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
+from camid.diagnosis.residual.swinging_coefficient import swinging_coefficient
 from camid.diagnosis.residual.validation_rows import AT_REST_SHARE
 from camid.diagnosis.search.decision import Decision
 from camid.fitting.fit import Fitted
@@ -128,12 +129,14 @@ def tests_of(
     before: Sequence[PlaceTest],
     after: Sequence[PlaceTest],
 ) -> list[StructureTest]:
-    """Tests of whiteness and of every place, before and after."""
+    """Tests of whiteness, of every place, and of coefficients that swing, before and after."""
     white = problem.whiteness(base.residual, base.moving_sensitivities)
     still = white if final is base else problem.whiteness(final.residual, final.moving_sensitivities)
     rows = [StructureTest("whiteness", "Does the residual depend on its own past?", white, still)]
     rows += [StructureTest(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
-    return rows
+    swings = [swinging_coefficient(problem, fitted) for fitted in (base, final)]
+    before_and_after = [1.0 if swing is None else swing.p_value for swing in swings]
+    return [*rows, StructureTest("coefficients", "Does a coefficient of the plant swing in time?", *before_and_after)]
 
 
 def signals_of(

@@ -9,6 +9,7 @@ from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.normalised_errors import NormalisedErrors
+from camid.diagnosis.residual.swinging_coefficient import Swing
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
 from camid.effects.special_cases import is_constant
@@ -81,6 +82,7 @@ def explained(diagnosis: Diagnosis) -> str:
         shown.learned,
         shown.structured,
         diagnosis.compared_signal.symbol,
+        shown.swing,
     )
 
 
@@ -94,6 +96,7 @@ def explanation(
     learned: Sequence[LearnedPart] = (),
     structured: bool = False,
     unit: str = "",
+    swing: Swing | None = None,
 ) -> str:
     """Plain sentences with the numbers in them, in the units that stand with them.
 
@@ -112,6 +115,8 @@ def explanation(
         Whether what all of them leave is more than noise.
     unit : str
         Of the remainder.
+    swing : Swing, optional
+        Of a coefficient in time, which what is left shows.
     """
     if remainder is not None:
         declared = plain(remainder, 3, unit).replace(SPACE, " ")
@@ -158,13 +163,26 @@ def explanation(
         sentences.append("What is left is still structured, so something else is missing, too, or the law is another.")
     elif verdict == "partly-explained" and fit.carries_over:
         sentences.append("What is left is noise, but it is likelier than not that something here has another name.")
-    if verdict != "adequate" and not structured and not fit.carries_over:
+    sentences += _beyond(fit, swing, carried=verdict == "adequate" or structured or fit.carries_over)
+    return " ".join(sentences + _indistinct(found))
+
+
+def _beyond(fit: NormalisedErrors, swing: Swing | None, *, carried: bool) -> list[str]:
+    """What else is said of what is left: a coefficient that swings, and rows that were not fitted."""
+    sentences = []
+    if swing is not None:
+        at = with_deviation(swing.angular, swing.deviation, "rad/s").replace(SPACE, " ")
+        sentences.append(
+            f"It shows a coefficient that swings in time, {swing.name} at {at}, as where something that turns changes "
+            f"it; no effect of the catalogue does that."
+        )
+    if not carried:
         times = plain(fit.improved / fit.noise_floor, 2)
         sentences.append(
             f"That is said of the rows that were fitted: in the others the error is {times} times the noise, so that "
             f"the laws or their coefficients are not exact there."
         )
-    return " ".join(sentences + _indistinct(found))
+    return sentences
 
 
 def _sits(place: str, *, of_noise: bool) -> str:

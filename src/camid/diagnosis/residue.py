@@ -13,6 +13,7 @@ from camid.diagnosis.pruning.rounding import is_rounding_alone
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import colours, recognised_noise
 from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left
+from camid.diagnosis.residual.swinging_coefficient import Swing, swinging_coefficient
 from camid.diagnosis.residual.uneven_noise import uneven_spread
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
@@ -31,6 +32,8 @@ class Residue:
     places : list of PlaceTest
     reasons : list of str
         Tests that say that it is more than noise.
+    swing : Swing or None
+        The coefficient that swings most clearly; one of the reasons where it is no chance.
     findings : list of Finding
         Effects on the noise.
     noise_effects : list of (Effect, dict)
@@ -39,6 +42,7 @@ class Residue:
 
     places: list[PlaceTest]
     reasons: list[str]
+    swing: Swing | None
     findings: list[Finding]
     noise_effects: list[tuple[Effect, Deviations]]
 
@@ -61,11 +65,12 @@ def residue_of(setting: Setting, final: Fitted) -> Residue:
     # A loop, and a lattice, give what is left a colour, too, which is no name and may still be that of a misfit.
     colour = colours(problem, final, {effect.identifier for effect in setting.nominal.effects})
     named = {r.effect.identifier for r in found} | set(colour)
-    reasons = reasons_for_structure(problem, final, after, setting.judging, named)
+    swing = swinging_coefficient(problem, final)
+    reasons = reasons_for_structure(problem, final, after, setting.judging, named, swing)
     reasons = [] if reasons and is_rounding_alone(problem, final) else reasons
     if reasons:  # what looks like jitter, outliers or colour may be the structure
         found = [r for r in found if r.effect.shows_in_values or r.stands_out]
-    return Residue(after, reasons, [recognised(r) for r in found], _as_declared(declared, found))
+    return Residue(after, reasons, swing, [recognised(r) for r in found], _as_declared(declared, found))
 
 
 def _as_declared(declared: Sequence[Effect], found: Sequence[Recognition]) -> list[tuple[Effect, Deviations]]:

@@ -24,6 +24,7 @@ from camid.diagnosis.pruning.simplest_effects import simplest
 from camid.diagnosis.pruning.weak_effects import without_faded, without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
+from camid.diagnosis.residual.swinging_coefficient import swinging_coefficient
 from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.beginnings_in_a_loop import Beginning, first_beginning
@@ -248,7 +249,8 @@ def _leaves_structure(setting: Setting, places: list[mismatch_location.PlaceTest
     base = setting.base
     if len(base.noise.whitening) > 1 or any(test.p_value < SUSPECT_P_VALUE for test in places):
         return True
-    return bool(reasons_for_structure(setting.problem, base, places, setting.judging, set()))
+    swing = swinging_coefficient(setting.problem, base)
+    return bool(reasons_for_structure(setting.problem, base, places, setting.judging, set(), swing))
 
 
 def _simplified(

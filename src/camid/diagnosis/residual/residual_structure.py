@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
 from camid.diagnosis.residual.noise_recognition import depends_on_position, force_like
+from camid.diagnosis.residual.swinging_coefficient import Swing
 from camid.diagnosis.residual.validation_rows import without_outliers
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate
@@ -18,6 +19,8 @@ from camid.fitting.problem import Problem
 # A p-value below this means structure; with the tests of all places and the catalogue's own threshold about three
 # recordings in a thousand alarm although nothing is missing.
 STRUCTURE_P_VALUE = 2e-4
+# Reason of a coefficient that swings in time.
+SWING = "swing"
 # Noise whose variance changes with the position is common in images and called structure only beyond this p-value.
 UNEVEN_P_VALUE = 1e-8
 # Squared errors on validation rows are suspicious from this ratio to those on fitted rows on, if beyond this many
@@ -37,6 +40,7 @@ def reasons_for_structure(
     after: Sequence[PlaceTest],
     validation: Sequence[NDArray[np.bool_]],
     recognised: set[str],
+    swing: Swing | None,
 ) -> list[str]:
     """Which tests say that what is left is more than noise."""
     reasons = [t.place for t in after if t.p_value < STRUCTURE_P_VALUE]
@@ -44,6 +48,8 @@ def reasons_for_structure(
     coloured = any(kind.colours_noise for kind in kinds)
     if coloured and force_like(problem, final):
         reasons.append("resonance")
+    if swing is not None and swing.p_value < STRUCTURE_P_VALUE:
+        reasons.append(SWING)
     if _larger_on_validation_rows(problem, final, validation):
         reasons.append("validation")
     if coloured and final.cost > LARGEST_NOISE_SHARE * float(np.var(problem.recorded)) * len(final.residual):
@@ -94,7 +100,7 @@ def share_left(
     if not reasons or reasons == ["variance"]:
         return 0.0
     left = _left(base, final, after)
-    if "resonance" in reasons:  # what drives it is all of what is left
+    if {"resonance", SWING} & set(reasons):  # what drives it is all of what is left
         left = min(final.cost / max(base.cost, 1e-300), 1.0)
     if "validation" in reasons and fits.refitted > fits.noise_floor:
         excess = fits.improved**2 - fits.noise_floor**2
