@@ -17,7 +17,7 @@ def answer(capsys, arguments):
 
 def change(**columns):
     """Rewrite the recording with other columns."""
-    recording = pd.read_csv("recording.csv", float_precision="round_trip")  # pandas 2 else changes the last digits
+    recording = pd.DataFrame(np.loadtxt("recording.csv", delimiter=",", skiprows=1), columns=["t", "u", "y"])
     recording.assign(**columns).to_csv("recording.csv", index=False)
 
 

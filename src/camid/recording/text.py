@@ -177,6 +177,9 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
     if twice is not None:
         called = f"called '{twice}'" if twice else "without a name"
         raise InputError(f"several columns are {called}", where=name, hint="give each column a name of its own")
+    # To the last digit, as loadtxt; from pandas 3.1 on it does so by itself, and warns of being asked to.
+    newer = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
+    exactly: Any = {} if newer else {"float_precision": "round_trip"}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
@@ -190,7 +193,7 @@ def _parsed(text: Text, name: str, names: list[str]) -> pd.DataFrame:
                 index_col=False,  # a separator at the end of each line must not shift the columns by one
                 skipinitialspace=True,
                 low_memory=False,
-                float_precision="round_trip",  # as loadtxt, to the last digit
+                **exactly,
             )
     except pd.errors.ParserWarning:
         raise InputError(
