@@ -90,12 +90,30 @@ class WithHarmonic(Effect):
         yield from ()
 
 
-class PeriodicDisturbanceWithHarmonic(WithHarmonic, PeriodicDisturbance):
+class _OverTime(WithHarmonic):
+    """What both laws over the time share."""
+
+    @staticmethod
+    def seen_at(situation: Situation, angular: float) -> dict[str, float]:
+        """Amplitude and phase that the residual shows at an angular frequency in rad/s."""
+        raise NotImplementedError
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """From what the residual shows at each harmonic."""
+        for harmonic, order in ORDERS.items():
+            seen = cls.seen_at(situation, order * values["frequency"])
+            shape = {"harmonic_amplitude": seen["amplitude"], "harmonic_phase": seen["phase"]}
+            yield cls(**{"harmonic": harmonic, **shape, **values})
+
+
+class PeriodicDisturbanceWithHarmonic(_OverTime, PeriodicDisturbance):
     """A periodic force that is no sine."""
 
     title = "Periodic disturbance with a harmonic"
     equation = r"d = a\,\sin(\omega t + \varphi) + h\,\sin(k\omega t + \psi)"
     parameters = (*PeriodicDisturbance.parameters, *_harmonic_of("u"))
+    seen_at = staticmethod(force_at)
 
     @compiled
     def force(time, position, velocity, signal, memory, values):  # type: ignore[no-untyped-def]
@@ -106,34 +124,19 @@ class PeriodicDisturbanceWithHarmonic(WithHarmonic, PeriodicDisturbance):
         """That of the harmonic."""
         return self.order * super().frequency(plant)
 
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """From what the residual shows at each harmonic."""
-        for harmonic, order in ORDERS.items():
-            seen = force_at(situation, order * values["frequency"])
-            shape = {"harmonic_amplitude": seen["amplitude"], "harmonic_phase": seen["phase"]}
-            yield cls(**{"harmonic": harmonic, **shape, **values})
 
-
-class SensorOscillationWithHarmonic(WithHarmonic, SensorOscillation):
+class SensorOscillationWithHarmonic(_OverTime, SensorOscillation):
     """A hum that is no sine, as that of a rectifier is none."""
 
     title = "Oscillation of the measurement with a harmonic"
     equation = SensorOscillation.equation + r" + h\,\sin(k\omega t + \psi)"
     parameters = (*SensorOscillation.parameters, *_harmonic_of("y"))
+    seen_at = staticmethod(oscillation_at)
 
     def observe(self, output: Array, time: Array) -> Array:
         """Add both."""
         amplitude, order, phase = self.harmonic
         return super().observe(output, time) + amplitude * np.sin(order * self.values["frequency"] * time + phase)
-
-    @classmethod
-    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
-        """From what the residual shows at each harmonic."""
-        for harmonic, order in ORDERS.items():
-            seen = oscillation_at(situation, order * values["frequency"])
-            shape = {"harmonic_amplitude": seen["amplitude"], "harmonic_phase": seen["phase"]}
-            yield cls(**{"harmonic": harmonic, **shape, **values})
 
 
 class _AlongTheWay(WithHarmonic, PeriodicInPosition):
