@@ -6,6 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import camid
+from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
 from tests.support.mass_on_spring import PERIOD, command, record, simulation
 
 COUNT = 1000
@@ -45,7 +46,7 @@ def test_a_coefficient_that_swings_is_no_coloured_noise(of_gain, name, place):
     assert found.verdict == "unexplained"
     assert found.findings == []
     assert found.location.place == place
-    assert chance(found)[0] < 1e-6
+    assert chance(found)[0] < STRUCTURE_P_VALUE
     assert found.swing.name == name
     assert abs(found.swing.angular - 4.1) < 4.0 * found.swing.deviation < 0.2
     assert f"a coefficient that swings in time, {name} at 4." in found.explanation

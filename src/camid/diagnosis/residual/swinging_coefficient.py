@@ -75,11 +75,12 @@ def swinging_coefficient(problem: Problem, fitted: Fitted) -> Swing | None:
     table = problem.whitened(fitted.sensitivities[:, list(columns)], fitted.noise.whitening)[rows]
     product = np.zeros((used[-1] - used[0] + 1, len(columns)))
     product[used - used[0]] = residual[:, None] * table
-    power = np.maximum(np.sum(table**2, axis=0), 1e-300)
+    # Of the products themselves: noise may be louder where the sensitivity is large (White 1980, Econometrica 48, 817).
+    power = np.maximum(np.sum(product**2, axis=0), 1e-300)
     spectrum = np.fft.rfft(product, axis=0)[FEWEST_PERIODS:]
     if not len(spectrum):
         return None
-    height = np.abs(spectrum) ** 2 / (power * max(float(np.mean(residual**2)), 1e-300))
+    height = np.abs(spectrum) ** 2 / power
     column = int(np.argmax(np.max(height, axis=0)))
     highest = float(np.max(height))
     duration = len(product) * problem.acquisition.period
