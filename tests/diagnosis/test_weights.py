@@ -21,7 +21,7 @@ from camid.diagnosis.weights import (
 from camid.effects import known_effects
 from camid.effects.base import Effect
 
-CONSTANTS = Constants(0.3, 0.05, 40.0, 0.0, 0.5, -0.5, 0.7, -2.0, 1.5, 1.0)
+CONSTANTS = Constants(0.3, 0.05, 40.0, 0.0, 0.5, -0.5, 0.7, -2.0, 1.5)
 LEAD = Member("coulomb-friction", 0.0, 0.0)
 # Finely shown: a ten thousandth of it may be there without a test seeing it.
 IMITATORS = [

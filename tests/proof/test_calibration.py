@@ -11,7 +11,7 @@ from camid.proof import calibration
 from camid.proof.calibration import calibrate, outside_stated_and_true, read_comparisons, stated_and_true
 from camid.proof.concealed.generator import plan
 
-TRUE = Constants(0.4, 0.1, 20.0, -0.5, 0.3, -0.3, 0.8, -2.0, 1.5, 1.0)
+TRUE = Constants(0.4, 0.1, 20.0, -0.5, 0.3, -0.3, 0.8, -2.0, 1.5)
 
 
 def drawn(count, seed):

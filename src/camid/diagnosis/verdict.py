@@ -111,7 +111,9 @@ def findings(
             experiments=different_inputs(problem),
             rows=len(decision.fitted.residual),
         )
-        own, others = _weighed(effect.identifier, comparison)
+        names, unlisted = weights(comparison)
+        own = next((w for name, w in names if name == effect.identifier), 0.0)
+        others = [*((name, w) for name, w in names if name != effect.identifier), (UNLISTED, unlisted)]
         evidence = {"share": float(removed[i]), **common, **_evidence(problem, decision, i, effect, without)}
         result.append(
             Finding(
@@ -129,13 +131,6 @@ def findings(
             )
         )
     return sorted(result, key=lambda f: (-f.evidence["nrmse_without"], -f.evidence["share"]))
-
-
-def _weighed(identifier: str, comparison: Comparison) -> tuple[float, list[tuple[str, float]]]:
-    """The weight of a name, and what else it may be with its weights."""
-    names, unlisted = weights(comparison)
-    own = next((weight for name, weight in names if name == identifier), 0.0)
-    return own, [*((name, weight) for name, weight in names if name != identifier), (UNLISTED, unlisted)]
 
 
 def _separating(problem: Problem, effect: Effect, others: Sequence[tuple[str, float]]) -> str | None:
@@ -177,8 +172,6 @@ def gain_of(decision: Decision, index: int) -> float:
 def as_simulated(found: Sequence[Finding], decision: Decision, known: int) -> list[Finding]:
     """Findings as the improved simulation of another decision holds them: with its values, or not at all.
 
-    What a law without a name stands in the place of is less likely to be what it is called.
-
     Parameters
     ----------
     found : sequence of Finding
@@ -189,15 +182,10 @@ def as_simulated(found: Sequence[Finding], decision: Decision, known: int) -> li
     count = len(decision.fitted.model.effects)
     pairs = zip(decision.improved.model.effects, effect_deviations(decision.improved), strict=True)
     held = {effect.identifier: parameters_of(effect, row) for effect, row in list(pairs)[known:count]}
-    return [replace(f, parameters=held[f.identifier]) if f.identifier in held else _replaced(f) for f in found]
-
-
-def _replaced(finding: Finding) -> Finding:
-    """A finding in whose place a law without a name is simulated."""
-    assert finding.comparison is not None  # of names on the motion, which alone are replaced
-    comparison = replace(finding.comparison, replaced=True)
-    weight, alternatives = _weighed(finding.identifier, comparison)
-    return replace(finding, simulated=False, weight=weight, alternatives=alternatives, comparison=comparison)
+    return [
+        replace(f, parameters=held[f.identifier]) if f.identifier in held else replace(f, simulated=False)
+        for f in found
+    ]
 
 
 def different_inputs(problem: Problem) -> int:

@@ -55,8 +55,6 @@ class Constants:
     noise, noise_beside : float
         Log odds that an effect on the noise is the shadow of something else, and in addition where another effect is
         named.
-    replaced : float
-        Log odds that an effect has in addition where a law without a name stands in its place, as that explains more.
     """
 
     other_law: float
@@ -68,7 +66,6 @@ class Constants:
     linear: float
     noise: float
     noise_beside: float
-    replaced: float
 
 
 @dataclass(frozen=True)
@@ -129,8 +126,6 @@ class Comparison:
         How many experiments with different inputs are explained.
     rows : int
         That are fitted.
-    replaced : bool
-        Whether a law without a name stands in the place of the effect.
     """
 
     members: tuple[Member, ...]
@@ -142,7 +137,6 @@ class Comparison:
     noise: bool = False
     experiments: int = 1
     rows: int = 1
-    replaced: bool = False
 
     @property
     def chances(self) -> int:
@@ -238,7 +232,7 @@ def weight_outside(comparison: Comparison, constants: Constants) -> float:
     odds = constants.outside + constants.outside_left * log(max(comparison.unexplained(constants.unseen), LEAST_SHARE))
     # Another input is another chance for a law outside the catalogue to leave something.
     odds *= comparison.chances
-    odds += constants.linear * comparison.linear + constants.replaced * comparison.replaced
+    odds += constants.linear * comparison.linear
     if not comparison.strongest:
         odds += constants.beside_share * log(max(comparison.share, LEAST_SHARE))
     return _probability(odds)

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 # Where the search starts, and how far from there a constant is likely to be: logits of a probability, logarithms of
 # positive constants. It keeps those that few recordings tell anything of where they are.
-START = Constants(0.3, 0.05, 10.0, 1.0, 0.3, -0.2, 0.5, -3.0, 2.0, 1.0)
+START = Constants(0.3, 0.05, 10.0, 1.0, 0.3, -0.2, 0.5, -3.0, 2.0)
 PROBABILITIES, POSITIVE = ("other_law",), ("law_error", "unseen")
 SPREAD = 2.0
 EVALUATIONS = 6000
