@@ -16,7 +16,6 @@ from camid.diagnosis.laws.laws_alone import with_laws
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual import mismatch_location
-from camid.diagnosis.residual.residual_structure import SWING
 from camid.diagnosis.residual.swinging_coefficient import sits_at
 from camid.diagnosis.residue import Residue, left_by, residue_of
 from camid.diagnosis.search.decision import Decision
@@ -25,6 +24,7 @@ from camid.diagnosis.time_unit import said_of_time_unit
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
+from camid.effects.base import Effect
 from camid.fitting.covariance import effect_deviations
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
@@ -71,9 +71,7 @@ def concluded(
     location = _location(problem, base, found, learned, before, named)
     watch.say("working out what the recording could not have shown")
     names = {f.identifier for f in found} | {e.identifier for e in setting.nominal.effects}
-    deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
-    deviations += [{"values": part.standard_deviations} for part in learned]
-    effects = [*zip(with_words(final.model.effects, learned), deviations, strict=True), *residue.noise_effects]
+    effects = [*_with_deviations(final, learned), *residue.noise_effects]
     first, *further = signals_of(problem, setting.in_place, base, final, setting.validation)
     remainder = remainder_of(bool(found or learned), bool(residue.reasons), believed, problem, final, judging)
     conditions = conditions_of(problem, final)
@@ -91,7 +89,7 @@ def concluded(
         improved_simulation(believed, problem, final, effects, remainder),
         learned=learned,
         structured=bool(residue.reasons),
-        swing=residue.swing if SWING in residue.reasons else None,
+        swing=residue.shown_swing,
         rows_fitted=int(sum(e.used.sum() for e in problem.experiments)),
         period=problem.acquisition.period,
         residual_of=problem.kind.residual_of,
@@ -104,6 +102,13 @@ def concluded(
         warnings=[*_left_out(setting, found), *_of_time(believed, coefficients)],
     )
     return replace(diagnosis, explanation=explained(diagnosis))
+
+
+def _with_deviations(final: Fitted, learned: list[LearnedPart]) -> list[tuple[Effect, Deviations]]:
+    """Effects and laws of the improved model, with the standard deviations of their numbers."""
+    deviations: list[Deviations] = [*effect_deviations(final)[: len(final.model.effects) - len(learned)]]
+    deviations += [{"values": part.standard_deviations} for part in learned]
+    return [*zip(with_words(final.model.effects, learned), deviations, strict=True)]
 
 
 def _of_time(believed: Simulation, coefficients: list[Coefficient]) -> list[str]:
@@ -155,7 +160,7 @@ def _location(
         for part in learned:
             shares[part.sits_at] = shares.get(part.sits_at, 0.0) + part.share
         return mismatch_location.locate(problem, base, max(shares, key=lambda name: shares[name]), shares)
-    if SWING in residue.reasons and residue.swing is not None:
-        return mismatch_location.locate(problem, base, sits_at(residue.swing), shares)
+    if residue.shown_swing is not None:
+        return mismatch_location.locate(problem, base, sits_at(residue.shown_swing), shares)
     strongest = max(shares, key=lambda place: shares[place])
     return mismatch_location.locate(problem, base, "noise" if residue.reasons == ["variance"] else strongest, shares)

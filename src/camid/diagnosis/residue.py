@@ -12,7 +12,7 @@ from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.pruning.rounding import is_rounding_alone
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import colours, recognised_noise
-from camid.diagnosis.residual.residual_structure import reasons_for_structure, share_left
+from camid.diagnosis.residual.residual_structure import SWING, reasons_for_structure, share_left
 from camid.diagnosis.residual.swinging_coefficient import Swing, swinging_coefficient
 from camid.diagnosis.residual.uneven_noise import uneven_spread
 from camid.diagnosis.search.decision import Decision
@@ -45,6 +45,11 @@ class Residue:
     swing: Swing | None
     findings: list[Finding]
     noise_effects: list[tuple[Effect, Deviations]]
+
+    @property
+    def shown_swing(self) -> Swing | None:
+        """The coefficient that swings, where that is no chance."""
+        return self.swing if SWING in self.reasons else None
 
 
 def residue_of(setting: Setting, final: Fitted) -> Residue:
