@@ -16,10 +16,10 @@ from camid.diagnosis.laws.laws_alone import with_laws
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.remaining_hypotheses import conditions_of, remaining
 from camid.diagnosis.residual import mismatch_location
-from camid.diagnosis.residual.swinging_coefficient import sits_at
 from camid.diagnosis.residue import Residue, left_by, residue_of
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
+from camid.diagnosis.swinging_coefficient import sits_at
 from camid.diagnosis.time_unit import said_of_time_unit
 from camid.diagnosis.verdict import as_simulated, beside_others, findings, verdict_of
 from camid.diagnosis.watch import Watch

@@ -13,7 +13,7 @@ from camid.diagnosis.in_declared_units import with_declared
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.provenance import Provenance
-from camid.diagnosis.residual.swinging_coefficient import Swing
+from camid.diagnosis.swinging_coefficient import Swing
 from camid.simulation.declared_units import SignalUnit
 from camid.simulation.model import Simulation
 

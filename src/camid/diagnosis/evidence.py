@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from camid.diagnosis.diagnosis import Coefficient, Signals, StructureTest
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
-from camid.diagnosis.residual.swinging_coefficient import swinging_coefficient
 from camid.diagnosis.residual.validation_rows import AT_REST_SHARE
 from camid.diagnosis.search.decision import Decision
+from camid.diagnosis.swinging_coefficient import swinging_coefficient
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem

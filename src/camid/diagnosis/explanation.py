@@ -9,7 +9,7 @@ from camid.diagnosis.finding import Finding, ParameterEstimate
 from camid.diagnosis.in_declared_units import in_declared_units
 from camid.diagnosis.learned_part import LearnedPart
 from camid.diagnosis.normalised_errors import NormalisedErrors
-from camid.diagnosis.residual.swinging_coefficient import Swing
+from camid.diagnosis.swinging_coefficient import Swing
 from camid.diagnosis.weights import HEADLINE_WEIGHT, UNLISTED
 from camid.effects import known_effects
 from camid.effects.special_cases import is_constant

@@ -13,10 +13,10 @@ from camid.diagnosis.pruning.rounding import is_rounding_alone
 from camid.diagnosis.residual.mismatch_location import PlaceTest, places
 from camid.diagnosis.residual.noise_recognition import colours, recognised_noise
 from camid.diagnosis.residual.residual_structure import SWING, reasons_for_structure, share_left
-from camid.diagnosis.residual.swinging_coefficient import Swing, swinging_coefficient
 from camid.diagnosis.residual.uneven_noise import uneven_spread
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.setting import Setting
+from camid.diagnosis.swinging_coefficient import Swing, swinging_coefficient
 from camid.diagnosis.verdict import recognised
 from camid.effects.base import Effect
 from camid.effects.recognition import Recognition

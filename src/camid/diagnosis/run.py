@@ -24,7 +24,6 @@ from camid.diagnosis.pruning.simplest_effects import simplest
 from camid.diagnosis.pruning.weak_effects import without_faded, without_weak
 from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
-from camid.diagnosis.residual.swinging_coefficient import swinging_coefficient
 from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.beginnings_in_a_loop import Beginning, first_beginning
@@ -33,6 +32,7 @@ from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
 from camid.diagnosis.search.settled_laws import in_least_minima
 from camid.diagnosis.setting import Setting, over_noise, prepared
+from camid.diagnosis.swinging_coefficient import swinging_coefficient
 from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
 from camid.diagnosis.zeros_of_recordings import CountedFromOwn, with_own_zeros
 from camid.effects import known_effects

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
 from camid.diagnosis.residual.noise_recognition import depends_on_position, force_like
-from camid.diagnosis.residual.swinging_coefficient import Swing
 from camid.diagnosis.residual.validation_rows import without_outliers
+from camid.diagnosis.swinging_coefficient import Swing
 from camid.effects import known_effects
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.problem import Problem
