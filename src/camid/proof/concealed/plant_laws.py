@@ -240,12 +240,12 @@ def end_stop(generator: np.random.Generator, context: Context, alternative: bool
 
 
 def _play_in_joint(context: Context) -> Effect:
-    """The mount's spring with a gap."""
+    """The mount's spring with a gap; one below zero, as of a stop that is out of reach, is none."""
     return built_in(
         "end-stop",
         "play-in-joint",
-        lambda g: {s.GAP: g * context.stroke},
-        lambda g: {"half_width": g * context.stroke * context.rig.output_scale},
+        lambda g: {s.GAP: max(g, 0.0) * context.stroke},
+        lambda g: {"half_width": max(g, 0.0) * context.stroke * context.rig.output_scale},
         0.05,
         1.5,
         refinement=5,
