@@ -1,5 +1,7 @@
 """A coefficient that swings in time: it is no coloured noise, though nothing of it stays on the average."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import camid
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE
+from camid.diagnosis.swinging_coefficient import swinging_coefficient
 from tests.support.mass_on_spring import PERIOD, command, record, simulation
 
 COUNT = 1000
@@ -65,3 +68,25 @@ def test_noise_swings_nothing():
     coloured = diagnosed(table.assign(y=table["y"] + noise))
     assert [finding.identifier for finding in coloured.findings] == ["coloured-noise"]
     assert coloured.swing is None
+
+
+def test_what_has_no_spectrum_swings_nothing():
+    """A residual of zeros, and one of a simulation that has run away, end in no traceback."""
+    rows = np.ones((40, 1))
+    experiment = SimpleNamespace(used=np.ones(40, bool))
+    problem = SimpleNamespace(
+        experiments=[experiment],
+        whitened=lambda values, whitening: values,
+        acquisition=SimpleNamespace(period=PERIOD),
+        structure=SimpleNamespace(names=["b0"]),
+    )
+
+    def found(residual):
+        noise, packing = SimpleNamespace(whitening=np.ones(1)), SimpleNamespace(names=["coefficient 0"])
+        fitted = SimpleNamespace(residual=residual, sensitivities=rows, noise=noise, packing=packing)
+        with np.errstate(invalid="ignore"):
+            return swinging_coefficient(problem, fitted)
+
+    assert found(np.zeros(40)) is None
+    assert found(np.full(40, np.inf)) is None
+    assert found(np.sin(np.arange(40.0))).name == "b0"

@@ -84,7 +84,7 @@ def concluded(
         fits,
         undetectable(problem, final, setting.screened, names),
         coefficients,
-        tests_of(problem, base, final, before, residue.places),
+        tests_of(problem, base, final, before, residue.places, residue.swing),
         first,
         improved_simulation(believed, problem, final, effects, remainder),
         learned=learned,

@@ -12,7 +12,7 @@ from camid.diagnosis.normalised_errors import NormalisedErrors
 from camid.diagnosis.residual.mismatch_location import PlaceTest
 from camid.diagnosis.residual.validation_rows import AT_REST_SHARE
 from camid.diagnosis.search.decision import Decision
-from camid.diagnosis.swinging_coefficient import swinging_coefficient
+from camid.diagnosis.swinging_coefficient import Swing, swinging_coefficient
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
@@ -128,14 +128,15 @@ def tests_of(
     final: Fitted,
     before: Sequence[PlaceTest],
     after: Sequence[PlaceTest],
+    swing: Swing | None,
 ) -> list[StructureTest]:
-    """Tests of whiteness, of every place, and of coefficients that swing, before and after."""
+    """Tests of whiteness, of every place, and of coefficients that swing (``swing`` after), before and after."""
     white = problem.whiteness(base.residual, base.moving_sensitivities)
     still = white if final is base else problem.whiteness(final.residual, final.moving_sensitivities)
     rows = [StructureTest("whiteness", "Does the residual depend on its own past?", white, still)]
     rows += [StructureTest(b.place, b.question, b.p_value, a.p_value) for b, a in zip(before, after, strict=True)]
-    swings = [swinging_coefficient(problem, fitted) for fitted in (base, final)]
-    before_and_after = [1.0 if swing is None else swing.p_value for swing in swings]
+    swings = (swing if final is base else swinging_coefficient(problem, base), swing)
+    before_and_after = [1.0 if each is None else each.p_value for each in swings]
     return [*rows, StructureTest("coefficients", "Does a coefficient of the plant swing in time?", *before_and_after)]
 
 

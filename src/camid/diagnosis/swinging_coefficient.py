@@ -33,7 +33,7 @@ class Swing:
     Attributes
     ----------
     name : str
-        Of the coefficient, as the simulation file has it (b0, a1, …), or of the constant.
+        Of the coefficient of the transfer function (b0, a1, …), or of the constant.
     angular, deviation : float
         Angular frequency and its standard deviation in rad/s.
     p_value : float
@@ -47,7 +47,7 @@ class Swing:
 
 
 def swinging_coefficient(problem: Problem, fitted: Fitted) -> Swing | None:
-    """The coefficient that swings most clearly; None where none is fitted.
+    """The coefficient that swings most clearly; None where none is fitted, or a residual has no spectrum.
 
     The whitened residual times the whitened sensitivity has a spectrum that is exponentially distributed where the
     residual is noise (Brillinger 1981, Time Series, section 5.2). The deviation is that of a line in noise (Rife &
@@ -78,11 +78,11 @@ def swinging_coefficient(problem: Problem, fitted: Fitted) -> Swing | None:
     # Of the products themselves: noise may be louder where the sensitivity is large (White 1980, Econometrica 48, 817).
     power = np.maximum(np.sum(product**2, axis=0), 1e-300)
     spectrum = np.fft.rfft(product, axis=0)[FEWEST_PERIODS:]
-    if not len(spectrum):
-        return None
     height = np.abs(spectrum) ** 2 / power
+    highest = float(np.max(height, initial=0.0))
+    if not 0.0 < highest < np.inf:  # too few rows, no noise at all, or a simulation that has run away
+        return None
     column = int(np.argmax(np.max(height, axis=0)))
-    highest = float(np.max(height))
     duration = len(product) * problem.acquisition.period
     fine = np.abs(np.fft.rfft(product[:, column], FINER * len(product)))[FINER * FEWEST_PERIODS - FINER // 2 :]
     line = int(np.argmax(fine)) + FINER * FEWEST_PERIODS - FINER // 2
@@ -104,8 +104,5 @@ def _is_of_plant(name: str) -> bool:
 
 
 def _label(problem: Problem, name: str) -> str:
-    """What the simulation file calls it."""
-    if name.startswith(PREFIX):
-        return name.removeprefix(PREFIX)
-    index, degree, order = int(name.split()[1]), problem.structure.degree, problem.structure.order
-    return f"b{degree - index}" if index <= degree else f"a{order - (index - degree)}"
+    """Of a coefficient of the transfer function, or of a constant that the simulation file names."""
+    return name.removeprefix(PREFIX) if name.startswith(PREFIX) else problem.structure.names[int(name.split()[1])]

@@ -17,7 +17,7 @@ from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
 from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
-from camid.effects.residual_spectrum import highest_lines
+from camid.effects.residual_spectrum import highest_lines, phasor_at
 from camid.effects.sensor_shift import SensorShift
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
@@ -34,8 +34,7 @@ def force_at(situation: Situation, angular: float) -> dict[str, float]:
     acquisition = situation.acquisition
     exposure = float(acquisition.exposure or 0.0) if acquisition.sensor == "camera" else 0.0
     middle = situation.time - acquisition.latency - 0.5 * exposure
-    window = np.hanning(len(situation.residual))
-    phasor = 2j * (situation.residual @ (np.exp(-1j * angular * middle) * window)) / np.sum(window)
+    phasor = phasor_at(situation, angular, middle)
     gain = complex(situation.response_to_force.frequency_response(angular)) * np.sinc(angular * exposure / (2.0 * pi))
     force = phasor / gain if abs(gain) > 0.0 else phasor
     return {"amplitude": float(abs(force)), "phase": float(np.angle(force))}

@@ -42,6 +42,11 @@ def noise_of_command(signal: Array) -> float:
     ----------
     signal : ndarray, shape (N,)
         Input in its units.
+
+    Returns
+    -------
+    float
+        In the same units.
     """
     if len(np.unique(signal)) <= FEW_LEVELS:
         return 0.0

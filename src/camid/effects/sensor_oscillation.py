@@ -15,7 +15,7 @@ from camid.effects.base import Array, Effect
 from camid.effects.disturbance import FEWEST_PERIODS
 from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
-from camid.effects.residual_spectrum import highest_lines
+from camid.effects.residual_spectrum import highest_lines, phasor_at
 from camid.effects.separating_experiment import SeparatingExperiment
 from camid.effects.situation import Situation
 
@@ -27,9 +27,7 @@ ODDS = 1.0 / 3.0
 
 def oscillation_at(situation: Situation, angular: float) -> dict[str, float]:
     """Amplitude and phase at time zero of the sinusoid that the residual shows at an angular frequency in rad/s."""
-    window = np.hanning(len(situation.residual))
-    turned = np.exp(-1j * angular * situation.time) * window
-    phasor = 2j * (situation.residual @ turned) / np.sum(window)
+    phasor = phasor_at(situation, angular, situation.time)
     return {"amplitude": float(abs(phasor)), "phase": float(np.angle(phasor))}
 
 

@@ -49,6 +49,12 @@ class Structure:
         )
 
     @property
+    def names(self) -> list[str]:
+        """Of the coefficients, by powers of s, as tables have them: b1, b0, a2, a1, a0."""
+        zeros, poles = self.degree, self.order
+        return [f"b{zeros - i}" for i in range(zeros + 1)] + [f"a{poles - 1 - i}" for i in range(poles)]
+
+    @property
     def order(self) -> int:
         """Number of poles n."""
         return len(self.denominator) - 1

@@ -152,8 +152,7 @@ class PlantKind:
 
     def estimates(self, structure: Structure, model: Model, fitted: Fitted | None) -> list[tuple[str, float, float]]:
         """Name, value and standard deviation of what describes the plant; zero deviations without a fit."""
-        degree, order = structure.degree, structure.order
-        names = [f"b{degree - i}" for i in range(degree + 1)] + [f"a{order - 1 - i}" for i in range(order)]
+        names = structure.names
         deviations = np.zeros(len(names))
         if fitted is not None:
             deviations = np.sqrt(np.diag(self.coefficient_covariance(structure, fitted)))

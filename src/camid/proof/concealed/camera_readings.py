@@ -133,7 +133,8 @@ def readings(setup: Setup, trajectory: Trajectory, jitter: Array | None = None) 
             before, values = values, _averages(signal, end + setup.rolling * values, setup.exposure)
             if np.max(np.abs(values - before)) < 1e-9 * np.max(np.abs(values)):
                 break
-    if setup.pickup and trajectory.command is not None:
+    if setup.pickup:
+        assert trajectory.command is not None  # of a motion that is recorded
         values = values + setup.pickup * trajectory.command
     return values
 
