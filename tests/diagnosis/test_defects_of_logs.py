@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 import camid
+from camid.effects.modes import ExtraMode
+from camid.effects.rows_of_the_log import noise_of_command
 from tests.support.mass_on_spring import PERIOD, record, simulation
 
 INSTANT = {"column": "y", "kind": "instant"}
@@ -100,3 +102,25 @@ def test_frames_that_repeat_are_found_among_times_of_nine_digits():
     found = camid.diagnose(table, simulation(sensor=INSTANT))
     assert "dropped-frames" in {f.identifier for f in found.findings}
     assert "outliers" not in {f.identifier for f in found.findings}
+
+
+def test_readings_far_off_beside_a_mode_that_hides_them_are_no_blows():
+    """What the mode leaves is larger than they are, but lasts for several frames."""
+    table = record(ExtraMode(natural_frequency=31.0, damping=0.03), noise=0.003, sensor="instant", count=2000)
+    random = np.random.default_rng(21)
+    struck = np.sort(random.choice(np.arange(20, 2000), 25, replace=False))
+    far = random.choice([-1.0, 1.0], 25) * random.uniform(0.12, 0.6, 25)
+    table.loc[struck, "y"] += far
+    found = diagnosed(table)
+    assert {f.identifier for f in found.findings} == {"extra-mode", "outliers"}
+    outliers = next(f for f in found.findings if f.identifier == "outliers")
+    # No structure has single readings so far from all others.
+    assert outliers.weight == 1.0
+    fraction = outliers.parameters["fraction"]
+    assert abs(fraction.value - 25 / 2000) < 3.0 * fraction.standard_deviation
+
+
+@pytest.mark.parametrize("rows", [2, 64, 511, 512, 540, 575, 576, 700, 1100])
+def test_the_noise_of_a_command_is_known_of_any_number_of_rows(rows):
+    noise = np.random.default_rng(rows).standard_normal(rows)
+    assert 0.0 <= noise_of_command(noise) < 5.0

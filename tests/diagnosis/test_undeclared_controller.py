@@ -114,6 +114,31 @@ def test_strong_cogging_in_a_loop_that_is_not_declared_is_found_with_an_observer
     assert any("an observer pulls the simulated motion" in warning for warning in found.warnings)
 
 
+def hanging(u, y, v):
+    return 15.0 * (u - 0.9 * np.sin(y - 0.3) - 0.25 * np.tanh(v / 1e-3)) - 3.0 * v
+
+
+def holding(goal, state, memory):
+    """Of a gimbal, with a weak integral."""
+    memory += 0.01 * (goal - state[0])
+    return 4.0 * (goal - state[0]) + 3.0 * memory - 0.6 * state[1], memory
+
+
+@pytest.mark.slow
+def test_what_the_first_of_two_recordings_shows_alone_is_found_in_both():
+    """No simulation follows both from the start, and the second one shows less."""
+    tables = []
+    for seed, width in ((6, 0.9), (7, 0.35)):
+        goals = np.random.default_rng(seed).uniform(-width, width, 25).repeat(100)
+        smooth = np.convolve(goals, np.ones(40) / 40.0, "same")
+        tables.append(recorded(smooth, 0.01, hanging, holding, 1e-3, 0.004, seed))
+    found = camid.diagnose(tables, nominal(10.0, [1.0, 4.5, 0.0], 0.004, initial_state="estimate"))
+    assert {f.identifier for f in found.findings} == {"coulomb-friction", "pendulum-gravity"}
+    force = next(f for f in found.findings if f.identifier == "coulomb-friction").parameters["force"]
+    assert force.value == pytest.approx(0.25, rel=0.01)
+    assert found.verdict == "explained"
+
+
 @pytest.mark.parametrize(("limit", "away"), [(0.01, True), (0.5, False)])
 def test_an_actuator_that_takes_the_input_away_says_nothing(limit, away):
     """What is pulled without the command is disturbed less than with it, where the command makes up for a force."""

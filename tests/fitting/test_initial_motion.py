@@ -18,7 +18,7 @@ from tests.support.mass_on_spring import PERIOD, PLANT, record
 STATE = np.array([0.4, -0.7])
 
 
-@pytest.mark.parametrize("left_out", [0, 3, 200])
+@pytest.mark.parametrize("left_out", [0, 3, 200, pytest.param(10**6, id="all: it judges only")])
 def test_rows_that_are_not_fitted_show_the_motion_where_the_first_fitted_ones_are_far(left_out):
     table = record(sensor="instant", exposure=None, state=STATE, noise=1e-4)
     used = np.arange(len(table)) >= left_out

@@ -52,6 +52,8 @@ class Finding:
         What the weights are made from; not part of diagnosis.json.
     simulated : bool
         Whether the improved simulation holds it; a law without a name that it only resembles may stand in its place.
+    certain : bool
+        Of an effect on the noise whether it shows beside whatever structure the residual has.
     """
 
     identifier: str
@@ -66,6 +68,7 @@ class Finding:
     separating_experiment: str | None = None
     comparison: Comparison | None = None
     simulated: bool = True
+    certain: bool = False
 
     @property
     def named(self) -> float:

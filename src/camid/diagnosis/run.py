@@ -26,10 +26,11 @@ from camid.diagnosis.residual import mismatch_location
 from camid.diagnosis.residual.residual_structure import STRUCTURE_P_VALUE, reasons_for_structure
 from camid.diagnosis.residual.uneven_noise import relative_noise
 from camid.diagnosis.residue import Residue, residue_of
-from camid.diagnosis.search.beginnings_in_a_loop import Beginning, first_beginning
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning, beginning_with, first_beginning
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
+from camid.diagnosis.search.hypothesis_search import is_far_off
 from camid.diagnosis.search.settled_laws import in_least_minima
 from camid.diagnosis.setting import Setting, over_noise, prepared
 from camid.diagnosis.swinging_coefficient import swinging_coefficient
@@ -38,8 +39,10 @@ from camid.diagnosis.zeros_of_recordings import CountedFromOwn, with_own_zeros
 from camid.effects import known_effects
 from camid.effects.base import Effect
 from camid.fitting.fit import Fitted, fit
+from camid.fitting.multiple_shooting import may_be_cut
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.identification.unknown_constants import integrates
 from camid.side_by_side import with_a_copy
 from camid.simulation.model import Simulation
 
@@ -105,6 +108,7 @@ def _of_readings(
     with with_a_copy(problem, nominal, watch):
         setting = prepared(believed, problem, nominal, validation, chosen, watch)
         beginning = first_beginning(setting.problem, setting.base)
+    beginning = _shown_by_one(setting, beginning, watch) or beginning
     counted = _counted_from_own_zeros(setting, watch)
     if counted is not None and counted.tells_all:
         return counted.taken(watch)
@@ -122,6 +126,32 @@ def _of_readings(
     if not beginning.runs_away:
         pulled = _pulled(setting, watch)
     return pulled.taken(watch) if pulled is not None and pulled.tells_more else found
+
+
+def _shown_by_one(setting: Setting, beginning: Beginning, watch: Watch) -> Beginning | None:
+    """What a search begins with where one of several recordings shows alone what is missing; None where none does.
+
+    A plant that integrates runs away from each recording on a way of its own until all that is missing is there.
+    """
+    whole = setting.whole
+    apart = len(whole.fitted_runs) > 1 and may_be_cut(whole) and not setting.nominal.initial
+    if not apart or not integrates(setting.believed) or not is_far_off(setting.problem, setting.base):
+        return None
+    if beginning.decision is not None:
+        return None
+    if watch.no_time_for("what one recording shows alone"):
+        return None
+    watch.say("looking at the first recording alone")
+    first = whole.fitted_runs[0]
+    alone, rows = whole.alone(first), [setting.validation[first]]
+    aside = watch.aside(alone.work, len(alone.output), 1)
+    try:
+        with with_a_copy(alone, setting.nominal, aside):
+            own = prepared(setting.believed, alone, setting.nominal, rows, setting.chosen, aside)
+            _, decision, _, residue = _decided(own, first_beginning(own.problem, own.base), aside)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # it diverges alone
+        return None
+    return None if residue.reasons else beginning_with(setting.problem, setting.base, decision.fitted.model)
 
 
 def _counted_from_own_zeros(setting: Setting, watch: Watch) -> CountedFromOwn | None:

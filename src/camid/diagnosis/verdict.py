@@ -248,6 +248,7 @@ def recognised(recognition: Recognition) -> Finding:
         effect.reference,
         parameters_of(effect, recognition.standard_deviations),
         {"share": 0.0, "validation_gain": None, "false_alarm_probability": recognition.false_alarm_probability},
+        certain=effect.shows_in_values or recognition.stands_out,
     )
 
 
@@ -255,12 +256,12 @@ def beside_others(noise: Sequence[Finding], motion: Sequence[Finding]) -> list[F
     """Findings of noise-like effects with their weights beside what else is named.
 
     What the residual shows may be the shadow of another effect. What the recorded values themselves show, such as
-    repeated frames, is certain.
+    repeated frames, is certain, and so are single rows far beyond all that the motion leaves.
     """
     result = []
     linear = any(known_effects()[finding.identifier].linear_dynamics for finding in motion)
     for finding in noise:
-        if known_effects()[finding.identifier].shows_in_values:
+        if finding.certain:
             result.append(finding)
             continue
         alone = len(noise) == 1 and not motion

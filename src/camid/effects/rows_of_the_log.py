@@ -54,7 +54,7 @@ def noise_of_command(signal: Array) -> float:
     if len(signal) < WINDOW_ROWS or left <= NOISY_COMMAND * float(np.std(signal)):
         return left
     rows = np.lib.stride_tricks.sliding_window_view(signal, REGRESSION_ROWS + 1)
-    windows = np.array_split(rows, len(rows) // WINDOW_ROWS)
+    windows = np.array_split(rows, max(len(rows) // WINDOW_ROWS, 1))
     residuals = []
     for window in windows[:: max(len(windows) // MOST_WINDOWS, 1)]:
         before, now = window[:, :-1], window[:, -1]

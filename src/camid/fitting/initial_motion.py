@@ -43,9 +43,9 @@ def first_motion(problem: Problem, index: int, recorded: Array) -> tuple[float, 
     constant = time_scale(tuple(denominator))
     rows = int(np.clip(SMOOTHED * constant / acquisition.period, FEWEST_SMOOTHED, MOST_SMOOTHED))
     used = np.flatnonzero(experiment.used)[:rows]
-    if used[0] > rows and np.any(experiment.signal):
-        # A cubic says nothing so far from its rows, and those that are not fitted show the motion, too; before a decay
-        # the body was held.
+    if len(used) == 0 or (used[0] > rows and np.any(experiment.signal)):
+        # A cubic says nothing so far from its rows, and those that are not fitted show the motion, too, as those of a
+        # recording that judges only; before a decay the body was held.
         used = np.arange(min(rows, len(recorded)))
     delay = acquisition.window()[0] if problem.kind.state_before_record(experiment) else 0
     exposure = 0.0 if acquisition.sensor == "instant" else float(acquisition.exposure or 0.0)

@@ -182,6 +182,12 @@ class Problem:
         kind = self.kind.start_of(rows)
         return replace(self, experiments=experiments, times=times, kind=kind, relative_noise=noise)
 
+    def alone(self, index: int) -> Problem:
+        """One of several recordings that have nothing in common but the rig, with an account of its own."""
+        noise = None if self.relative_noise is None else (self.relative_noise[index],)
+        one = replace(self, experiments=[self.experiments[index]], times=[self.times[index]], relative_noise=noise)
+        return replace(one, steps=None, work=Work(), motions=RememberedMotions())
+
     def delivered_later(self, time: float) -> Problem:
         """The same with a latency that is longer by a time in seconds."""
         acquisitions = [replace(e.acquisition, latency=e.acquisition.latency + time) for e in self.experiments]

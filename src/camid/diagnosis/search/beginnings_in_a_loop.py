@@ -122,6 +122,22 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         return Beginning()
 
 
+def beginning_with(problem: Problem, base: Fitted, shown: Model) -> Beginning | None:
+    """The effects that a part of the recordings has shown, fitted to all; None where they leave much.
+
+    Parameters
+    ----------
+    problem : Problem
+    base : Fitted
+        Without an effect.
+    shown : Model
+        With the effects, from where the fit starts.
+    """
+    found = _fitted(problem, shown) if len(shown.effects) > len(base.model.effects) else None
+    decision = None if found is None else _decision(problem, base, found.fitted)
+    return None if decision is None else Beginning(decision)
+
+
 def _follows(problem: Problem, model: Model) -> bool:
     """Whether a model follows the recordings to their end."""
     return rows_followed(problem, model) >= min(map(len, problem.times))
