@@ -187,3 +187,62 @@ class ParallelMode(_Mode):
     def invisible(cls, situation: Situation) -> str | None:
         """Nothing excites it without input."""
         return None if np.any(situation.all_signals) else "without input nothing excites a mode beside the plant"
+
+
+class MassBeside(ParallelMode):
+    """A mass on a spring beside the one that is seen: a load that swings or sloshes, an absorber, a panel.
+
+    It adds a resonance and, where it would move by itself with the seen one held, an antiresonance. Two modes in
+    parallel are that as long as damping bends no mode into another (Caughey & O'Kelly 1965); this is it with any.
+    """
+
+    title = "Mass on a spring beside the one that is seen"
+    equation = r"y = \frac{s^2/\omega_z^2 + 2\xi_z s/\omega_z + 1}{s^2/\omega_2^2 + 2\xi_2 s/\omega_2 + 1}\;G(s)\,u"
+    reference = "Den Hartog (1956), Mechanical Vibrations, 4th ed., section 3.2"
+    parameters = (
+        Parameter("natural_frequency", "rad/s", "natural frequency ω₂ with both moving", 1e-300),
+        Parameter("damping", "", "damping ratio ξ₂ with both moving", 0.0, 5.0),
+        Parameter("own_frequency", "rad/s", "natural frequency ω_z of the unseen mass, the seen one held", 1e-300),
+        Parameter("own_damping", "", "damping ratio ξ_z of the unseen mass, the seen one held", 0.0, 5.0),
+    )
+    strength = None
+
+    def beside_plant(self) -> TransferFunction | None:
+        """Nothing: it moves what is seen."""
+        return None
+
+    def after_plant(self) -> TransferFunction | None:
+        """Antiresonance over resonance, with a static gain of one."""
+        mode = second_order(1.0, self.values["natural_frequency"], self.values["damping"])
+        (square,) = mode.numerator
+        own = self.values["own_frequency"]
+        zeros = (square / own**2, 2.0 * self.values["own_damping"] * square / own, square)
+        return TransferFunction(zeros, mode.denominator)
+
+    def scaled(self, factor: float) -> MassBeside:
+        """Both frequencies, and both dampings, as much nearer to each other: what is the same does nothing."""
+        frequency, damping, own_frequency, own_damping = self.vector
+        ratio = (own_frequency / frequency) ** factor
+        return self.with_vector(
+            np.array([frequency, damping, frequency * ratio, damping + factor * (own_damping - damping)])
+        )
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """None that is not found without it."""
+        return ()
+
+    @classmethod
+    def starts(cls, situation: Situation, **values: Any) -> Iterator[Effect]:
+        """With the zeros of plant and mode in parallel that lie nearest to the mode."""
+        gain, frequency, damping = (values[name] for name in ("gain", "natural_frequency", "damping"))
+        whole = situation.plant + second_order(gain, frequency, damping)
+        zeros = [zero for zero in np.roots(whole.numerator) if zero.imag > 0.0 and zero.real < 0.0]
+        if zeros:
+            zero = min(zeros, key=lambda each: abs(abs(each) - frequency))
+            own = {"own_frequency": float(abs(zero)), "own_damping": float(-zero.real / abs(zero))}
+            yield cls(natural_frequency=frequency, damping=damping, **own)
+
+    @classmethod
+    def candidates(cls, situation: Situation) -> Iterator[Effect]:
+        """It is begun from the mode in parallel."""
+        return iter(())
