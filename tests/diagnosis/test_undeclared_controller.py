@@ -8,7 +8,9 @@ import pytest
 
 import camid
 from camid.chain.acquisition import Acquisition
-from camid.diagnosis.held_by_observer import is_astray, takes_input_away
+from camid.diagnosis.held_by_observer import is_astray
+from camid.diagnosis.search.hypothesis_fit import takes_input_away
+from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
 
@@ -146,7 +148,7 @@ def test_an_actuator_that_takes_the_input_away_says_nothing(limit, away):
     improved = load_simulation(nominal(8.0, [1.0, 5.0, 0.0], 0.002, effects=effects))
     command = np.sin(np.arange(400.0))
     run = SimpleNamespace(signal=command, acquisition=Acquisition(0.004, sensor="instant"))
-    assert takes_input_away(SimpleNamespace(experiments=[run]), improved) is away
+    assert takes_input_away(SimpleNamespace(experiments=[run]), effects_of(improved)) is away
 
 
 def test_frames_that_are_left_out_one_by_one_do_not_pull_and_those_that_judge_do():

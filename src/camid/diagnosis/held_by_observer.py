@@ -16,8 +16,6 @@ from camid.diagnosis.diagnosis import Diagnosis
 from camid.diagnosis.setting import Setting
 from camid.diagnosis.watch import Watch
 from camid.effects import known_effects
-from camid.effects.declared import effects_of
-from camid.engine.input import grid_input
 from camid.engine.work import Work
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.observed import ObservedPlant
@@ -37,10 +35,6 @@ NOISE = 1.5
 # Verdicts with which nothing else is looked for, and share of what the plant leaves that is pulled without its input.
 TOLD = ("explained", "adequate")
 TOLD_OF_UNDRIVEN = 0.5
-# Share of the input's spread that actuators pass on at least.
-LEAST_PASSED = 0.1
-# Steps in a period between which it is looked at.
-STEPS = 4
 # Rate of the pull in radians per frame, and at most in the time by which frames are late: with a faster one the noise
 # counts for more, and a slower one holds less.
 USUAL_RATE, MOST_LATE = 0.1, 0.3
@@ -117,19 +111,6 @@ class Pulled:
         """Whether what is found says what is missing, where nothing follows without an observer."""
         fits = self.diagnosis.fit
         return self.tells_all or fits.improved < TELLS * min(fits.refitted, self.undriven)
-
-
-def takes_input_away(problem: Problem, improved: Simulation) -> bool:
-    """Whether actuators leave hardly anything of the input, so that the pull alone makes the motion.
-
-    A controller makes up for what is missing: without its command a simulation that does not have it is disturbed less.
-    """
-    sent, passed = [], []
-    for experiment in problem.experiments:
-        arrived, _ = grid_input(effects_of(improved), experiment.signal, experiment.acquisition, 0, STEPS)
-        sent.append(float(np.std(experiment.signal)))
-        passed.append(float(np.std(arrived)))
-    return sum(passed) < LEAST_PASSED * sum(sent)
 
 
 def undriven_error(setting: Setting) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from camid.diagnosis.conclusion import concluded
 from camid.diagnosis.diagnosis import Diagnosis
-from camid.diagnosis.held_by_observer import Pulled, is_astray, takes_input_away, undriven_error, with_observer
+from camid.diagnosis.held_by_observer import Pulled, is_astray, undriven_error, with_observer
 from camid.diagnosis.improved_simulation import Deviations
 from camid.diagnosis.laws.laws_alone import log_evidence
 from camid.diagnosis.laws.learned_laws import with_learned_laws
@@ -29,7 +29,7 @@ from camid.diagnosis.residue import Residue, residue_of
 from camid.diagnosis.search.beginnings_in_a_loop import Beginning, beginning_with, first_beginning
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.effect_selection import select_effects
-from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
+from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible, takes_input_away
 from camid.diagnosis.search.hypothesis_search import is_far_off
 from camid.diagnosis.search.settled_laws import in_least_minima
 from camid.diagnosis.setting import Setting, over_noise, prepared
@@ -38,6 +38,7 @@ from camid.diagnosis.watch import LAWS, NAMES, OVERTIME, Watch
 from camid.diagnosis.zeros_of_recordings import CountedFromOwn, with_own_zeros
 from camid.effects import known_effects
 from camid.effects.base import Effect
+from camid.effects.declared import effects_of
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.multiple_shooting import may_be_cut
 from camid.fitting.plant_with_effects import Model
@@ -189,7 +190,7 @@ def _pulled(setting: Setting, watch: Watch) -> Pulled | None:
             undriven = undriven_error(pulled)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # it diverges all the same
         return None
-    if takes_input_away(problem, found.improved):
+    if takes_input_away(problem, effects_of(found.improved)):
         return None
     found = replace(found, warnings=[*found.warnings, *problem.kind.remarks(found.improved)])
     return Pulled(found, undriven, aside)

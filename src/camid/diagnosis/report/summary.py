@@ -48,6 +48,7 @@ SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
 
 
+MOST_SHOWN = 3  # numbers of a parameter that has many, as those of an autoregression
 # What is said of a name that only resembles the law that stands in its place.
 NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
 DOUBTFUL = "what is left out is modelled and what remains is noise, but something of it has no name that is likely"
@@ -68,7 +69,7 @@ def verdict_words(diagnosis: Diagnosis) -> tuple[str, str, str]:
     if diagnosis.verdict == "partly-explained" and not diagnosis.structured:
         meaning = DOUBTFUL if diagnosis.fit.carries_over else NOT_CARRIED_OVER
     if diagnosis.learned:
-        meaning = LEARNED_REST if diagnosis.findings else LEARNED_ALL
+        meaning = LEARNED_REST if any(f.simulated for f in diagnosis.findings) else LEARNED_ALL
         meaning += ", and something remains" if diagnosis.structured else ", and what is left is noise"
     if meaning.endswith("is noise") and not diagnosis.fit.carries_over:
         meaning += " in the rows that were fitted"
@@ -117,6 +118,11 @@ def estimate_text(parameter: ParameterEstimate) -> str:
         return at_bound_text(parameter)
     if parameter.stated:
         return stated_text(parameter)
+    if isinstance(parameter.value, list) and len(parameter.value) > MOST_SHOWN:
+        deviations = parameter.standard_deviation
+        some = deviations[:MOST_SHOWN] if isinstance(deviations, list) else deviations
+        shown = with_deviation(parameter.value[:MOST_SHOWN], some, parameter.unit)
+        return f"{shown}; … ({len(parameter.value)} numbers)"
     return with_deviation(parameter.value, parameter.standard_deviation, parameter.unit)
 
 
@@ -225,7 +231,7 @@ def _table_of_findings(diagnosis: Diagnosis) -> Table:
         without = "– (noise)" if noise_only else percentage(finding.evidence.get("nrmse_without"))
         rows = list(finding.parameters.items()) or [("", ParameterEstimate("–", None, ""))]
         for i, (name, parameter) in enumerate(rows):
-            head = (finding.title, percentage(finding.weight, 2), finding.place) if i == 0 else ("", "", "")
+            head = (finding.title, weight_text(finding), finding.place) if i == 0 else ("", "", "")
             value = estimate_text(parameter)
             table.add_row(*head, name.replace("_", " "), value, without if i == 0 else "")
     for part in diagnosis.learned:
@@ -266,6 +272,12 @@ def refitted_text(coefficient: Coefficient) -> str:
     return with_deviation(coefficient.refitted, coefficient.refitted_deviation)
 
 
+def weight_text(finding: Finding) -> str:
+    """Weight of a name; of one in whose place a law stands it is that of any law of such a kind."""
+    weight = percentage(finding.weight, 2)
+    return weight if finding.simulated else f"{weight} that it is such"
+
+
 def stands_alone(finding: Finding) -> bool:
     """Whether the alternatives to a name are remote, or all fit worse with the catalogue's law."""
     as_good, worse = rivals(finding)
@@ -278,7 +290,7 @@ def finding_lines(finding: Finding, own_titles: Mapping[str, str]) -> list[str]:
     others = alternatives_text(finding, own_titles)
     if others:
         relation = "not excluded:" if stands_alone(finding) else "cannot be told apart from:"
-        lines.append(f"{finding.title} ({percentage(finding.weight, 2)}), {relation} {others}")
+        lines.append(f"{finding.title} ({weight_text(finding)}), {relation} {others}")
     if not finding.simulated:
         lines.append(f"  {NOT_SIMULATED}")
     if finding.separating_experiment:

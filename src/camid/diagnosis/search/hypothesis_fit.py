@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from camid.diagnosis.search.hypothesis import Hypothesis, prior_penalty
 from camid.effects.base import Effect
+from camid.engine.input import grid_input
 from camid.fitting.fit import Fitted, fit
 from camid.fitting.plant_with_effects import Model
+from camid.fitting.plants.observed import ObservedPlant
 from camid.fitting.problem import Problem
 from camid.fitting.recorded_extent import extent_of
 
@@ -21,6 +24,8 @@ ALL_STEPS = 30
 REFRESHES, REFRESHES_OVER_TIME = 10, 3
 # Fall of the sum of squares in a step, as a share, that ends a fit: in thousands of rows no evidence.
 TOLERANCE = 1e-6
+# Share of the input's spread that actuators pass on at least, and steps in a period between which it is looked at.
+LEAST_PASSED, STEPS_IN_A_PERIOD = 0.1, 4
 
 
 def fitted_hypothesis(
@@ -77,8 +82,32 @@ def is_linear(problem: Problem, model: Model) -> bool:
     return problem.kind.nonlinear(model) is None and all(e.linear_dynamics for e in model.effects)
 
 
+def _that_cut_off(model: Model) -> set[int]:
+    """The effects of a model that bend what an actuator passes on."""
+    return {i for i, e in enumerate(model.effects) if e.place == "actuator" and not e.linear_dynamics}
+
+
+def takes_input_away(problem: Problem, effects: Sequence[Effect]) -> bool:
+    """Whether actuators leave hardly anything of the input, so that an observer's pull alone makes the motion.
+
+    A controller makes up for what is missing: without its command a simulation that does not have it is disturbed less.
+    """
+    sent, passed = [], []
+    for experiment in problem.experiments:
+        arrived, _ = grid_input(effects, experiment.signal, experiment.acquisition, 0, STEPS_IN_A_PERIOD)
+        sent.append(float(np.std(experiment.signal)))
+        passed.append(float(np.std(arrived)))
+    return sum(passed) < LEAST_PASSED * sum(sent)
+
+
 def implausible(problem: Problem, model: Model) -> set[int]:
-    """Which effects of a model have values that are not possible on the way and in the time recorded."""
+    """Which effects of a model have values that are not possible on the way and in the time recorded.
+
+    Those of an actuator that leave hardly anything of the input are not where an observer makes the motion.
+    """
+    cut = _that_cut_off(model) if isinstance(problem.kind, ObservedPlant) else set()
+    if cut and takes_input_away(problem, model.in_order()):
+        return cut
     if all(type(effect).is_plausible is Effect.is_plausible for effect in model.effects):
         return set()
     extent, names = extent_of(problem), [effect.identifier for effect in model.effects]
