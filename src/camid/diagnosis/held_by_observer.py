@@ -108,9 +108,14 @@ class Pulled:
 
     @property
     def tells_more(self) -> bool:
-        """Whether what is found says what is missing, where nothing follows without an observer."""
+        """Whether what is found says what is missing, where nothing follows without an observer.
+
+        Noise counts on neither side: in the next frames of a pulled simulation there is little but noise.
+        """
         fits = self.diagnosis.fit
-        return self.tells_all or fits.improved < TELLS * min(fits.refitted, self.undriven)
+        noise = min(fits.noise_floor, fits.improved) ** 2
+        left, before = fits.improved**2 - noise, min(fits.refitted, self.undriven) ** 2 - noise
+        return self.tells_all or left < TELLS**2 * before
 
 
 def undriven_error(setting: Setting) -> float:
