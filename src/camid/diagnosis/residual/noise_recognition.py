@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 # Rows are left out already where they are suspect: few rows more or less cost nothing.
 SUSPECT_P_VALUE = 1e-2
+# Rows that stand out beside their neighbours alone, at least.
+FEWEST_ALONE = 3
 # A resonance rises this much above the middle of the spectrum; two are the same within this ratio (logarithm).
 RESONANCE_RATIO = 4.0
 SAME_RESONANCE = 0.2
@@ -58,7 +60,9 @@ def _alone(effect: type[Effect], situation: Situation) -> Recognition | None:
     around = np.lib.stride_tricks.sliding_window_view(np.pad(situation.residual, AROUND, mode="edge"), 2 * AROUND + 1)
     beside = np.median(np.delete(around, AROUND, axis=-1), axis=-1)
     found = effect.recognise(replace(situation, residual=situation.residual - beside))
-    return found if found is not None and found.stands_out else None
+    # Where a command jumps, a wrong hold or delay leaves single rows, too, of which one is the largest.
+    several = found is not None and found.stands_out and np.count_nonzero(found.spoiled) >= FEWEST_ALONE
+    return found if several else None
 
 
 def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: Sequence[Effect]) -> list[Recognition]:
