@@ -10,6 +10,7 @@ from camid.effects.friction import CoulombFriction, StribeckFriction
 from camid.effects.gradual_dead_zone import GradualDeadZone
 from camid.effects.gradual_friction import GradualAsymmetricFriction, GradualCoulombFriction, GradualStribeckFriction
 from camid.effects.modes import ModeDampedBetween
+from camid.effects.rows_of_the_log import InputPickup, InputPickupOfRowBefore
 from camid.effects.two_term_springs import CubicStiffnessWithFifthPower
 from camid.fitting.recorded_extent import extent_of
 from tests.fitting.test_fitted_rows import COUNT, PERIOD, problem_and_model
@@ -70,3 +71,11 @@ def test_no_more_of_a_mode_s_damping_lies_in_its_spring_than_there_is(share, pla
     """Half as much again at most, by an estimate: what the output does earlier than that is no mode."""
     law = ModeDampedBetween(natural_frequency=30.0, damping=0.1, lead=share * 2.0 * 0.1 / 30.0)
     assert law.is_plausible(REACHED) is plausible
+
+
+@pytest.mark.parametrize(("coefficient", "plausible"), [(0.6, True), (-0.6, True), (0.7, False), (-4.3, False)])
+def test_no_more_of_the_command_is_picked_up_than_is_read(coefficient, plausible):
+    """A fast plant that is a frame late was a pick-up of minus four times the command, which the plant took back."""
+    for law in (InputPickup(coefficient=coefficient), InputPickupOfRowBefore(coefficient=coefficient, row="before")):
+        assert law.is_plausible(REACHED) is plausible
+    assert InputPickup(coefficient=coefficient).is_plausible(Extent(2.0, 10.0))

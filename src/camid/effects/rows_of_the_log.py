@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isfinite
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -131,6 +132,12 @@ class InputPickup(Effect):
     def picked_up(self, signal: Array) -> Array | None:
         """In proportion to the command of the same row."""
         return np.asarray(self.values["coefficient"] * signal)
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether no more is picked up than is read in all: what a plant then has to take back is no pick-up."""
+        if isfinite(extent.signal) and abs(float(self.values["coefficient"])) * extent.signal > extent.span:
+            return False
+        return super().is_plausible(extent)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
