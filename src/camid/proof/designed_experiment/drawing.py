@@ -62,7 +62,7 @@ def draw(rows: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         xlim=span,
         ylim=span,
     )
-    right.legend(loc="upper left")
+    right.legend(loc="lower right")
     columns = ["number", "law", "kind", "first_truth_weight", "predicted_evidence", "predicted_weight"]
     columns += [f"{e}_{c}" for e in EXPERIMENTS for c in ("name", "weight", "truth_weight", "gap")]
     return figure, shown[columns].reset_index(drop=True)
