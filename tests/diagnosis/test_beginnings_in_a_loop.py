@@ -48,6 +48,7 @@ def test_a_buffer_in_a_loop_that_is_not_declared_is_found_beside_coefficients_of
     assert found.fit.improved < 0.05 < found.fit.refitted
 
 
+@pytest.mark.slow
 def test_friction_and_a_load_that_sets_in_are_found_together_in_a_loop_that_is_not_declared():
     """With one of them alone the axis runs away from the recording as well."""
     generator = np.random.default_rng(12)

@@ -24,7 +24,7 @@ def parameter_of(diagnosis, identifier):
     return value
 
 
-@pytest.mark.parametrize("rows", [1, 3])
+@pytest.mark.parametrize("rows", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_a_command_that_is_logged_late_is_told_from_a_mode(rows):
     table = record(noise=0.002, sensor="instant")
     signal = table["u"].to_numpy()

@@ -71,7 +71,8 @@ def test_gravity_and_drag(start, seed):
     assert abs(coefficient.value - drag / PIXELS) < 4.0 * coefficient.standard_deviation
 
 
-@pytest.mark.parametrize(("start", "seed"), [(0.8, 3), pytest.param(0.55, 2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("start", "seed"), [(0.8, 3), (0.55, 2)])
 def test_gravity_and_friction_of_the_pivot(start, seed):
     friction = 0.05
     found = camid.diagnose(filmed(PIXELS * angles(start, 4.1, 0.02, friction=friction), seed), BELIEVED)

@@ -63,7 +63,7 @@ def test_digits_that_integrators_differ_in_are_no_physics(digits):
 @pytest.mark.parametrize(
     ("identifier", "force", "parameter", "true"),
     [
-        ("cubic-stiffness", lambda y, v: 18.0 * y**3, "coefficient", 18.0),
+        pytest.param("cubic-stiffness", lambda y, v: 18.0 * y**3, "coefficient", 18.0, marks=pytest.mark.slow),
         ("quadratic-drag", lambda y, v: 0.5 * abs(v) * v, "coefficient", 0.5),
     ],
 )
