@@ -153,14 +153,14 @@ class ParallelMode(_Mode):
     drawn_against = "frequency"
     equation = r"y = \left(G(s) + \frac{g\,\omega_2^2}{s^2 + 2\xi_2\omega_2 s + \omega_2^2}\right)u"
     reference = "Ewins (2000), Modal Testing, 2nd ed., section 2.5; Spong (1987), J. Dyn. Syst. Meas. Control 109, 310"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("gain", "y/u", "static displacement g of the mode for a unit of the input"),
         Parameter("natural_frequency", "rad/s", "natural frequency ω₂", 1e-300),
         Parameter("damping", "", "damping ratio ξ₂", 0.0, 5.0),
     )
     linear_dynamics = True
     separated_by = (SeparatingExperiment.FASTER_CAMERA,)
-    strength = "gain"
+    strength: ClassVar[str | None] = "gain"
 
     def beside_plant(self) -> TransferFunction | None:
         """The mode."""
