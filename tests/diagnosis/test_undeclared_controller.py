@@ -8,8 +8,9 @@ import pytest
 
 import camid
 from camid.chain.acquisition import Acquisition
-from camid.diagnosis.held_by_observer import is_astray
+from camid.diagnosis.held_by_observer import Pulled, is_astray
 from camid.diagnosis.search.hypothesis_fit import takes_input_away
+from camid.diagnosis.watch import Watch
 from camid.effects.declared import effects_of
 from camid.errors import InputError
 from camid.simulation.file import load_simulation
@@ -176,3 +177,19 @@ def test_what_leaves_noise_alone_follows_the_recording(error, noise, structured,
     fit = SimpleNamespace(improved=error, noise_floor=noise)
     diagnosis = SimpleNamespace(fit=fit, structured=structured, findings=findings)
     assert is_astray(diagnosis) == astray
+
+
+@pytest.mark.parametrize(
+    ("found", "improved", "verdict", "everything", "more"),
+    [
+        (["cogging"], 0.010, "explained", True, True),
+        ([], 0.010, "adequate", False, False),  # the pull hides what is missing
+        (["cogging"], 0.0105, "partly-explained", False, True),  # little beyond the noise
+        (["cogging"], 0.019, "partly-explained", False, False),
+    ],
+)
+def test_a_pulled_simulation_tells_what_is_missing_where_something_is_found(found, improved, verdict, everything, more):
+    fits = SimpleNamespace(improved=improved, refitted=0.02 if found else improved, noise_floor=0.01)
+    diagnosis = SimpleNamespace(findings=found, learned=[], verdict=verdict, fit=fits)
+    pulled = Pulled(diagnosis, 0.05, Watch())
+    assert (pulled.tells_all, pulled.tells_more) == (everything, more)

@@ -100,8 +100,13 @@ class Pulled:
 
     @property
     def tells_all(self) -> bool:
-        """Whether what is found leaves nothing but noise, or next to nothing."""
+        """Whether what is found leaves nothing but noise, or next to nothing.
+
+        Where nothing is found the pull may hide what is missing: by themselves the simulations run away with it.
+        """
         fits = self.diagnosis.fit
+        if not (self.diagnosis.findings or self.diagnosis.learned):
+            return False
         told = self.diagnosis.verdict in TOLD and fits.improved < TOLD_OF_UNDRIVEN * self.undriven
         is_noise = fits.improved < NOISE * fits.noise_floor
         return told or (is_noise and fits.improved < TELLS_ALL * min(fits.refitted, self.undriven))
