@@ -148,6 +148,14 @@ def test_a_name_that_is_not_simulated_is_marked():
     assert f"  {summary.NOT_SIMULATED}" in summary.finding_lines(resembling, {})
     assert f"  {summary.NOT_SIMULATED}" not in summary.finding_lines(written_diagnoses.finding(), {})
     assert resembling.to_mapping()["simulated"] is False
+    # Its weight is that of any law of such a kind: the catalogue's explains it not.
+    assert summary.weight_text(resembling) == f"{summary.weight_text(written_diagnoses.finding())} that it is such"
+
+
+@pytest.mark.parametrize(("count", "more"), [(3, ""), (12, "; … (12 numbers)")])
+def test_many_numbers_of_a_spectrum_are_not_shown_one_by_one(count, more):
+    shown = summary.estimate_text(ParameterEstimate([0.25] * count, [0.01] * count, ""))
+    assert shown.replace(SPACE, " ") == "; ".join(["0.250 ± 0.010"] * 3) + more
 
 
 def test_a_law_is_as_large_as_it_is_where_the_recording_goes(capsys):

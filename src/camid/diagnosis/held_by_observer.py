@@ -32,8 +32,7 @@ NEARLY_ASTRAY, FAR_FROM_NOISE = 0.005, 10.0
 TELLS, TELLS_ALL = 0.25, 0.05
 # The same in noise floors, up to which it is little but noise.
 NOISE = 1.5
-# Verdicts with which nothing else is looked for, and share of what the plant leaves that is pulled without its input.
-TOLD = ("explained", "adequate")
+# Share of what the plant leaves that is pulled without its input, up to which an explanation holds.
 TOLD_OF_UNDRIVEN = 0.5
 # Rate of the pull in radians per frame, and at most in the time by which frames are late: with a faster one the noise
 # counts for more, and a slower one holds less.
@@ -105,9 +104,7 @@ class Pulled:
         Where nothing is found the pull may hide what is missing: by themselves the simulations run away with it.
         """
         fits = self.diagnosis.fit
-        if not (self.diagnosis.findings or self.diagnosis.learned):
-            return False
-        told = self.diagnosis.verdict in TOLD and fits.improved < TOLD_OF_UNDRIVEN * self.undriven
+        told = self.diagnosis.verdict == "explained" and fits.improved < TOLD_OF_UNDRIVEN * self.undriven
         is_noise = fits.improved < NOISE * fits.noise_floor
         return told or (is_noise and fits.improved < TELLS_ALL * min(fits.refitted, self.undriven))
 

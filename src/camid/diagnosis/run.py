@@ -136,11 +136,9 @@ def _shown_by_one(setting: Setting, beginning: Beginning, watch: Watch) -> Begin
     """
     whole = setting.whole
     apart = len(whole.fitted_runs) > 1 and may_be_cut(whole) and not setting.nominal.initial
-    if not apart or not integrates(setting.believed) or not is_far_off(setting.problem, setting.base):
+    if beginning.decision is not None or not apart or not integrates(setting.believed):
         return None
-    if beginning.decision is not None:
-        return None
-    if watch.no_time_for("what one recording shows alone"):
+    if not is_far_off(setting.problem, setting.base) or watch.no_time_for("what one recording shows alone"):
         return None
     watch.say("looking at the first recording alone")
     first = whole.fitted_runs[0]

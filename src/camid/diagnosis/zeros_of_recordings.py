@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, Signals
-from camid.diagnosis.held_by_observer import TOLD
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, evaluate
 from camid.fitting.plants.constants import OFFSET
@@ -25,6 +24,8 @@ Array = NDArray[np.float64]
 # Share of the sum of squares that zeros explain from which they are tried in the place of anything else, and the
 # logarithm of the likelihood ratio that they need beside that.
 WORTH_TRYING, STRONG = 0.1, 10.0
+# Verdicts with which nothing else is looked for.
+TOLD = ("explained", "adequate")
 # Standard deviations from which zeros differ.
 CERTAIN = 5.0
 # Rounds in which zeros and coefficients are estimated in turn at most, and the change, in standard deviations of the

@@ -193,7 +193,8 @@ class MassBeside(ParallelMode):
     """A mass on a spring beside the one that is seen: a load that swings or sloshes, an absorber, a panel.
 
     It adds a resonance and, where it would move by itself with the seen one held, an antiresonance. Two modes in
-    parallel are that as long as damping bends no mode into another (Caughey & O'Kelly 1965); this is it with any.
+    parallel are that as long as damping bends no mode into another (Caughey & O'Kelly 1965, J.
+    Appl. Mech. 32, 583-588); this is it with any. The plant's coefficients are then those of the other resonance.
     """
 
     title = "Mass on a spring beside the one that is seen"

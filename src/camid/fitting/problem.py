@@ -183,7 +183,7 @@ class Problem:
         return replace(self, experiments=experiments, times=times, kind=kind, relative_noise=noise)
 
     def alone(self, index: int) -> Problem:
-        """One of several recordings that have nothing in common but the rig, with an account of its own."""
+        """Recording ``index`` of several that have nothing in common but the rig, with an account of its own."""
         noise = None if self.relative_noise is None else (self.relative_noise[index],)
         one = replace(self, experiments=[self.experiments[index]], times=[self.times[index]], relative_noise=noise)
         return replace(one, steps=None, work=Work(), motions=RememberedMotions())

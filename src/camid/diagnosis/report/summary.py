@@ -46,9 +46,9 @@ HARDLY_ANYTHING = (
 # Evidence of squares, which diagnosis.json holds and no reader is shown: the page speaks of root mean squares alone.
 SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
-
-
 MOST_SHOWN = 3  # numbers of a parameter that has many, as those of an autoregression
+
+
 # What is said of a name that only resembles the law that stands in its place.
 NOT_SIMULATED = "not in the improved simulation: the law without a name stands in its place"
 DOUBTFUL = "what is left out is modelled and what remains is noise, but something of it has no name that is likely"

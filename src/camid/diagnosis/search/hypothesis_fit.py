@@ -82,7 +82,7 @@ def is_linear(problem: Problem, model: Model) -> bool:
     return problem.kind.nonlinear(model) is None and all(e.linear_dynamics for e in model.effects)
 
 
-def _that_cut_off(model: Model) -> set[int]:
+def _bending_actuators(model: Model) -> set[int]:
     """The effects of a model that bend what an actuator passes on."""
     return {i for i, e in enumerate(model.effects) if e.place == "actuator" and not e.linear_dynamics}
 
@@ -91,6 +91,12 @@ def takes_input_away(problem: Problem, effects: Sequence[Effect]) -> bool:
     """Whether actuators leave hardly anything of the input, so that an observer's pull alone makes the motion.
 
     A controller makes up for what is missing: without its command a simulation that does not have it is disturbed less.
+
+    Parameters
+    ----------
+    problem : Problem
+    effects : sequence of Effect
+        In the order in which they act.
     """
     sent, passed = [], []
     for experiment in problem.experiments:
@@ -105,7 +111,7 @@ def implausible(problem: Problem, model: Model) -> set[int]:
 
     Those of an actuator that leave hardly anything of the input are not where an observer makes the motion.
     """
-    cut = _that_cut_off(model) if isinstance(problem.kind, ObservedPlant) else set()
+    cut = _bending_actuators(model) if isinstance(problem.kind, ObservedPlant) else set()
     if cut and takes_input_away(problem, model.in_order()):
         return cut
     if all(type(effect).is_plausible is Effect.is_plausible for effect in model.effects):
