@@ -3,17 +3,26 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.signal import lfilter
 
 import camid
-from camid.diagnosis.residual.uneven_noise import relative_noise
+from camid.diagnosis.residual.uneven_noise import relative_noise, with_rate_of_reading
 from camid.fitting.from_simulation import model_of, problem_of, structure_of
-from camid.identification.from_recordings import experiments_of
+from camid.fitting.unseen import WHY_INTERPOLATED
+from camid.identification.from_recordings import experiments_of, load_recordings
 from camid.simulation.file import load_simulation
 from tests.support.mass_on_spring import PERIOD, effect, record, simulation
 
 COUNT, NOISE = 2000, 0.002
+PLAIN = {
+    "schema": 1,
+    "time": {"column": "t"},
+    "input": {"column": "u", "hold": "zoh"},
+    "plant": {"transfer_function": {"numerator": [60.0], "denominator": [1.0, 4.0, 70.0]}},
+    "sensor": {"column": "y", "kind": "instant"},
+}
 
 
 def jittered(*effects, jitter, seed, noise=NOISE, count=COUNT, command_seed=1):
@@ -117,3 +126,40 @@ def test_jitter_that_one_recording_seems_to_show_is_refuted_by_a_faster_one():
         problem = problem_of(believed, structure_of(believed), recordings, experiments)
         fitted = problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
         assert (relative_noise(problem, fitted) is None) == refuted
+
+
+def resampled(steps, seed=0):
+    """Noisy positions of a mass on a spring that a force moves at 1.1 Hz, in rows that lie so many seconds apart."""
+    random = np.random.default_rng(seed)
+    time = np.concatenate([[0.0], np.cumsum(steps)])
+    frequency = 7.0j
+    motion = 60.0 / (frequency**2 + 4.0 * frequency + 70.0) * np.exp(frequency * time)
+    output = motion.imag + 0.02 * random.standard_normal(len(time))
+    return pd.DataFrame({"t": time, "u": np.sin(7.0 * time), "y": output})
+
+
+def test_readings_between_irregular_times_have_a_colour_that_the_sensor_has_not():
+    random = np.random.default_rng(1)
+    wandering = resampled(0.02 + 0.003 * random.uniform(-1.7, 1.7, 1500))
+    (recording,) = load_recordings(wandering, load_simulation(PLAIN), output_needed=True)
+    assert recording.interpolated
+    missing = resampled(np.where(random.uniform(size=600) < 0.1, 0.04, 0.02)).assign(u=0.0)
+    decay = load_simulation(PLAIN | {"input": None, "initial_state": "estimate"})
+    (recording,) = load_recordings(missing, decay, output_needed=True)
+    assert not recording.interpolated
+    plain = PLAIN | {"input": {"column": "u", "hold": "foh"}, "initial_state": "estimate"}
+    found = camid.diagnose(wandering, plain)
+    assert found.verdict == "adequate"
+    (unseen,) = [each for each in found.undetectable if each.identifier == "coloured-noise"]
+    assert unseen.reason == WHY_INTERPOLATED
+
+
+def test_a_latency_says_no_rate_where_an_observer_pulls():
+    """It moves the motion itself there, and may drive it away."""
+    believed = load_simulation(simulation(observer={"rate": 3.0}, initial_state="estimate"))
+    recordings, experiments, _ = experiments_of([record(count=300)], believed, None)
+    problem = problem_of(believed, structure_of(believed), recordings, experiments)
+    model = problem.with_initial_states(model_of(problem, []))
+    assert problem.chain(model, 0).pull is not None
+    found = with_rate_of_reading(problem, model, 0)
+    np.testing.assert_array_equal(found.velocity, problem.situation(model, 0).velocity)

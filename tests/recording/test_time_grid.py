@@ -108,10 +108,11 @@ def test_a_held_input_keeps_its_area_and_does_not_jump_to_the_next_row(share):
     held = found.held(values, "zoh")
 
     def piecewise(t):
-        return values[max(int(np.searchsorted(time, t, side="right")) - 1, 0)]
+        return values[int(np.searchsorted(time, t, side="right")) - 1] if t >= time[0] else 0.0
 
     for row in (0, 7, 30, 59):
-        edges = found.time[row], found.time[row] + found.period
+        # What the first row's input does before the grid begins is in its first step.
+        edges = min(found.time[row], time[0]) if row == 0 else found.time[row], found.time[row] + found.period
         inside = [t for t in time if edges[0] < t < edges[1]]
         area = quad(piecewise, *edges, points=inside or None)[0]
         assert held[row] == pytest.approx(area / found.period, abs=1e-6)

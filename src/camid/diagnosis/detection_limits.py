@@ -15,6 +15,7 @@ from camid.effects.base import Effect
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
+from camid.fitting.unseen import unseen
 from camid.number_text import number
 from camid.side_by_side import side_by_side
 
@@ -74,7 +75,7 @@ def _judged(
     """What of an effect the recording could have shown."""
     effect, shapes = item
     identifier = effect.identifier
-    reason = problem.kind.unseen(effect)
+    reason = unseen(problem, effect)
     if reason is None and effect.noise_like:
         return Undetectable(identifier, effect.limit_of_recognition(situation))
     reason = reason or effect.invisible(situation)

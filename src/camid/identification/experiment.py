@@ -42,6 +42,8 @@ class Experiment:
         Factor that ``output`` holds, so that the noise of all columns is the same.
     same_run_as : int, optional
         Index of the experiment that is the first column of the same run, whose initial state is that of all.
+    interpolated : bool
+        Whether the output is interpolated between irregular times, so that its noise has a colour of its own.
     """
 
     signal: Array
@@ -58,6 +60,7 @@ class Experiment:
     seen: int | None = None
     weight: float = 1.0
     same_run_as: int | None = None
+    interpolated: bool = False
 
     @property
     def position(self) -> Array:

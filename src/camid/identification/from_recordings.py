@@ -166,6 +166,7 @@ def experiment_of(recording: Recording, simulation: Simulation) -> Experiment:
         estimate_latency=simulation.latency == "estimate",
         estimate_skew=simulation.skew == "estimate",
         input_log=None if simulation.input_column is None else recording.logs.get(simulation.input_column),
+        interpolated=recording.interpolated,
     )
 
 

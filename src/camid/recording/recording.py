@@ -12,6 +12,10 @@ from camid.recording.two_rates import rows_before
 
 Array = NDArray[np.float64]
 
+# Distance of the rows from the grid, in periods (root mean square), from which an interpolation colours their noise:
+# that of a spline is 1 - 3 d² of it at a distance d, and goes into the neighbours.
+COLOURING = 0.1
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -70,6 +74,15 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def interpolated(self) -> bool:
+        """Whether outputs are interpolated so far from the recorded times that it colours their noise."""
+        if self.recorded_time is self.time:
+            return False
+        nearest = np.round((self.recorded_time - self.time[0]) / self.period)
+        distance = (self.recorded_time - self.time[0]) / self.period - nearest
+        return bool(np.sqrt(np.mean(distance**2)) > COLOURING)
 
     def from_start_of_log(self) -> Recording:
         """The recording with rows without output back to where the log of its inputs begins; itself without a log."""

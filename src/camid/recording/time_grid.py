@@ -135,7 +135,7 @@ class Grid:
 
         The corners of a first-order hold are read off its lines, those of a band-limited input off a spline. Of a
         zero-order hold it is the mean over the period that starts at the grid's time: the value there alone would be
-        that of the row before wherever a time stamp is slightly late.
+        that of the row before wherever a time stamp is slightly late. Before the first row nothing acts.
         """
         if self.regular:
             return values
@@ -147,9 +147,11 @@ class Grid:
             return np.where(np.append(self.gaps, False)[before], values[before], lines)
         if hold == "band-limited" and self.gaps is None:
             return spline(self.recorded, values, np.clip(self.time, self.recorded[0], self.recorded[-1]))
-        edges = np.append(self.time, self.time[-1] + self.period)
-        knots = np.concatenate([[min(edges[0], self.recorded[0])], self.recorded, [max(edges[-1], self.recorded[-1])]])
-        area = np.concatenate([[0.0], np.cumsum(np.diff(knots) * np.concatenate([values[:1], values]))])
+        # A grid that begins after the first row has what its input did until then in the first step.
+        begin = min(self.time[0], self.recorded[0])
+        edges = np.concatenate([[begin], self.time[1:], [self.time[-1] + self.period]])
+        knots = np.concatenate([[begin], self.recorded, [max(edges[-1], self.recorded[-1])]])
+        area = np.concatenate([[0.0], np.cumsum(np.diff(knots) * np.concatenate([[0.0], values]))])
         return np.diff(np.interp(edges, knots, area)) / self.period
 
 

@@ -23,6 +23,7 @@ from camid.effects.recognition import Recognition
 from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.problem import Problem
+from camid.fitting.unseen import unseen
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ def spoiled_rows(problem: Problem, base: Fitted) -> list[dict[str, NDArray[np.bo
     for index in range(len(problem.experiments)):
         situation = problem.situation(base.model, index)
         rows: dict[str, NDArray[np.bool_]] = {}
-        spoiling = [e for _, e in sorted(known_effects().items()) if e.spoils_rows and problem.kind.unseen(e) is None]
+        spoiling = [e for _, e in sorted(known_effects().items()) if e.spoils_rows and unseen(problem, e) is None]
         for effect in spoiling if situation.used.any() else ():  # a recording may validate only
             found = _alone(effect, situation) or effect.recognise(situation)
             if found is not None and found.p_value < SUSPECT_P_VALUE:
@@ -83,7 +84,7 @@ def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: 
     )
     found: list[Recognition] = []
     for identifier, effect in sorted(known_effects().items()):  # repeated frames come before outliers
-        possible = effect.noise_like and problem.kind.unseen(effect) is None
+        possible = effect.noise_like and unseen(problem, effect) is None
         if possible and identifier not in known:
             recognition = effect.recognise(situation)
             if recognition is not None and recognition.p_value < LARGEST_P_VALUE:
@@ -96,7 +97,7 @@ def recognised_noise(whole: Problem, problem: Problem, final: Fitted, declared: 
     rounding = step**2 / 12.0 > MOSTLY_ROUNDING * float(np.mean(situation.residual[situation.used] ** 2))
     for identifier in () if rounding else colours(problem, final, known):
         effect = known_effects()[identifier]
-        if problem.kind.unseen(effect) is None:
+        if unseen(problem, effect) is None:
             p_value = problem.whiteness(final.residual, final.moving_sensitivities)
             found.append(_coloured(effect, problem, final, p_value))
     return found

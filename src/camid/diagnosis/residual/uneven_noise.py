@@ -19,6 +19,7 @@ from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.fitting.unseen import unseen
 
 Array = NDArray[np.float64]
 
@@ -54,8 +55,11 @@ def with_rate_of_reading(problem: Problem, model: Model, index: int) -> Situatio
     """
     situation = _beside_limits(problem.situation(model, index))
     reading = problem.simulate_one(model, index)
-    # In a loop a latency moves the plant itself; and some kinds of plant compare no reading.
-    if problem.kind.loop(index) is not None or not np.array_equal(reading, situation.position):
+    chain = problem.chain(model, index)
+    # In a loop, and where an observer pulls, a latency moves the plant itself; and some kinds of plant compare no
+    # reading.
+    moves = chain.loop is not None or chain.pull is not None
+    if moves or not np.array_equal(reading, situation.position):
         return situation
     period = problem.acquisition.period
     step = RATE_STEP * period
@@ -131,7 +135,7 @@ def relative_noise(problem: Problem, fitted: Fitted) -> tuple[Array, ...] | None
         return None
     found = []
     for _, effect in sorted(known_effects().items()):
-        if effect.makes_variance_uneven and problem.kind.unseen(effect) is None:
+        if effect.makes_variance_uneven and unseen(problem, effect) is None:
             recognition = effect.recognise(differences)
             if recognition is None or not recognition.named or recognition.p_value >= LARGEST_P_VALUE:
                 continue

@@ -23,6 +23,7 @@ from camid.effects.situation import Situation
 from camid.fitting.fit import Fitted
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.problem import Problem
+from camid.fitting.unseen import unseen
 from camid.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
@@ -104,7 +105,7 @@ def try_own_effects(problem: Problem, base: Fitted) -> None:
     """
     views = problem.situations(base.model)
     for kind in own_effects_in_use():
-        if problem.kind.unseen(kind) is not None:
+        if unseen(problem, kind) is not None:
             continue
         for guess in tried_guesses(kind, views.of(kind))[:1]:
             try:
