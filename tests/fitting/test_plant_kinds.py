@@ -1,16 +1,20 @@
 """The kind of plant that a simulation declares, made once and asked wherever kinds differ."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from camid.effects import known_effects
-from camid.fitting.from_simulation import kind_of
+from camid.fitting.fit import evaluate
+from camid.fitting.from_simulation import kind_of, model_of, problem_of, structure_of
+from camid.fitting.initial_motion import with_positions_moved
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.closed_loop import ClosedLoop
 from camid.fitting.plants.linear import FreeDecay, LinearPlant
 from camid.fitting.plants.pendulum import PendulumKind
-from camid.identification.from_recordings import load_recordings
+from camid.identification.from_recordings import experiments_of, load_recordings
 from camid.simulation.file import load_simulation
 
 DRIVEN = {"column": "u", "hold": "zoh"}
@@ -102,3 +106,19 @@ def test_re_estimated_coefficients_are_never_worse_than_the_given_ones(monkeypat
             LinearPlant, "_searched", lambda kind, problem, start, wrong=wrong: evaluate(problem, wrong)
         )
         assert problem.kind.refit(problem, start).cost <= least
+
+
+def test_the_angle_at_rest_is_in_the_turn_in_which_it_is_believed_to_be():
+    """A fit may end two turns further, with the motion there: nothing tells them apart."""
+    time = 0.02 * np.arange(400)
+    table = pd.DataFrame({"t": time, "y": 0.3 + 0.2 * np.exp(-0.1 * time) * np.cos(3.0 * time)})
+    believed = pendulum({}, None)
+    recordings, experiments, _ = experiments_of([table], believed, None)
+    problem = problem_of(believed, structure_of(believed), recordings, experiments)
+    found = problem.kind.refit(problem, problem.with_initial_states(model_of(problem, [])))
+    turned = replace(found.model, constants={"rest": found.model.constants["rest"] + 4.0 * np.pi})
+    start = with_positions_moved(problem, turned, -4.0 * np.pi)
+    assert evaluate(problem, start).cost == pytest.approx(found.cost, rel=1e-9)
+    again = problem.kind.refit(problem, start)
+    assert again.model.constants["rest"] == pytest.approx(0.3, abs=0.01)
+    assert again.cost == pytest.approx(found.cost, rel=1e-6)

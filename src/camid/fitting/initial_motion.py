@@ -32,6 +32,15 @@ def recorded_start(problem: Problem, model: Model) -> Model:
     return replace(model, initial=tuple(initial))
 
 
+def with_positions_moved(problem: Problem, model: Model, distance: float) -> Model:
+    """The model with initial states whose positions, as the plant counts them, are larger by a distance."""
+    moved = _smallest_state(problem, model, distance, 0.0)
+    # What effects remember follows the state of the plant.
+    padded = [None if s is None else np.concatenate([moved, np.zeros(len(s) - len(moved))]) for s in model.initial]
+    states = zip(model.initial, padded, strict=True)
+    return replace(model, initial=tuple(None if s is None or m is None else s + m for s, m in states))
+
+
 def first_motion(problem: Problem, index: int, recorded: Array) -> tuple[float, float]:
     """Position and velocity (per second) where the simulation of a recording starts, by a cubic through its first rows.
 

@@ -14,8 +14,8 @@ from camid.chain.pendulum import PARAMETERS, Pendulum
 from camid.effects.base import Effect
 from camid.effects.parameter import Parameter
 from camid.effects.pendulum import SineRestoringForce
-from camid.fitting.fit import Fitted
-from camid.fitting.initial_motion import FEWEST_SMOOTHED, MOST_SMOOTHED, SMOOTHED, recorded_start
+from camid.fitting.fit import Fitted, evaluate
+from camid.fitting.initial_motion import FEWEST_SMOOTHED, MOST_SMOOTHED, SMOOTHED, recorded_start, with_positions_moved
 from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import with_constants
 from camid.fitting.plants.kind import PlantKind
@@ -24,6 +24,8 @@ from camid.identification.structure import Structure
 from camid.simulation.model import Simulation
 
 Array = NDArray[np.float64]
+# Rise of the sum of squares, as a share, with which a motion is the same.
+SAME_MOTION = 1e-6
 (REST,) = SineRestoringForce.parameters
 
 
@@ -100,6 +102,18 @@ class PendulumKind(PlantKind):
             constants[REST.name] = angle + 2.0 * np.pi * round((constants[REST.name] - angle) / (2.0 * np.pi))
         suggested = replace(model, coefficients=self.completed(coefficients, constants), constants=constants)
         return [recorded_start(problem, suggested)]
+
+    def refit(self, problem: Problem, start: Model) -> Fitted:
+        """The same, with the angle at rest in the turn in which it is believed to be: a fit may end in any of them."""
+        found = super().refit(problem, start)
+        rest = found.model.constants[REST.name]
+        turns = 2.0 * np.pi * round((rest - self.rest) / (2.0 * np.pi))
+        if turns == 0.0 or not found.model.initial:
+            return found
+        constants = {**found.model.constants, REST.name: rest - turns}
+        turned = evaluate(problem, with_positions_moved(problem, replace(found.model, constants=constants), turns))
+        # What counts the angle itself, as an effect beside it may, is not the same a turn further.
+        return turned if turned.cost <= (1.0 + SAME_MOTION) * found.cost else found
 
     def estimates(self, structure: Structure, model: Model, fitted: Fitted | None) -> list[tuple[str, float, float]]:
         """Natural frequency, damping, gain and rest, as they are declared."""
