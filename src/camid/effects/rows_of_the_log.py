@@ -148,9 +148,7 @@ class InputPickup(Effect):
 
     @classmethod
     def invisible(cls, situation: Situation) -> str | None:
-        """A camera has no wire, and a controller's input is no reading."""
-        if situation.acquisition.sensor == "camera":
-            return "a camera reads no wire beside that of the drive"
+        """A controller's input is no reading."""
         if situation.controlled:
             return "in a declared loop the controller reads the position itself"
         # A controller that answers the noise of a reading puts a share of it into the command: the same, the other way.

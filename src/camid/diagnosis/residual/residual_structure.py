@@ -30,6 +30,9 @@ LARGER_STANDARD_ERRORS = 5.0
 # The same ratio from which effects that were named do not carry over, however few independent errors say so.
 FAILED_ERROR_RATIO = 3.0
 LONGEST_CORRELATION = 200
+# What is left over what its past does not tell of it (sums of squares) from which it is smooth: beside effects that are
+# named that is rather what their laws have inexactly, where a test of a place is hardly chance either.
+SMOOTH, HINT = 30.0, 1e-2
 # Share of the output's variance that coloured noise may be.
 LARGEST_NOISE_SHARE = 0.5
 
@@ -48,6 +51,8 @@ def reasons_for_structure(
     coloured = any(kind.colours_noise for kind in kinds)
     if coloured and force_like(problem, final):
         reasons.append("resonance")
+    if coloured and final.model.effects and _is_smooth(problem, final) and any(t.p_value < HINT for t in after):
+        reasons.append("smooth")
     if swing is not None and swing.p_value < STRUCTURE_P_VALUE:
         reasons.append(SWING)
     if _larger_on_validation_rows(problem, final, validation):
@@ -57,6 +62,12 @@ def reasons_for_structure(
     if not any(kind.makes_variance_uneven for kind in kinds) and depends_on_position(problem, final) < UNEVEN_P_VALUE:
         reasons.append("variance")
     return reasons
+
+
+def _is_smooth(problem: Problem, final: Fitted) -> bool:
+    """Whether nearly all of what a model leaves follows from its own past, as a motion does, and noise hardly."""
+    innovations = problem.whitened(final.residual, final.noise.whitening)
+    return final.cost > SMOOTH * float(innovations @ innovations)
 
 
 def _larger_on_validation_rows(problem: Problem, final: Fitted, validation: Sequence[NDArray[np.bool_]]) -> bool:
@@ -100,7 +111,7 @@ def share_left(
     if not reasons or reasons == ["variance"]:
         return 0.0
     left = _left(base, final, after)
-    if {"resonance", SWING} & set(reasons):  # what drives it is all of what is left
+    if {"resonance", "smooth", SWING} & set(reasons):  # what drives it is all of what is left
         left = min(final.cost / max(base.cost, 1e-300), 1.0)
     if "validation" in reasons and fits.refitted > fits.noise_floor:
         excess = fits.improved**2 - fits.noise_floor**2
