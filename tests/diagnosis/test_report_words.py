@@ -72,6 +72,20 @@ def test_a_declared_unit_is_written_and_the_name_of_a_column_where_none_is(capsy
     assert "in units" not in printed
 
 
+def test_constants_beside_a_law_are_said_where_they_are_beyond_chance(capsys):
+    """A dead zone from −0.35 to 0.9 V is one of ±0.625 V only beside a constant at the input."""
+    diagnosis = written_diagnoses.diagnosis("partly-explained")
+    reading = Reading(input=Conversion(unit="V"), output=Conversion(unit="mm"))
+    bent = {"reading": reading, "bias": -0.275, "bias_deviation": 0.002, "offset": 0.004, "offset_deviation": 0.001}
+    diagnosis = replace(diagnosis, improved=replace(diagnosis.improved, **bent))
+    said = "the sensor's zero, 4.0 ± 1.0 mm; a constant at the input, −0.2750 ± 0.0020 V"
+    for text in texts(diagnosis, capsys):
+        assert f"stimated beside the coefficients: {said}" in " ".join(text.split())
+    by_chance = replace(diagnosis, improved=replace(diagnosis.improved, bias_deviation=0.1, offset_deviation=0.002))
+    for text in texts(by_chance, capsys):
+        assert "stimated beside the coefficients" not in text
+
+
 def diagnosis_table(diagnosis):
     """Values of all parameters as the terminal shows them."""
     return [summary.estimate_text(p) for f in in_declared_units(diagnosis).findings for p in f.parameters.values()]

@@ -259,6 +259,7 @@ def _context(diagnosis: Diagnosis, shared: bool) -> dict[str, Any]:
         "script_hash": f"sha256-{b64encode(sha256(_script().encode()).digest()).decode('ascii')}",
         "state": state and summary.state_text(state, diagnosis.improved),
         "coefficients": [_coefficient_row(c) for c in diagnosis.coefficients],
+        "constants": summary.constants_text(diagnosis.improved),
         "bent": bool(diagnosis.findings),
         "seen": [(u, u.unit or "") for u in seen],
         "unseen": unseen,

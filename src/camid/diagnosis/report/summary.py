@@ -46,6 +46,7 @@ HARDLY_ANYTHING = (
 # Evidence of squares, which diagnosis.json holds and no reader is shown: the page speaks of root mean squares alone.
 SQUARES = {"share", "validation_gain", "share_together"}
 LIKELY = 0.95  # weight from which the alternatives to an effect are remote
+BEYOND_CHANCE = 3.0  # standard deviations from which a constant is not zero
 MOST_SHOWN = 3  # numbers of a parameter that has many, as those of an autoregression
 
 
@@ -265,6 +266,22 @@ def _table_of_coefficients(diagnosis: Diagnosis) -> Table:
     return table
 
 
+def constants_text(simulation: Simulation) -> str | None:
+    """Zero of the sensor and constant at the input that a diagnosis has estimated; None where none is beyond chance.
+
+    Laws hold beside them: the edges of a dead zone lie about a constant that acts at the input.
+    """
+    units, found = simulation.units, []
+    for name, unit, value, deviation in (
+        ("the sensor's zero", "y", simulation.offset, simulation.offset_deviation),
+        ("a constant at the input", "u", simulation.bias, simulation.bias_deviation),
+    ):
+        if isinstance(value, float) and deviation and abs(value) > BEYOND_CHANCE * deviation:
+            shown = with_deviation(units.shown(value, unit), abs(units.shown(deviation, unit)), units.text(unit))
+            found.append(f"{name}, {shown}")
+    return f"estimated beside the coefficients: {'; '.join(found)}" if found else None
+
+
 def refitted_text(coefficient: Coefficient) -> str:
     """A coefficient that was estimated without the effects; without a deviation where there is no such plant."""
     if coefficient.ran_away:
@@ -329,6 +346,8 @@ def print_summary(diagnosis: Diagnosis, written: list[Path]) -> None:
     console.print(f"located: {place_text(diagnosis)}", soft_wrap=True)
     for table in _tables(diagnosis):
         console.print(table)
+    if constants := constants_text(diagnosis.improved):
+        console.print(constants, soft_wrap=True)
     if explained := diagnosis.improved.units.explained:
         console.print(f"in units: {', '.join(explained)}", soft_wrap=True)
     for finding in diagnosis.findings:
