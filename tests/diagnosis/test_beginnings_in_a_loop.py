@@ -5,6 +5,8 @@ import pandas as pd
 import pytest
 
 import camid
+from camid.diagnosis import run
+from camid.diagnosis.search.beginnings_in_a_loop import Beginning, first_beginning
 
 
 def in_a_loop(wanted, period, force, gain, rate, drive=lambda command: command):
@@ -177,3 +179,45 @@ def test_the_limit_of_a_rate_is_found_in_the_loop_of_a_controller_that_is_often_
     found = camid.diagnose(pd.DataFrame(table), nominal)
     assert found.findings[0].identifier == "rate-limit"
     assert found.findings[0].parameters["rate"].value == pytest.approx(rate, rel=0.05)
+
+
+def arm_behind_a_dead_zone():
+    """Command and reading of an arm, whose torque is 2.2 sin(y + 0.3), behind a dead zone of 0.6."""
+    generator = np.random.default_rng(7)
+    wanted = np.repeat(generator.uniform(-1.2, 1.2, 24), 125)
+
+    def force(_time, position, _velocity):
+        return 2.2 * np.sin(position + 0.3)
+
+    def drive(command):
+        return np.sign(command) * max(abs(command) - 0.6, 0.0)
+
+    command, arm = in_a_loop(wanted, 0.01, force, 9.0, 2.5, drive=drive)
+    return command, arm + 0.002 * generator.normal(size=len(wanted))
+
+
+@pytest.mark.slow
+def test_gravity_on_an_arm_and_a_dead_zone_before_its_motor_are_found_together():
+    """Alone the dead zone that leaves least is another one, and gravity without it is a spring of any form."""
+    found = diagnosed(*arm_behind_a_dead_zone(), 0.01, 7.0, 3.4)
+    named = {f.identifier: f.parameters for f in found.findings}
+    assert set(named) == {"dead-zone", "pendulum-gravity"}
+    assert named["dead-zone"]["half_width"].value == pytest.approx(0.6, rel=0.02)
+    for name, truth in (("amplitude", 1.0), ("torque", 2.2), ("phase", 0.3)):
+        assert named["pendulum-gravity"][name].value == pytest.approx(truth, rel=0.03)
+    assert found.fit.improved < 0.02 < found.fit.refitted
+
+
+@pytest.mark.slow
+def test_what_an_observer_has_shown_is_estimated_without_it_where_the_plant_follows(monkeypatch):
+    """The pull bends what is estimated, and leaves a structure where nothing is missing any more."""
+
+    def beginning(problem, base, pulled=None, *, held=False):
+        return first_beginning(problem, base, held=True) if held else Beginning(runs_away=True)
+
+    monkeypatch.setattr(run, "first_beginning", beginning)
+    command, arm = arm_behind_a_dead_zone()
+    found = diagnosed(command, arm, 0.01, 7.0, 3.4)
+    assert {f.identifier for f in found.findings} == {"dead-zone", "pendulum-gravity"}
+    assert not [warning for warning in found.warnings if "an observer pulls" in warning]
+    assert found.fit.improved < 0.02 < found.fit.refitted

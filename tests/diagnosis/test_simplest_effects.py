@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import camid
-from camid.diagnosis import run
+from camid.diagnosis import decided
 from camid.proof.concealed.generator import make, plan
 from camid.proof.sealed_files import RECORDING, SIMULATION, write_case
 from tests.support import pendulum_and_drive as rigs
@@ -140,8 +140,8 @@ def test_two_laws_that_turn_into_each_other_end(monkeypatch):
         rounds.append(decision)
         return replace(decision)
 
-    monkeypatch.setattr(run, "without_wandered", another)
-    monkeypatch.setattr(run, "_wandered", lambda setting, model: set(range(len(model.effects))))
+    monkeypatch.setattr(decided, "without_wandered", another)
+    monkeypatch.setattr(decided, "_wandered", lambda setting, model: set(range(len(model.effects))))
     diagnosis = camid.diagnose(record(effect("coulomb-friction", force=0.02)), simulation(), time_limit=None)
     assert [f.identifier for f in diagnosis.findings] == ["coulomb-friction"]
-    assert len(rounds) == run.MOST_REPLACED + 1
+    assert len(rounds) == decided.MOST_REPLACED + 1

@@ -64,6 +64,30 @@ def diagnosis_with(found, *recordings):
     return camid.diagnose(list(recordings), found.improved.to_mapping(), time_limit=None)
 
 
+def decays(seed, angle, zero):
+    """A torsion pendulum of ω² = 18.5 s⁻² that is let go at an angle."""
+    random, time = np.random.default_rng(seed), PERIOD * np.arange(1000)
+    rate, damping = np.sqrt(18.5 - 0.11**2), np.exp(-0.11 * time)
+    motion = angle * damping * (np.cos(rate * time) + 0.11 / rate * np.sin(rate * time))
+    return pd.DataFrame({"t": time, "y": zero + motion + NOISE * random.standard_normal(1000)})
+
+
+def test_a_plant_that_decays_does_not_integrate_because_the_camera_was_moved():
+    """One that does is at another place in each recording, and zeros beside it explain nothing."""
+    nominal = SIMULATION | {
+        "input": None,
+        "plant": {"transfer_function": {"numerator": [1.0], "denominator": [1.0, 0.3, 16.0]}},
+        "initial_state": "estimate",
+    }
+    found = camid.diagnose([decays(1, 0.35, 0.1), decays(2, -0.2, 0.4)], nominal, time_limit=None)
+    assert found.verdict == "adequate"
+    stiffness = next(c for c in found.coefficients if c.name == "a0")
+    assert abs(stiffness.improved - 18.5) < 4.0 * stiffness.improved_deviation < 0.05
+    ((number, value, deviation),) = said(found)
+    assert number == 2
+    assert abs(value - 0.3) < 4.0 * deviation < 0.01
+
+
 @pytest.mark.slow
 def test_friction_is_found_beside_zeros_that_differ():
     found = diagnosis(recording(1.0, 1, friction=0.15), recording(2.5, 2, friction=0.15, zero=-0.3))

@@ -12,7 +12,10 @@ import camid
 from camid.chain.acquisition import Acquisition
 from camid.chain.plant import TransferFunction
 from camid.effects.actuator import RateLimit, Saturation
+from camid.effects.arm_gravity import ArmGravity
 from camid.effects.damping import QuadraticDrag
+from camid.effects.dead_zone import DeadZone
+from camid.effects.equation_of_motion import equations_of_motion
 from camid.effects.force_over_position import plant_beside_stops
 from camid.effects.friction import CoulombFriction
 from camid.effects.gradual_friction import GradualCoulombFriction
@@ -20,7 +23,7 @@ from camid.effects.periodic_in_position import Cogging
 from camid.effects.pursued_forces import plants_beside_laws
 from camid.effects.sensor import Delay
 from camid.effects.situation import Situation
-from camid.effects.stiffness import EndStop
+from camid.effects.stiffness import CubicStiffness, EndStop
 
 PERIOD, ROWS = 0.05, 3000
 GAIN, RATE = 0.45, 3.0
@@ -157,6 +160,44 @@ def test_a_rate_and_a_delay_stand_before_the_forces(actuator):
     on_time = situation(time, command, PERIOD * np.cumsum(np.roll(velocity, -late)))
     best = plants_beside_laws(on_time, [CoulombFriction(force=1.0)], 2, curves, delays)[0]
     assert [type(law) for law in best.laws] == [RateLimit, CoulombFriction]
+
+
+def test_a_curve_of_the_command_is_found_beside_a_force_that_hides_it():
+    """Alone another dead zone leaves least: most of what arrives of the command holds an arm."""
+    generator, period, half, fine = np.random.default_rng(7), 0.01, 0.6, 20
+    wanted = np.repeat(generator.uniform(-1.2, 1.2, ROWS // 125), 125)
+    command, arm = np.zeros(ROWS), np.zeros(ROWS)
+    position, velocity = 0.0, 0.0
+    for k in range(ROWS):
+        arm[k] = position
+        command[k] = 8.0 * (wanted[k] - position) - 4.0 * velocity
+        arrived = np.sign(command[k]) * max(abs(command[k]) - half, 0.0)
+        for _ in range(fine):
+            velocity += period / fine * (9.0 * (arrived - 2.2 * np.sin(position + 0.3)) - 2.5 * velocity)
+            position += period / fine * velocity
+    nothing, used = np.zeros(ROWS), np.ones(ROWS, bool)
+    plant = TransferFunction((7.0,), (1.0, 3.4, 0.0))
+    instant = Acquisition(period, sensor="instant")
+    seen = Situation(period * np.arange(ROWS), command, arm, nothing, nothing, nothing, plant, instant, used)
+    curves = [DeadZone(half_width=each) for each in (0.2, 0.4, half, 0.9, 1.5, 2.5, 4.0)]
+    shapes = [ArmGravity(amplitude=1.0, torque=1.0, phase=each) for each in (0.0, 0.3, 0.8, 1.6)]
+    best = plants_beside_laws(seen, [*shapes, CubicStiffness(coefficient=1.0)], 2, curves)[0]
+    assert type(best.laws[0]) is DeadZone
+    assert best.laws[0].values["half_width"] == half
+    assert best.laws[1].values["phase"] == 0.3
+    assert best.laws[1].values["torque"] == pytest.approx(2.2, rel=0.05)
+
+
+def test_each_force_leaves_of_a_command_what_it_leaves_alone(actuator):
+    time, command, stroke = actuator
+    (equation, *_) = equations_of_motion(situation(time, command, stroke), friction=False)
+    forces = np.column_stack([np.maximum(equation.motion[1] - PLACE, 0.0), equation.motion[1] ** 3])
+    half = 0.5 * np.tanh(command)
+    found = equation.left_with_each([command, half], forces)
+    for row, arrived in zip(found, (command, half), strict=True):
+        bent = equation.beside(arrived)
+        alone = bent.left_by_each(forces, np.zeros((len(time), 0)))
+        np.testing.assert_allclose(row, bent.unexplained * alone, rtol=1e-9)
 
 
 def test_friction_of_an_axis_may_grow_with_the_load():

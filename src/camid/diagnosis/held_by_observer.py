@@ -81,6 +81,8 @@ class Pulled:
     Attributes
     ----------
     diagnosis : Diagnosis
+    model : Model
+        Its names and the plant beside them.
     undriven : float
         Normalised error, on the rows that judge, of the plant as given that is pulled alone, without its input: what
         leaves hardly less says nothing, as a law that takes the input away does.
@@ -89,6 +91,7 @@ class Pulled:
     """
 
     diagnosis: Diagnosis
+    model: Model
     undriven: float
     watch: Watch
 

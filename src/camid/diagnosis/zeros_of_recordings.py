@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camid.diagnosis.diagnosis import Diagnosis, Signals
+from camid.diagnosis.search.hypothesis_search import is_far_off
 from camid.diagnosis.watch import Watch
 from camid.fitting.fit import Fitted, evaluate
+from camid.fitting.plant_with_effects import Model
 from camid.fitting.plants.constants import OFFSET
 from camid.fitting.problem import Problem
 
@@ -33,7 +35,7 @@ CERTAIN = 5.0
 MOST_ROUNDS, SETTLED = 4, 0.1
 
 
-def with_own_zeros(problem: Problem, base: Fitted) -> tuple[Problem, Array] | None:
+def with_own_zeros(problem: Problem, base: Fitted, start: Model) -> tuple[Problem, Array] | None:
     """The problem with a zero for each recording, where these explain much of what a model leaves; None elsewhere.
 
     Parameters
@@ -41,6 +43,8 @@ def with_own_zeros(problem: Problem, base: Fitted) -> tuple[Problem, Array] | No
     problem : Problem
     base : Fitted
         The nominal structure re-estimated, with one zero for all.
+    start : Model
+        The nominal structure before that.
 
     Returns
     -------
@@ -54,13 +58,16 @@ def with_own_zeros(problem: Problem, base: Fitted) -> tuple[Problem, Array] | No
     moved = np.zeros(len(problem.experiments))
     for round_ in range(MOST_ROUNDS):
         change, deviations, share = zeros_beyond(problem, base)
-        evidence = -0.5 * len(base.residual) * log(max(1.0 - share, 1e-300))
-        if round_ == 0 and (share < WORTH_TRYING or evidence < STRONG):
-            return None
+        model = base.model
+        if round_ == 0 and not _is_much(base, share):
+            elsewhere = _of_the_start(problem, base, start)
+            if elsewhere is None:
+                return None
+            change, model = elsewhere
         moved += change
         experiments = [replace(e, output=e.output - zero) for e, zero in zip(problem.experiments, change, strict=True)]
         problem = replace(problem, experiments=experiments)
-        base = kind.refit(problem, base.model)
+        base = kind.refit(problem, model)
         if np.all(np.abs(change) <= SETTLED * deviations):
             break
     # What the first one reads at the plant's zero is known from here on: the zeros of all are free about it.
@@ -68,6 +75,35 @@ def with_own_zeros(problem: Problem, base: Fitted) -> tuple[Problem, Array] | No
     experiments = [replace(e, offset=offset, estimate_offset=False) for e in problem.experiments]
     kind = replace(kind, offset=offset, offset_free=False)
     return replace(problem, experiments=experiments, kind=kind, own_zeros=True), moved
+
+
+def _is_much(base: Fitted, share: float) -> bool:
+    """Whether a share of what a model leaves is worth a try, and no chance."""
+    return share >= WORTH_TRYING and -0.5 * len(base.residual) * log(max(1.0 - share, 1e-300)) >= STRONG
+
+
+def _of_the_start(problem: Problem, base: Fitted, start: Model) -> tuple[Array, Model] | None:
+    """Zeros of the recordings beyond the first one's, and a model that leaves little beside them; None without one.
+
+    A plant that begins anywhere may integrate to be at another place in each recording, and re-estimated with one zero
+    for all it does: its zeros explain nothing then. Those beside the coefficients as given were never bent.
+    """
+    if not is_far_off(problem, base):
+        return None
+    experiments = [replace(e, offset=0.0, estimate_offset=False) for e in problem.experiments]
+    kind = replace(problem.kind, offset=0.0, offset_free=False)
+    own = replace(problem, experiments=experiments, kind=kind, own_zeros=True)
+    try:
+        found = kind.refit(own, replace(start, constants=kind.constants()))
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # it diverges from there
+        return None
+    if not _is_much(base, 1.0 - found.cost / max(base.cost, 1e-300)):
+        return None
+    simulated = replace(own, own_zeros=False).simulate(found.model)
+    zeros = np.array([own.zero(output, index) for index, output in enumerate(simulated)])
+    first = float(zeros[problem.fitted_runs[0]])
+    model = replace(found.model, constants={**start.constants, OFFSET.name: first})
+    return zeros - first, model
 
 
 def zeros_beyond(problem: Problem, fitted: Fitted) -> tuple[Array, Array, float]:

@@ -150,6 +150,23 @@ class EquationOfMotion:
         gains = np.where(powers > (LEAST_SHOWN * sizes) ** 2, (rest @ forces) ** 2 / np.maximum(powers, 1e-300), 0.0)
         return (float(rest @ rest) - gains) / max(float(self.rest @ self.rest), 1e-300)
 
+    def left_with_each(self, arrived: Sequence[Array], forces: Array) -> Array:
+        """Share of the power of each of some commands, (N,) each, that each of some forces beside it, (N, k), leaves.
+
+        The shape is (commands, k).
+        """
+        forces = self._filtered(forces)
+        sizes = np.linalg.norm(forces, axis=0)
+        forces = forces - self.basis @ (self.basis.T @ forces)
+        powers = np.sum(forces**2, axis=0)
+        shown = powers > (LEAST_SHOWN * sizes) ** 2
+        left = np.zeros((len(arrived), forces.shape[1]))
+        for row, command in zip(left, arrived, strict=True):
+            bent = self.beside(command)
+            gains = np.where(shown, (bent.rest @ forces) ** 2 / np.maximum(powers, 1e-300), 0.0)
+            row[:] = bent.unexplained * (1.0 - gains / max(float(bent.rest @ bent.rest), 1e-300))
+        return left
+
     def solved(self, forces: Array, given: TransferFunction) -> tuple[TransferFunction, float, Array] | None:
         """Plant, bias and the sizes of the forces, shape (k,), all together; None where the plant's gain is none."""
         table = np.hstack([self.table, self._filtered(forces)])

@@ -87,6 +87,10 @@ def plants_beside_laws(
     found = _with_forces(equations, situation, shapes, most)
     path = _best_path(situation, curves, delays)
     beside = _behind(path, equations, situation, shapes, most)
+    # Beside a strong force the curve that leaves least alone is another one.
+    together = _curve_beside_a_force(equations, situation, shapes, curves)
+    if together and together != path:
+        beside = [*beside, *_behind(together, equations, situation, shapes, most)]
     # A static curve keeps a held command held, a rate and a delay do not.
     if not all(law.keeps_hold for law in path) and min((each.left for each in beside), default=1.0) > MOST_LEFT_IF_LATE:
         path = _best_path(situation, [curve for curve in curves if curve.keeps_hold], ())
@@ -161,14 +165,9 @@ def _with_forces(
     equations: Sequence[EquationOfMotion], situation: Situation, shapes: Sequence[Effect], most: int
 ) -> list[PlantBesideLaws]:
     """What the equation of motion, with each filter, shows of forces."""
-    middle = equations[len(equations) // 2]
-    plain = middle.solved(np.zeros((len(middle.position), 0)), situation.plant.monic)
-    plant = situation.plant if plain is None else plain[0]
-    taken = [(law, -force_along(law, plant, middle.motion)) for law in shapes if law.memory_after is None]
-    taken = [(law, force) for law, force in taken if np.all(np.isfinite(force)) and np.any(force)]
-    if not taken:
+    laws, columns = _columns(equations[len(equations) // 2], situation, shapes)
+    if not laws:
         return []
-    laws, columns = [law for law, _ in taken], np.column_stack([force for _, force in taken])
     pursuits = [(equation, *_pursued(equation, laws, columns, most)) for equation in equations]
     # Where two laws of friction make up for each other in one filter, another one tells them apart.
     found: list[PlantBesideLaws] = []
@@ -182,6 +181,37 @@ def _with_forces(
         if sized and sized[0] is not None:
             return [each for each in sized if each is not None]
     return found
+
+
+def _columns(equation: EquationOfMotion, situation: Situation, shapes: Sequence[Effect]) -> tuple[list[Effect], Array]:
+    """Those of some laws that are forces along the recorded motion, and these, shape (N, k)."""
+    plain = equation.solved(np.zeros((len(equation.position), 0)), situation.plant.monic)
+    plant = situation.plant if plain is None else plain[0]
+    taken = [(law, -force_along(law, plant, equation.motion)) for law in shapes if law.memory_after is None]
+    taken = [(law, force) for law, force in taken if np.all(np.isfinite(force)) and np.any(force)]
+    if not taken:
+        return [], np.zeros((len(equation.position), 0))
+    return [law for law, _ in taken], np.column_stack([force for _, force in taken])
+
+
+def _curve_beside_a_force(
+    equations: Sequence[EquationOfMotion],
+    situation: Situation,
+    shapes: Sequence[Effect],
+    curves: Sequence[Effect],
+) -> tuple[Effect, ...]:
+    """The static curve of the command that leaves least together with one force; nothing where none leaves less."""
+    middle = equations[len(equations) // 2]
+    curves = [curve for curve in curves if curve.keeps_hold]
+    laws, columns = _columns(middle, situation, shapes)
+    if not curves or not laws:
+        return ()
+    straight, *bent = middle.left_with_each(
+        [middle.motion[3], *(_arrived([curve], middle) for curve in curves)], columns
+    )
+    least = [float(np.min(row)) for row in bent]
+    best = int(np.argmin(least))
+    return (curves[best],) if least[best] < MOST_LEFT_BY_CURVE * float(np.min(straight)) else ()
 
 
 def _with_others_instead(

@@ -10,17 +10,20 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 
 from camid.diagnosis.search.decision import Decision
 from camid.diagnosis.search.hypothesis import Hypothesis, in_order, prior_penalty
 from camid.diagnosis.search.hypothesis_fit import ALL_STEPS, implausible
-from camid.diagnosis.search.hypothesis_search import is_far_off
+from camid.diagnosis.search.hypothesis_search import RUN_AWAY, is_far_off
 from camid.diagnosis.search.models_around import with_plant
 from camid.diagnosis.search.screening import candidates
 from camid.diagnosis.search.settled_laws import finer_in_place
+from camid.diagnosis.search.sharpened_starts import sharpened
 from camid.effects.actuator import GainAsymmetry, InputBias, RateLimit, Saturation
+from camid.effects.arm_gravity import ANGLES, ArmGravity
 from camid.effects.base import Effect
 from camid.effects.dead_zone import DeadZone
 from camid.effects.disturbance import StepDisturbance
@@ -39,14 +42,16 @@ from camid.fitting.recorded_zero import recorded_zero
 from camid.side_by_side import side_by_side
 
 # Forces that are looked for together, and what they leave, at most: of the equation's rest, and of the mismatch. What
-# one leaves alone for others not to be looked for beside it yet.
-TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE = 2, 0.5, 0.1, 0.05
+# one leaves alone for others not to be looked for beside it yet, unless they leave so much less than that.
+TOGETHER, MOST_LEFT, MOST_LEFT_OF_ALL, ENOUGH_ALONE, MUCH_LESS = 2, 0.5, 0.1, 0.05, 0.5
 # Pairs of effects that are followed to the end, and single ones beside them that leave hardly more than the best one.
 MOST_FOLLOWED, MOST_ALONE, NEARLY_AS_GOOD = 2, 3, 1.25
 # Where a step may set in, as shares of a recording: that of a simulation which runs away is found at other times.
 ONSETS = np.linspace(0.02, 0.98, 49)
 # Quantiles of the command's sizes that a curve of it may have its edge at, and the highest edge in the largest size.
 LEVELS, HIGHEST = np.linspace(0.05, 0.95, 19), 0.9
+# Angles from where an arm hangs at the sensor's zero: half a turn further its torque has the other sign.
+PHASES = np.arange(4) * 0.25 * np.pi
 # Ratios of the gains for negative and positive commands.
 RATIOS = np.geomspace(0.5, 2.0, 18)
 # Delays in periods.
@@ -74,15 +79,18 @@ class Beginning:
     runs_away: bool = False
 
 
-def first_beginning(problem: Problem, base: Fitted, *, held: bool = False) -> Beginning:
+def first_beginning(problem: Problem, base: Fitted, pulled: Problem | None = None, *, held: bool = False) -> Beginning:
     """What a search begins with: what the plant's equation shows where the base is far off the recordings.
 
-    One that an observer has ``held`` beside them is never far off, and its coefficients are bent all the same.
+    One that an observer has ``held`` beside them is never far off, and its coefficients are bent all the same. With
+    that observer the problem is ``pulled``.
     """
-    return beginning_in_a_loop(problem, base) if held or is_far_off(problem, base) else Beginning()
+    if held:
+        return beginning_in_a_loop(problem, base, problem)
+    return beginning_in_a_loop(problem, base, pulled) if is_far_off(problem, base) else Beginning()
 
 
-def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
+def beginning_in_a_loop(problem: Problem, base: Fitted, pulled: Problem | None = None) -> Beginning:
     """The forces that explain most of the recorded motion, beside the plant which it shows with them.
 
     Parameters
@@ -90,6 +98,8 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
     problem : Problem
     base : Fitted
         Without an effect.
+    pulled : Problem, optional
+        The same with an observer, which sharpens what the equation shows.
 
     Returns
     -------
@@ -97,14 +107,16 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         With neither where the plant does not integrate, or no forces explain most.
     """
     try:
-        known = _not_at_bounds(problem, recorded_zero(problem, base.model))
+        known = _not_run_away(problem, recorded_zero(problem, base.model))
         found = _forces(problem, base, known)
         if not found:
             return Beginning()
         alone = [each for each in found if len(each.laws) < TOGETHER]
         least = min((each.left for each in alone), default=1.0)
-        pairs = [each for each in found if len(each.laws) >= TOGETHER and each.left < least and least > ENOUGH_ALONE]
-        starts = _likeliest(problem, [start for each in pairs for start in _starts(problem, known, each)])
+        most = least if least > ENOUGH_ALONE else 0.0 if pulled is None else MUCH_LESS * least
+        pairs = [each for each in found if len(each.laws) >= TOGETHER and each.left < most]
+        starts = [start for each in pairs for start in _starts(problem, known, each)]
+        starts = _likeliest(problem, starts) if pulled is None else sharpened(problem, pulled, starts)[:MOST_FOLLOWED]
         # With the noise of a loop in it the equation prefers two laws to one, and one of the command to the right one.
         near = [each for each in alone if each.left <= NEARLY_AS_GOOD * least and least <= MOST_LEFT] if pairs else []
         starts += [start for each in near[:MOST_ALONE] for start in _starts(problem, known, each)[:1]]
@@ -112,7 +124,8 @@ def beginning_in_a_loop(problem: Problem, base: Fitted) -> Beginning:
         if fitted:
             best = finer_in_place(problem, in_order(fitted)[0].fitted, len(base.model.effects), last=True)
             decision = _decision(problem, base, best)
-            if decision is not None:
+            # What ends in another well says less of the rest than a simulation that an observer holds.
+            if decision is not None and (pulled is None or _follows(problem, best.model)):
                 return Beginning(decision)
         single = _starts(problem, known, alone[0])[:1] if alone and least <= MOST_LEFT else []
         models = tuple(_as_far_as_it_follows(problem, start) for start in single)
@@ -143,10 +156,13 @@ def _follows(problem: Problem, model: Model) -> bool:
     return rows_followed(problem, model) >= min(map(len, problem.times))
 
 
-def _not_at_bounds(problem: Problem, model: Model) -> Model:
-    """A model whose free coefficients are those of the simulation where a fit has driven them to zero."""
-    lost = problem.structure.free & (model.coefficients == 0.0)
-    return replace(model, coefficients=np.where(lost, problem.structure.coefficients(), model.coefficients))
+def _not_run_away(problem: Problem, model: Model) -> Model:
+    """A model whose free coefficients are those of the simulation where a fit has driven them to where no rig's are."""
+    given = problem.structure.coefficients()
+    known = problem.structure.free & (given != 0.0)
+    ratio = np.divide(model.coefficients, given, out=np.ones_like(given), where=known)
+    lost = (ratio < 1.0 / RUN_AWAY) | (ratio > RUN_AWAY)
+    return replace(model, coefficients=np.where(lost, given, model.coefficients))
 
 
 def _forces(problem: Problem, base: Fitted, known: Model) -> list[PlantBesideLaws]:
@@ -184,11 +200,12 @@ def _likeliest(problem: Problem, starts: Sequence[Model]) -> list[Model]:
 
 
 def _as_far_as_it_follows(problem: Problem, start: Model) -> Model:
-    """A model fitted to parts of the recordings, and as far as it follows the whole of them."""
+    """A model fitted as far as it follows the recordings, and to parts of them before where that is not to the end."""
     start = recorded_start(problem, replace(start, initial=()))
-    if may_be_cut(problem):
-        start = shot_several_times(problem, start)
-    return fitted_as_far_as_it_follows(problem, start)
+    followed = fitted_as_far_as_it_follows(problem, start)
+    if not may_be_cut(problem) or _follows(problem, followed):
+        return followed
+    return fitted_as_far_as_it_follows(problem, shot_several_times(problem, start))
 
 
 def _fitted(problem: Problem, start: Model) -> Hypothesis | None:
@@ -236,6 +253,11 @@ def _shapes(guessed: Sequence[Effect], situation: Situation) -> list[Effect]:
     kinds = {type(each) for each in shapes}
     guesses = [kind.with_plant(situation, {}) for kind in sorted(kinds, key=lambda kind: kind.__name__)]
     shapes += [guess[0] for guess in guesses if guess is not None]
+    if ArmGravity in kinds:
+        largest = situation.largest("recorded")
+        # An angle in radians has one of them, whatever the arm; other readings have any.
+        for amplitude, phase in product((1.0, *(largest / angle for angle in ANGLES)), PHASES):
+            shapes.append(ArmGravity(amplitude=amplitude, torque=1.0, phase=float(phase)))
     if StepDisturbance in kinds:
         shapes += [StepDisturbance(size=1.0, time=float(t)) for t in np.quantile(situation.time, ONSETS)]
     return shapes
