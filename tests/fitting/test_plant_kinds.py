@@ -108,6 +108,17 @@ def test_re_estimated_coefficients_are_never_worse_than_the_given_ones(monkeypat
         assert problem.kind.refit(problem, start).cost <= least
 
 
+def test_of_a_pendulum_that_hardly_swings_the_angle_at_rest_is_a_constant():
+    """So that of friction it takes what differs by direction; one that is known takes nothing."""
+    time = 0.02 * np.arange(400)
+    for swing, free, taken in ((0.2, {}, True), (1.5, {}, False), (0.2, {"rest": False}, False)):
+        table = pd.DataFrame({"t": time, "u": np.sin(time), "y": 0.3 + swing * np.cos(3.0 * time)})
+        believed = pendulum(free)
+        recordings, experiments, _ = experiments_of([table], believed, None)
+        problem = problem_of(believed, structure_of(believed), recordings, experiments)
+        assert problem.kind.constant_beside(problem) == taken
+
+
 def test_the_angle_at_rest_is_in_the_turn_in_which_it_is_believed_to_be():
     """A fit may end two turns further, with the motion there: nothing tells them apart."""
     time = 0.02 * np.arange(400)

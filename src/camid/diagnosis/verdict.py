@@ -100,7 +100,7 @@ def findings(
                 ranked,
                 decision.without[i],
                 named,
-                constant=problem.kind.offset_free or problem.kind.bias_free or problem.own_zeros,
+                constant=problem.kind.constant_beside(problem) or problem.own_zeros,
                 same=[law.identifier for law in same_in_place(effect, views.of)],
             ),
             float(removed[i]),

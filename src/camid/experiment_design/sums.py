@@ -28,8 +28,8 @@ def laws_that_are_sums(hypotheses: Sequence[Hypothesis]) -> list[GeneralLaw]:
 
 def sums_beside(hypothesis: Hypothesis) -> list[type[Effect]]:
     """Laws that are the effect in question together with what stands beside it."""
-    kind, effects = hypothesis.problem.kind, hypothesis.model.effects
-    constant = kind.offset_free or kind.bias_free or _found_apart(hypothesis)
+    effects = hypothesis.model.effects
+    constant = hypothesis.problem.kind.constant_beside(hypothesis.problem) or _found_apart(hypothesis)
     return sums_with(hypothesis.identifier, {e.identifier for e in effects}, effects, constant=constant)
 
 

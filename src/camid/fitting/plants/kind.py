@@ -108,8 +108,7 @@ class PlantKind:
     def phases_add_up(self) -> bool:
         """Whether an effect changes a phase that grows with the time, which no input sets right again.
 
-        The change of the output is then proportional to an effect's size for very small ones only. What the screening
-        says about it, and the first steps of a fit, are not a measure of what the effect would explain.
+        Only a very small change is then in proportion: neither screening nor first steps of a fit measure an effect.
         """
         return False
 
@@ -132,6 +131,10 @@ class PlantKind:
         """Those of them that are re-estimated; ``scale`` says what each is measured by."""
         free = (self.offset_free, self.bias_free, self.latency_free, self.skew_free)
         return tuple(c for c, is_free in zip((OFFSET, BIAS, LATENCY, SKEW), free, strict=True) if is_free)
+
+    def constant_beside(self, problem: Problem) -> bool:
+        """Whether a constant is estimated that takes what friction differs by in both directions."""
+        return self.offset_free or self.bias_free
 
     def packed(self, structure: Structure) -> NDArray[np.bool_]:
         """Which coefficients are fitted as such, shape (m + 1 + n,); others follow from constants, or stay."""

@@ -26,6 +26,8 @@ from camid.simulation.model import Simulation
 Array = NDArray[np.float64]
 # Rise of the sum of squares, as a share, with which a motion is the same.
 SAME_MOTION = 1e-6
+# Swing to either side, in rad, up to which another angle at rest is a constant torque.
+SMALL_SWING = 0.5
 (REST,) = SineRestoringForce.parameters
 
 
@@ -61,6 +63,11 @@ class PendulumKind(PlantKind):
     def free_constants(self) -> tuple[Parameter, ...]:
         """The angle at rest, unless it is known."""
         return (*super().free_constants(), REST) if self.rest_free else super().free_constants()
+
+    def constant_beside(self, problem: Problem) -> bool:
+        """Of one that hardly swings the angle at rest is such a constant, too."""
+        hardly = float(np.ptp(problem.recorded)) < 2.0 * SMALL_SWING
+        return super().constant_beside(problem) or (self.rest_free and hardly)
 
     def completed(self, coefficients: Array, constants: Mapping[str, float]) -> Array:
         """Coefficients with the numerator that a known gain prescribes."""
