@@ -46,6 +46,14 @@ def test_it_is_found_with_the_frequency_and_damping_that_it_has_by_itself():
         estimate = finding.parameters[name]
         assert abs(estimate.value - truth) < 4.0 * estimate.standard_deviation < 0.1 * truth, name
     assert found.verdict == "explained"
+    # The table's gain is that of the other resonance, and the sentence says the way from it to the seen mass's.
+    (sentence,) = [warning for warning in found.warnings if "beside a mass on a spring" in warning]
+    gain = next(c.improved for c in found.coefficients if c.name == "b0")
+    words = sentence.split()
+    assert gain * float(words[-3]) == pytest.approx(64.0, rel=0.01)
+    assert float(words[-3]) * float(words[words.index("is", words.index("seen") + 1) + 1]) == pytest.approx(
+        1.0, rel=1e-3
+    )
 
 
 def test_its_zeros_are_those_of_plant_and_mode_together():

@@ -99,7 +99,7 @@ def concluded(
         conditions=conditions,
         effect_signals=effect_signals(problem, final, [f.identifier for f in found] + [p.identifier for p in learned]),
         refitted=problem.kind.written_back(believed, problem.structure, base),
-        warnings=[*_left_out(setting, found), *_of_time(believed, coefficients)],
+        warnings=[*_left_out(setting, found), *_of_time(believed, coefficients), *_of_laws(final)],
     )
     return replace(diagnosis, explanation=explained(diagnosis))
 
@@ -115,6 +115,12 @@ def _of_time(believed: Simulation, coefficients: list[Coefficient]) -> list[str]
     """That times seem to be in a unit that is not declared."""
     declared = believed.reading.time.unit is not None or believed.reading.period is not None
     return said_of_time_unit(coefficients, believed.time_column, declared=declared)
+
+
+def _of_laws(final: Fitted) -> list[str]:
+    """What has to be known of the coefficients beside the effects that were found."""
+    said = (effect.said_of_coefficients() for effect in final.model.effects)
+    return [sentence for sentence in said if sentence is not None]
 
 
 def _left_out(setting: Setting, found: list[Finding]) -> list[str]:

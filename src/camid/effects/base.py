@@ -223,6 +223,10 @@ class Effect(EffectValues, SearchHooks):
         """Times in seconds and sizes (u·s) of impulses at the plant's input."""
         return ()
 
+    def said_of_coefficients(self) -> str | None:
+        """What has to be known of the plant's coefficients beside the effect, in a sentence; None where nothing has."""
+        return None
+
     def limited_state(self) -> LimitedState | None:
         """The state of a plant's equations that the effect limits."""
         return None

@@ -220,6 +220,14 @@ class MassBeside(ParallelMode):
         zeros = (square / own**2, 2.0 * self.values["own_damping"] * square / own, square)
         return TransferFunction(zeros, mode.denominator)
 
+    def said_of_coefficients(self) -> str:
+        """That they are not those of the mass that is seen, and by how much that differs."""
+        share = (self.values["own_frequency"] / self.values["natural_frequency"]) ** 2
+        return (
+            "beside a mass on a spring the plant's coefficients are those of the other resonance of both: the mass "
+            f"that is seen is {share:.4g} times the one that they have, and its gain {1.0 / share:.4g} times theirs"
+        )
+
     def scaled(self, factor: float) -> MassBeside:
         """Both frequencies, and both dampings, as much nearer to each other: what is the same does nothing."""
         frequency, damping, own_frequency, own_damping = self.vector
