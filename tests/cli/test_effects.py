@@ -31,6 +31,21 @@ def test_law_sign_parameters_and_units_of_every_effect(capsys):
     assert "with loss: " in said
 
 
+@pytest.mark.parametrize("identifier", known_effects())
+def test_what_stands_in_a_file_for_a_law_is_that_law(identifier, capsys):
+    assert main(["effects", identifier]) == 0
+    entries = re.findall(r"file:   - \{id: (\S+), parameters: \{(.*)\}\}", capsys.readouterr().out)
+    kind = known_effects()[identifier]
+    laws = [kind, *(law for law in kind.finer_laws if set(law.parameters) - set(kind.parameters))]
+    assert [name for name, _ in entries] == [identifier] * len(laws)
+    for law, (_, keys) in zip(laws, entries, strict=True):
+        given = dict(pair.split(": ") for pair in keys.split(", ") if pair)
+        assert kind.with_keys(given) is law
+        for parameter in law.parameters:
+            assert given.get(parameter.name, parameter.default) is not None
+            assert given.get(parameter.name, "…") in ("…", *(parameter.choices or ()))
+
+
 def test_an_effect_that_is_not_known_is_refused_with_the_nearest(capsys):
     assert main(["effects", "endstop"]) == 2
     assert capsys.readouterr().err == "camid: error: no effect 'endstop'; did you mean 'end-stop'?\n"

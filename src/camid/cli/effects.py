@@ -59,8 +59,7 @@ def _say(kind: type[Effect]) -> None:
     click.echo(f"  law:    {law_text(kind.equation)}")
     _say_parameters(kind.parameters)
     click.echo(f"  source: {kind.reference}")
-    values = ", ".join(f"{p.name}: …" for p in kind.parameters if p.default is None)
-    click.echo(f"  file:   - {{id: {kind.identifier}, parameters: {{{values}}}}}")
+    _say_entry(kind, [])
     for law in kind.finer_laws:
         more = [p for p in law.parameters if p not in kind.parameters]
         if more:
@@ -68,6 +67,14 @@ def _say(kind: type[Effect]) -> None:
             click.echo(f"  law:    {law_text(law.equation)}")
             _say_parameters(more)
             click.echo(f"  source: {law.reference}")
+            _say_entry(law, more)
+
+
+def _say_entry(law: type[Effect], more: list[Parameter]) -> None:
+    """How a simulation declares a law; the keys that say which law of a name it is stand there though they may not."""
+    keys = [p for p in law.parameters if p.default is None or p in more]
+    values = ", ".join(f"{p.name}: {p.default if p.choices and p.default is not None else '…'}" for p in keys)
+    click.echo(f"  file:   - {{id: {law.identifier}, parameters: {{{values}}}}}")
 
 
 def _say_parameters(parameters: tuple[Parameter, ...] | list[Parameter]) -> None:
