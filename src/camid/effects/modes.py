@@ -81,9 +81,10 @@ class ExtraMode(_Mode):
         return self.with_vector(self.vector * np.array([1.0 / root, root]))
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
-        """Where it is damped well, the delay of slow motion by it."""
-        delay = 2.0 * self.values["damping"] / self.values["natural_frequency"]
-        return (Delay(delay=delay),) if self.values["damping"] > WELL_DAMPED else ()
+        """The same before the forces on the plant; where it is damped well, the delay of slow motion by it."""
+        frequency, damping = self.values["natural_frequency"], self.values["damping"]
+        other = ModeOfDrive(natural_frequency=frequency, damping=damping, side="drive")
+        return (other, Delay(delay=2.0 * damping / frequency)) if damping > WELL_DAMPED else (other,)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -95,6 +96,37 @@ class ExtraMode(_Mode):
             yield cls(natural_frequency=float(frequency), damping=0.4)
         for frequency in _of_lines(situation, limit):
             yield cls(natural_frequency=frequency, damping=LIGHT)
+
+
+class ModeOfDrive(ExtraMode):
+    """A mode between the input and the forces on the plant, as a drive on a soft mount or a filter has it.
+
+    Of a plant without other forces it is the same on either side.
+    """
+
+    title = "Neglected flexible mode of the drive"
+    equation = r"u' = \frac{\omega_1^2}{s^2 + 2\xi_1\omega_1 s + \omega_1^2}\,u"
+    reference = "Preumont (2018), Vibration Control of Active Structures, 4th ed., section 3.2"
+    parameters = (
+        *ExtraMode.parameters,
+        Parameter("side", "", "where it lies: before the forces on the plant", choices=("drive",), default="drive"),
+    )
+
+    def before_plant(self) -> TransferFunction | None:
+        """The mode, with a static gain of one."""
+        return ExtraMode.after_plant(self)
+
+    def after_plant(self) -> TransferFunction | None:
+        """Nothing: forces on the plant act behind it."""
+        return None
+
+    def relatives(self, situation: Situation) -> tuple[Effect, ...]:
+        """None that the mode behind the plant has not."""
+        return ()
+
+    def simplified(self) -> ExtraMode:
+        """The same behind the plant."""
+        return ExtraMode(natural_frequency=self.values["natural_frequency"], damping=self.values["damping"])
 
 
 class ModeDampedBetween(ExtraMode):
