@@ -57,8 +57,14 @@ def _rule(**parts: Part) -> dict[str, Part]:
 RULES: dict[str, dict[str, Part]] = {
     ALL_RULES: {},
     # what a search begins with
-    "what the plant's equation shows in a loop": _rule(run__first_beginning=BEGUN_WITH_NOTHING),
+    "what the plant's equation shows in a loop": _rule(
+        run__first_beginning=BEGUN_WITH_NOTHING, decided__first_beginning=BEGUN_WITH_NOTHING
+    ),
     "an observer": _rule(run___pulled=NOTHING),
+    "no observer any more where the plant follows": _rule(run___released=NOTHING),
+    "starts sharpened while an observer pulls": _rule(
+        search__beginnings_in_a_loop__sharpened=Part(lambda problem, pulled, starts: list(starts))
+    ),
     "a search that begins with other first effects": _rule(search__effect_selection__with_other_beginnings=KEPT),
     "starts from other coefficients": _rule(search__hypothesis_search___starts_elsewhere=NONE),
     "starts from the nominal coefficients beside others": _rule(search__forward_selection___nominal_start=NOTHING),
@@ -79,31 +85,31 @@ RULES: dict[str, dict[str, Part]] = {
     "laws with more detail": _rule(search__hypothesis_search__finer_laws=NONE),
     "more detail beside further effects": _rule(search__forward_selection__finer_in_place=KEPT),
     "more detail in the place of a weak effect": _rule(search__effect_selection___detail_instead=NOTHING),
-    "more detail in the end": _rule(run__with_settled_laws=KEPT),
+    "more detail in the end": _rule(decided__with_settled_laws=KEPT),
     "laws that do nearly the same": _rule(
         search__hypothesis_search___relatives=NONE, search__effect_selection__relatives_in_place=NONE
     ),
     "related laws as they were screened": _rule(search__hypothesis_search___screened_of=NONE),
     "further shapes of a resonance": _rule(search__hypothesis_search___further_shapes=NONE),
-    "learned laws": _rule(run__with_learned_laws=KEPT),
+    "learned laws": _rule(decided__with_learned_laws=KEPT),
     "learned laws in the place of all names": _rule(laws__laws_alone__with_laws_alone=WITHOUT_LAWS),
     # which effects stay
     "no further names beside an inexact law": _rule(search__forward_selection__laws_are_inexact=NEVER),
-    "names after an interrupted search": _rule(run___leaves_colour=NEVER),
+    "names after an interrupted search": _rule(decided___leaves_colour=NEVER),
     "a look beside a name that chance may explain": _rule(search__forward_selection__WORTH_A_LOOK=Part(1.0)),
     "the likeliest when all work is done": _rule(search__forward_selection__MOST_IN_OVERTIME=Part(0)),
     "the likelier name without a swap": _rule(search__effect_selection__with_likelier_name=SAME_NAMES),
     "names known from before": _rule(search__effect_selection__MOST_KNOWN=Part(0)),
     "names beside what falls with an effect": _rule(search__effect_selection___sweeps_along=NEVER),
-    "effects that became weak go": _rule(run__without_weak=KEPT),
-    "effects that faded in the last fit go": _rule(run__without_faded=KEPT),
-    "effects of impossible values go": _rule(run___wandered=NOT_ONE),
-    "names that coloured noise explains go": _rule(run__in_noise_metric=KEPT),
-    "held-out rows refute names": _rule(run__borne_out=KEPT),
-    "fewest and simplest names where structure is left": _rule(run__simplest=KEPT),
+    "effects that became weak go": _rule(decided__without_weak=KEPT),
+    "effects that faded in the last fit go": _rule(decided__without_faded=KEPT),
+    "effects of impossible values go": _rule(decided___wandered=NOT_ONE),
+    "names that coloured noise explains go": _rule(decided__in_noise_metric=KEPT),
+    "held-out rows refute names": _rule(decided__borne_out=KEPT),
+    "fewest and simplest names where structure is left": _rule(decided__simplest=KEPT),
     # estimates
-    "rows weighed by their noise": _rule(run__relative_noise=NOTHING),
-    "least squares where structure is left": _rule(run__in_least_squares=KEPT),
-    "fits to the last digit": _rule(run___converged=KEPT),
+    "rows weighed by their noise": _rule(decided__relative_noise=NOTHING),
+    "least squares where structure is left": _rule(decided__in_least_squares=KEPT),
+    "fits to the last digit": _rule(decided___converged=KEPT),
     "evidence tempered by the colour of what is left": {"camid.fitting.fit.Fitted.inflation": Part(lambda *_: 1.0)},
 }

@@ -191,5 +191,5 @@ def test_what_leaves_noise_alone_follows_the_recording(error, noise, structured,
 def test_a_pulled_simulation_tells_what_is_missing_where_something_is_found(found, improved, verdict, everything, more):
     fits = SimpleNamespace(improved=improved, refitted=0.02 if found else improved, noise_floor=0.01)
     diagnosis = SimpleNamespace(findings=found, learned=[], verdict=verdict, fit=fits)
-    pulled = Pulled(diagnosis, 0.05, Watch())
+    pulled = Pulled(diagnosis, None, 0.05, Watch())
     assert (pulled.tells_all, pulled.tells_more) == (everything, more)
