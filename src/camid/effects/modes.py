@@ -27,6 +27,8 @@ DAMPING_RATIOS = (0.03, 0.3)
 LINES, LIGHT = 2, 0.01
 # Damping ratio above which a mode does nearly what a delay does: it has no peak to speak of.
 WELL_DAMPED = 0.3
+# Damping ratio from which a mode has no peak at all.
+MOST_DAMPED = sqrt(0.5)
 # Fastest mode that is fitted, in Shannon limits: what of a faster one shows is a delay, a lag or a gain.
 FASTEST = 5.0
 # Largest share of a mode's damping that lies between, by an estimate of that: it is one at most.
@@ -81,10 +83,14 @@ class ExtraMode(_Mode):
         return self.with_vector(self.vector * np.array([1.0 / root, root]))
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
-        """The same before the forces on the plant; where it is damped well, the delay of slow motion by it."""
+        """The same before the forces on the plant, if it has a peak; if it is damped well, the delay of slow motion."""
         frequency, damping = self.values["natural_frequency"], self.values["damping"]
-        other = ModeOfDrive(natural_frequency=frequency, damping=damping, side="drive")
-        return (other, Delay(delay=2.0 * damping / frequency)) if damping > WELL_DAMPED else (other,)
+        found: list[Effect] = []
+        if damping < MOST_DAMPED:
+            found.append(ModeOfDrive(natural_frequency=frequency, damping=damping, side="drive"))
+        if damping > WELL_DAMPED:
+            found.append(Delay(delay=2.0 * damping / frequency))
+        return tuple(found)
 
     @classmethod
     def candidates(cls, situation: Situation) -> Iterator[Effect]:
@@ -119,6 +125,10 @@ class ModeOfDrive(ExtraMode):
     def after_plant(self) -> TransferFunction | None:
         """Nothing: forces on the plant act behind it."""
         return None
+
+    def is_plausible(self, extent: Extent) -> bool:
+        """Whether it has a peak: without one it is a lag of the actuator with a number more."""
+        return bool(self.values["damping"] < MOST_DAMPED) and super().is_plausible(extent)
 
     def relatives(self, situation: Situation) -> tuple[Effect, ...]:
         """None that the mode behind the plant has not."""

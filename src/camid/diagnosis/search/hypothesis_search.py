@@ -122,6 +122,8 @@ def hypotheses(
     first += _in_batches(from_model, _beside_better_coefficients(problem, base, starts, elsewhere, first), watch)
     first += _simpler(problem, base, first)
     in_other_minima = partial(_fitted_from, problem, watch, "other shapes of", ALL_STEPS)
+    # What bears the same name gets no more steps than the other names, or these would fall behind for that alone.
+    first += _in_batches(from_model, _relatives(problem, base, first, same_name=True), watch)
     related = _relatives(problem, base, first)
     first += _in_batches(in_other_minima, [*related, *_screened_of(base.model, related, screened, first)], watch)
     ranked = best_of_each(first)
@@ -187,6 +189,11 @@ def _may_be_caught(problem: Problem, fitted: Fitted) -> bool:
     """Whether a fit may have ended in one of many minima: of a motion that nothing holds where it is recorded."""
     if problem.structure.denominator[-1] != 0.0 or not may_be_cut(problem) or is_linear(problem, fitted.model):
         return False
+    return _leaves_much(problem, fitted)
+
+
+def _leaves_much(problem: Problem, fitted: Fitted) -> bool:
+    """Whether a model leaves more than small corrections to it would."""
     return fitted.cost > CAUGHT_ERROR**2 * float(np.var(problem.recorded)) * len(fitted.residual)
 
 
@@ -339,14 +346,19 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
     return list(found.values())
 
 
-def _relatives(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> list[Model]:
-    """Models in which effects that do nearly the same take the place of those that explain something."""
+def _relatives(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis], *, same_name: bool = False) -> list[Model]:
+    """Models in which effects that do nearly the same take the place of those that explain something.
+
+    Those of another name, or of the same where much is left with it.
+    """
     models = []
     for hypothesis in best_of_each(fitted):
         if hypothesis.beyond(Hypothesis("", base)) < 0.0:
             model = hypothesis.fitted.model
             relatives = possible_relatives(problem, model, len(model.effects) - 1)
-            models += [model.replaced(len(model.effects) - 1, relative) for relative in relatives]
+            relatives = [r for r in relatives if (r.identifier == hypothesis.identifier) == same_name]
+            if not same_name or _leaves_much(problem, hypothesis.fitted):
+                models += [model.replaced(len(model.effects) - 1, relative) for relative in relatives]
     return models
 
 
