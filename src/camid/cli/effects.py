@@ -62,7 +62,8 @@ def _say(kind: type[Effect]) -> None:
     _say_entry(kind, [])
     for law in kind.finer_laws:
         more = [p for p in law.parameters if p not in kind.parameters]
-        if more:
+        # What belongs to a declared plant, as the sine of a pendulum's does, no file has as an effect.
+        if more and kind.with_keys(p.name for p in law.parameters) is law:
             click.echo(f"  with {' and '.join(p.name for p in more)}: {law.title[0].lower()}{law.title[1:]}")
             click.echo(f"  law:    {law_text(law.equation)}")
             _say_parameters(more)

@@ -349,14 +349,15 @@ def _simpler(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis]) -> li
 def _relatives(problem: Problem, base: Fitted, fitted: Sequence[Hypothesis], *, same_name: bool = False) -> list[Model]:
     """Models in which effects that do nearly the same take the place of those that explain something.
 
-    Those of another name, or of the same where much is left with it.
+    Those of another name, and the same law elsewhere; or other laws of the same name where much is left with it.
     """
     models = []
     for hypothesis in best_of_each(fitted):
         if hypothesis.beyond(Hypothesis("", base)) < 0.0:
             model = hypothesis.fitted.model
+            name, law = hypothesis.identifier, type(hypothesis.effect)
             relatives = possible_relatives(problem, model, len(model.effects) - 1)
-            relatives = [r for r in relatives if (r.identifier == hypothesis.identifier) == same_name]
+            relatives = [r for r in relatives if (r.identifier == name and type(r) is not law) == same_name]
             if not same_name or _leaves_much(problem, hypothesis.fitted):
                 models += [model.replaced(len(model.effects) - 1, relative) for relative in relatives]
     return models
