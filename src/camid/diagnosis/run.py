@@ -16,7 +16,7 @@ from camid.diagnosis.noiseless import NoNoise, said_of_noise, with_least_noise
 from camid.diagnosis.search.beginnings_in_a_loop import Beginning, beginning_with, first_beginning
 from camid.diagnosis.search.hypothesis_fit import takes_input_away
 from camid.diagnosis.search.hypothesis_search import is_far_off
-from camid.diagnosis.search.sharpened_starts import let_go
+from camid.diagnosis.search.sharpened_starts import as_start_of
 from camid.diagnosis.setting import Setting, prepared
 from camid.diagnosis.watch import Watch
 from camid.diagnosis.zeros_of_recordings import CountedFromOwn, with_own_zeros
@@ -185,7 +185,7 @@ def _released(setting: Setting, pulled: Pulled, watch: Watch) -> Diagnosis | Non
         return None
     watch.say("simulating without the observer what it has shown")
     with with_a_copy(setting.whole, setting.problem, setting.nominal, watch):
-        start = let_go(pulled.model, setting.problem)
+        start = as_start_of(setting.problem, pulled.model)
         beginning = beginning_with(setting.problem, setting.base, start)
         found = None if beginning is None else concluded(*decided(setting, beginning, watch), watch)
     return None if found is None or is_astray(found) else found

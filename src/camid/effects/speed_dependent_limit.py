@@ -13,7 +13,6 @@ from camid.chain.plant import TransferFunction
 from camid.effects.actuator import Saturation
 from camid.effects.base import Array, Effect
 from camid.effects.compiled_part import compiled
-from camid.effects.extent import Extent
 from camid.effects.parameter import Parameter
 from camid.effects.plant_force import LEAST_FACTOR, motion_sign
 from camid.effects.situation import Situation
@@ -53,10 +52,6 @@ class SpeedDependentSaturation(Saturation):
     def transform(self, start: Array, end: Array, step: float) -> tuple[Array, Array]:
         """The command arrives as it is: the motion limits it."""
         return start, end
-
-    def is_plausible(self, extent: Extent) -> bool:
-        """Any limit: how much of the command is left depends on the motion."""
-        return Effect.is_plausible(self, extent)
 
     def scaled(self, factor: float) -> SpeedDependentSaturation:
         """Another limit at rest: the lower it is, the more is taken."""

@@ -38,24 +38,23 @@ def sharpened(problem: Problem, pulled: Problem, starts: Sequence[Model]) -> lis
     if not fitted:
         return []
     closest = min(fitted, key=lambda each: each.cost)
-    return [let_go(each.model, problem) for each in sorted(fitted, key=lambda each: each.criterion_beyond(closest))]
-
-
-def let_go(pulled: Model, problem: Problem) -> Model:
-    """A model that was pulled, as a start for a simulation by itself, with what that one knows of offset and bias."""
-    return _with_constants_of(problem, pulled)
+    ordered = sorted(fitted, key=lambda each: each.criterion_beyond(closest))
+    return [as_start_of(problem, each.model) for each in ordered]
 
 
 def _fitted_while_pulled(pulled: Problem, start: Model) -> Fitted | None:
     try:
-        fitted = fit(pulled, recorded_start(pulled, _with_constants_of(pulled, start)), steps=STEPS, finest=False)
+        fitted = fit(pulled, recorded_start(pulled, as_start_of(pulled, start)), steps=STEPS, finest=False)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError):
         return None
     return fitted if np.isfinite(fitted.cost) else None
 
 
-def _with_constants_of(problem: Problem, model: Model) -> Model:
-    """A model with the constants that a problem knows, and without initial states."""
+def as_start_of(problem: Problem, model: Model) -> Model:
+    """A model of one problem as a start for another: with the constants that one knows, and without initial states.
+
+    A pull takes the place of an offset or a bias, so that with and without an observer other constants are known.
+    """
     constants = problem.kind.constants()
     constants |= {name: value for name, value in model.constants.items() if name in constants}
     return replace(model, constants=constants, initial=())
